@@ -1,0 +1,34 @@
+# Everything a user or a developer types. `make run` and `make test` set up what they need.
+
+BIN := .venv/bin
+
+.PHONY: run test check setup lock clean
+
+## Open the program (where no display is found: the demo, and where its report lies).
+run: setup
+	$(BIN)/adibas
+
+## Run all tests, without a display.
+test: setup
+	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --cov --cov-report=term \
+		--durations=15 $(PYTEST_ARGS)
+	$(BIN)/coverage report --skip-covered --fail-under=100 \
+		--include='adibas/geometry/*,adibas/data/*,adibas/errors.py'
+
+## Style, types, and who may import whom.
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+setup:
+	@installers/setup.sh
+
+## Renew the locked dependencies (needs uv; names no index).
+lock:
+	uv pip compile pyproject.toml --extra dev --extra realsense --universal --python-version 3.11 \
+		--generate-hashes --no-emit-index-url --no-header --no-annotate -o installers/requirements.lock
+
+clean:
+	rm -rf .venv build dist

@@ -1,0 +1,1 @@
+"""Where the person is in a depth image."""

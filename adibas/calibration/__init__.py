@@ -1,0 +1,1 @@
+"""Board images and depth to a calibration, and its files."""

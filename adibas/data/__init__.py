@@ -1,0 +1,1 @@
+"""The vocabulary: frozen types that cross the border between two stages."""

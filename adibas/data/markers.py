@@ -1,0 +1,62 @@
+"""Markers found on the patient."""
+
+from dataclasses import dataclass
+
+from adibas.arrays import FloatArray, check_shape, read_only
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marker:
+    """One marker, in the colour image and, where the depth allows, in space.
+
+    Attributes
+    ----------
+    label : str
+        ``m01``, ``m02``, ... from top to bottom until it has a name.
+    u, v : float
+        Centre in the colour image, pixels.
+    radius_px : float
+        Of the disc with the blob's area.
+    covariance_px2 : (2, 2) array
+        Of (u, v).
+    position_m : (3,) array or None
+        In the colour camera's axes; None where the depth gives none.
+    covariance_m2 : (3, 3) array or None
+        Of `position_m`, instrument only.
+    """
+
+    label: str
+    u: float
+    v: float
+    radius_px: float
+    covariance_px2: FloatArray
+    position_m: FloatArray | None = None
+    covariance_m2: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        check_shape("covariance_px2", self.covariance_px2, (2, 2))
+        read_only(self.covariance_px2)
+        if (self.position_m is None) != (self.covariance_m2 is None):
+            raise ValueError("position_m and covariance_m2 stand or lack together")
+        if self.position_m is not None and self.covariance_m2 is not None:
+            check_shape("position_m", self.position_m, (3,))
+            check_shape("covariance_m2", self.covariance_m2, (3, 3))
+            read_only(self.position_m)
+            read_only(self.covariance_m2)
+
+
+@dataclass(frozen=True, slots=True)
+class RejectedBlob:
+    """Something of the marker's colour that cannot be a marker, and why.
+
+    Attributes
+    ----------
+    u, v : float
+        Centre in the colour image, pixels.
+    reason : str
+        A sentence for the user (a message id of the translations).
+    """
+
+    u: float
+    v: float
+    reason: str

@@ -1,0 +1,45 @@
+"""What may fail in the world outside the program.
+
+An `AdibasError` is never a bug: a cable, a disk, a file. Its text says what failed, on which
+thing, and what to do. `adibas.texts.describe` says it in the user's language.
+"""
+
+
+class AdibasError(Exception):
+    """Something outside the program failed.
+
+    Parameters
+    ----------
+    message_id : str
+        The English sentence with ``{field}`` places; it is also the key of the translation.
+    **fields : object
+        What stands at those places. Never a patient's name or birth date.
+    """
+
+    def __init__(self, message_id: str, **fields: object) -> None:
+        super().__init__(message_id, fields)
+        self.message_id = message_id
+        self.fields = fields
+
+    def __str__(self) -> str:
+        return self.message_id.format(**self.fields)
+
+
+class RecordingError(AdibasError):
+    """A recording cannot be read or written."""
+
+
+class CalibrationError(AdibasError):
+    """A calibration is missing, broken, or does not fit the recording."""
+
+
+class SensorError(AdibasError):
+    """A camera is missing, was unplugged, or refuses a mode."""
+
+
+class MarkerError(AdibasError):
+    """A colour model is unusable, or the markers do not suffice."""
+
+
+class ReportError(AdibasError):
+    """A report cannot be written."""

@@ -1,0 +1,1 @@
+"""Mathematics of cameras and of points in space, on arrays."""

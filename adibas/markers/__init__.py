@@ -1,0 +1,1 @@
+"""Markers in colour images: learned, found, measured in 3-D."""

@@ -1,0 +1,1 @@
+"""Recordings on disk: MCAP, .oni and TUM RGB-D folders."""

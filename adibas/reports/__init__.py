@@ -1,0 +1,1 @@
+"""Numbers on paper: Excel, CSV and JSON."""

@@ -1,0 +1,1 @@
+"""A simulated clinic: bodies, sensors and scenes with exact truth."""

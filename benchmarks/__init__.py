@@ -1,0 +1,1 @@
+"""Accuracy tables and speed against peers; `adibas benchmark` finds them here."""

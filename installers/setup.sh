@@ -1,0 +1,62 @@
+#!/bin/sh
+# Sets up a source tree: system packages, .venv, locked dependencies, the project itself.
+# What is already there is left alone, so that it can be run before every command.
+# Ends with exit code 1 and the one command to type where it may not install something.
+set -eu
+cd "$(dirname "$0")/.."
+
+packages=installers/debian-packages.txt
+lock=installers/requirements.lock
+stamp=.venv/.installed
+
+install_system_packages() {
+    command -v dpkg-query >/dev/null 2>&1 || return 0  # not Debian: the user's own package manager
+    missing=""
+    for package in $(sed 's/#.*//' "$packages"); do
+        status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+        [ "$status" = installed ] || missing="$missing $package"
+    done
+    [ -n "$missing" ] || return 0
+    if [ "$(id -u)" = 0 ]; then
+        as_root=""
+    elif command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
+        as_root="sudo -n"
+    else
+        echo "System packages are missing. Type this, then try again:" >&2
+        echo "    sudo apt-get update && sudo apt-get install -y$missing" >&2
+        exit 1
+    fi
+    echo "Installing system packages:$missing"
+    $as_root apt-get -q update
+    # shellcheck disable=SC2086  # both are lists of words
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends $missing
+}
+
+find_python() {
+    for candidate in "${PYTHON:-}" python3 python3.13 python3.12 python3.11; do
+        [ -n "$candidate" ] || continue
+        if "$candidate" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' \
+            2>/dev/null; then
+            echo "$candidate"
+            return 0
+        fi
+    done
+    echo "No Python 3.11, 3.12 or 3.13 was found. Type this, then try again:" >&2
+    echo "    sudo apt-get update && sudo apt-get install -y python3 python3-venv" >&2
+    return 1
+}
+
+install_python_packages() {
+    wanted=$(cat "$lock" pyproject.toml | cksum)
+    [ "$(cat "$stamp" 2>/dev/null || true)" = "$wanted" ] && return 0
+    if ! [ -x .venv/bin/python ]; then
+        python=$(find_python)
+        "$python" -m venv .venv
+    fi
+    .venv/bin/python -m pip install -q --disable-pip-version-check --require-hashes -r "$lock"
+    .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+    echo "$wanted" >"$stamp"
+}
+
+install_system_packages
+install_python_packages

@@ -1,0 +1,23 @@
+"""What all tests share: fixed property-test examples, and the real recordings of others."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.load_profile("repeatable")
+
+
+@pytest.fixture(scope="session")
+def real_data() -> Path:
+    """Folder with the real recordings of others; they are no part of the project."""
+    folder = os.environ.get("ADIBAS_REAL_DATA")
+    if folder is None and os.environ.get("ADIBAS_REQUIRE_REAL_DATA") == "1":
+        pytest.fail("ADIBAS_REQUIRE_REAL_DATA is set, but ADIBAS_REAL_DATA is not")
+    if folder is None:
+        pytest.skip("ADIBAS_REAL_DATA is unset: no real recordings on this machine")
+    path = Path(folder)
+    assert path.is_dir(), f"ADIBAS_REAL_DATA names no folder: {path}"
+    return path
