@@ -43,3 +43,7 @@ class MarkerError(AdibasError):
 
 class ReportError(AdibasError):
     """A report cannot be written."""
+
+
+class FileError(AdibasError):
+    """A file cannot be read or written."""

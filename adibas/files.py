@@ -1,0 +1,67 @@
+"""Files appear whole or not at all: written beside themselves, then renamed."""
+
+import errno
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from adibas.errors import FileError
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Give a path beside `path` to write to, and rename it to `path` when all went well.
+
+    The folder is made where it is missing. After any exception the unfinished file is removed and
+    what stood at `path` is untouched.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+        os.close(handle)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    unfinished = Path(name)
+    try:
+        yield unfinished
+        _flush_to_disk(unfinished)
+        unfinished.chmod(0o666 & ~_umask())
+        unfinished.replace(path)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def cannot_write(path: Path, error: OSError) -> FileError:
+    """Say in words why `path` cannot be written."""
+    if error.errno == errno.ENOSPC:
+        return FileError(
+            "{file} cannot be written: the disk is full. Free some space and try again.",
+            file=path.name,
+        )
+    return FileError(
+        "{file} cannot be written: {reason}. Choose another folder, or close the program that "
+        "uses it.",
+        file=path.name,
+        reason=error.strerror or str(error),
+    )
+
+
+def _flush_to_disk(path: Path) -> None:
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
+
+
+def _umask() -> int:
+    """Return the permissions that new files must not have; mkstemp gives fewer."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
