@@ -1,0 +1,53 @@
+"""What a command says, and where: results on stdout, everything else on stderr."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+
+from tqdm import tqdm
+
+Progress = Callable[[int, int], None]
+"""Called with (done, total); total is 0 where it is not known."""
+
+SECONDS_BEFORE_A_BAR = 1.0
+
+
+class Console:
+    """The terminal, or with `--json` one document on stdout.
+
+    Parameters
+    ----------
+    is_json : bool
+        With True nothing but the document goes to stdout, and no bar is drawn.
+    """
+
+    def __init__(self, *, is_json: bool) -> None:
+        self._is_json = is_json
+
+    def say(self, text: str) -> None:
+        """Print a sentence for a reader; on stderr where stdout carries JSON."""
+        print(text, file=sys.stderr if self._is_json else sys.stdout)  # noqa: T201
+
+    def warn(self, text: str) -> None:
+        """Print a sentence on stderr."""
+        print(text, file=sys.stderr)  # noqa: T201
+
+    def give(self, document: Mapping[str, object]) -> None:
+        """Print the result as JSON where it was asked for."""
+        if self._is_json:
+            print(json.dumps(document, allow_nan=False))  # noqa: T201
+
+    @contextmanager
+    def progress(self, label: str) -> Iterator[Progress]:
+        """Give a function that draws a bar on work over one second."""
+        is_hidden = self._is_json or not sys.stderr.isatty()
+        with tqdm(
+            desc=label, delay=SECONDS_BEFORE_A_BAR, disable=is_hidden, file=sys.stderr, leave=False
+        ) as bar:
+
+            def advance(done: int, total: int) -> None:
+                bar.total = total or None
+                bar.update(done - bar.n)
+
+            yield advance

@@ -1,0 +1,77 @@
+"""Reads the command line, runs one command, turns failures of the world into sentences."""
+
+import argparse
+import importlib
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from types import FrameType
+from typing import Protocol, cast
+
+from adibas import __version__
+from adibas.cli.console import Console
+from adibas.errors import AdibasError
+from adibas.texts import describe
+from adibas.texts import translate as _
+
+WORLD_FAILED = 1
+
+COMMANDS = ("demo", "posture", "markers", "convert", "record", "doctor", "benchmark")
+
+
+class CommandModule(Protocol):
+    """What `adibas.cli.commands` modules offer; each imports its heavy parts in `run`."""
+
+    SUMMARY: str
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None: ...
+
+    def run(self, arguments: argparse.Namespace, console: Console) -> int: ...
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run one command and return the exit code: 0 done, 1 the world failed, 2 wrong usage."""
+    arguments = build_parser().parse_args(argv)
+    console = Console(is_json=getattr(arguments, "json", False))
+    command = cast(CommandModule, arguments.module)
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return command.run(arguments, console)
+    except AdibasError as error:
+        console.warn(describe(error))
+    except KeyboardInterrupt:
+        console.warn(_("Stopped. No unfinished file was left behind."))
+    except BrokenPipeError:
+        # The reader of our output went away; Python must not fail again when it closes stdout.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return WORLD_FAILED
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = argparse.ArgumentParser(
+        prog="adibas", description=_("Posture and movement, measured with a depth camera.")
+    )
+    parser.add_argument("--version", action="version", version=f"adibas {__version__}")
+    subparsers = parser.add_subparsers(metavar=_("COMMAND"), required=True)
+    for name in COMMANDS:
+        module = cast(CommandModule, importlib.import_module(f"adibas.cli.{name}"))
+        subparser = subparsers.add_parser(
+            name, help=_(module.SUMMARY), description=_(module.SUMMARY)
+        )
+        module.add_arguments(subparser)
+        subparser.set_defaults(module=module)
+    return parser
+
+
+def add_json_option(parser: argparse.ArgumentParser) -> None:
+    """Offer `--json`."""
+    parser.add_argument(
+        "--json", action="store_true", help=_("print one JSON document and nothing else")
+    )
+
+
+def _interrupt(_signal: int, _frame: FrameType | None) -> None:
+    """End a SIGTERM as Ctrl-C ends, so that files are closed whole."""
+    raise KeyboardInterrupt
