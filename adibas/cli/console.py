@@ -27,7 +27,7 @@ class Console:
 
     def say(self, text: str) -> None:
         """Print a sentence for a reader; on stderr where stdout carries JSON."""
-        print(text, file=sys.stderr if self._is_json else sys.stdout)  # noqa: T201
+        print(text, file=sys.stderr if self._is_json else sys.stdout)
 
     def warn(self, text: str) -> None:
         """Print a sentence on stderr."""

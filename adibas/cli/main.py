@@ -65,13 +65,6 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def add_json_option(parser: argparse.ArgumentParser) -> None:
-    """Offer `--json`."""
-    parser.add_argument(
-        "--json", action="store_true", help=_("print one JSON document and nothing else")
-    )
-
-
 def _interrupt(_signal: int, _frame: FrameType | None) -> None:
     """End a SIGTERM as Ctrl-C ends, so that files are closed whole."""
     raise KeyboardInterrupt

@@ -1,0 +1,69 @@
+"""`adibas benchmark`: our figures beside their references."""
+
+import argparse
+import importlib
+import os
+import platform
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json
+from adibas.errors import FileError
+from adibas.texts import translate as _
+
+SUMMARY = "measure accuracy or speed and print our figures beside their references"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument("kind", choices=("accuracy", "speed"))
+    parser.add_argument("names", nargs="*", metavar="NAME", help=_("which; all of them if none"))
+    parser.add_argument(
+        "--quick", action="store_true", help=_("a small part of each, to see that it runs")
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Run the benchmarks one after the other and print a table for each."""
+    available = _available(arguments.kind)
+    unknown = sorted(set(arguments.names) - set(available))
+    if unknown:
+        raise FileError(
+            "There is no {kind} benchmark named {name}. There are: {names}.",
+            kind=arguments.kind,
+            name=unknown[0],
+            names=", ".join(available),
+        )
+    table = importlib.import_module("benchmarks.table")
+    console.say(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    results: dict[str, object] = {}
+    for name in arguments.names or available:
+        module = importlib.import_module(f"benchmarks.{arguments.kind}_{name}")
+        rows = list(module.rows(quick=arguments.quick))
+        console.say(f"\n{arguments.kind} {name}\n{table.format_rows(rows)}")
+        results[name] = [
+            {
+                "name": row.name,
+                "ours": row.ours,
+                "unit": row.unit,
+                "reference": row.reference,
+                "reference_name": row.reference_name,
+                "ratio": row.ratio,
+            }
+            for row in rows
+        ]
+    console.give({"kind": arguments.kind, "results": results})
+    return 0
+
+
+def _available(kind: str) -> list[str]:
+    """Return the names of the benchmarks beside the package."""
+    folder = Path(__file__).parents[2] / "benchmarks"
+    names = sorted(path.stem.removeprefix(f"{kind}_") for path in folder.glob(f"{kind}_*.py"))
+    if not names:
+        raise FileError(
+            "The benchmarks are not part of an installed program. Run this command in a source "
+            "tree of ADiBAS."
+        )
+    return names

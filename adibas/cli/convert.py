@@ -1,0 +1,46 @@
+"""`adibas convert`: a recording into another format."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json
+from adibas.texts import translate as _
+
+SUMMARY = "convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RGB-D folder"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument("source", type=Path, metavar="IN", help=_("recording to read"))
+    parser.add_argument("target", type=Path, metavar="OUT", help=_("recording to write"))
+    parser.add_argument(
+        "--plain",
+        action="store_true",
+        help=_("MCAP with depth as plain 16-bit images, which any Foxglove reader shows"),
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Convert and say what was done."""
+    from adibas.recordings.convert import convert
+
+    with console.progress(_("Converting")) as progress:
+        summary = convert(
+            arguments.source, arguments.target, plain=arguments.plain, progress=progress
+        )
+    if summary.notice:
+        console.warn(summary.notice)
+    console.say(
+        _("{file}: {n_frames} frames.").format(file=arguments.target, n_frames=summary.n_frames)
+    )
+    console.give(
+        {
+            "out": str(arguments.target),
+            "n_frames": summary.n_frames,
+            "n_dropped": summary.n_dropped,
+            "notice": summary.notice,
+        }
+    )
+    return 0

@@ -1,0 +1,64 @@
+"""Options that several commands share, and how their words are read."""
+
+import argparse
+from pathlib import Path
+
+from adibas.texts import translate as _
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Offer `--json`."""
+    parser.add_argument(
+        "--json", action="store_true", help=_("print one JSON document and nothing else on stdout")
+    )
+
+
+def add_out(parser: argparse.ArgumentParser, metavar: str) -> None:
+    """Ask for `--out`."""
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar=metavar, help=_("where to write")
+    )
+
+
+def pixel(text: str) -> tuple[float, float]:
+    """Read ``U,V``."""
+    try:
+        u, v = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(
+            _("{text} is no pixel: give U,V such as 320,240").format(text=text)
+        ) from error
+    return u, v
+
+
+def frame_range(text: str) -> tuple[int, int | None]:
+    """Read ``A:B`` (B not included; either may be missing)."""
+    first, colon, last = text.partition(":")
+    try:
+        begin, end = int(first or 0), int(last) if last else None
+    except ValueError:
+        colon = ""
+        begin, end = 0, None
+    if not colon or begin < 0 or (end is not None and end <= begin):
+        raise argparse.ArgumentTypeError(
+            _("{text} is no range of frames: give A:B such as 0:30").format(text=text)
+        )
+    return begin, end
+
+
+def positive(text: str) -> float:
+    """Read a number above zero."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(_("{text} is no number above zero").format(text=text))
+    return value
+
+
+def positive_count(text: str) -> int:
+    """Read a whole number above zero."""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(_("{text} is no whole number above 0").format(text=text))
+    return int(text)
