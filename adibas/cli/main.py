@@ -21,13 +21,15 @@ COMMANDS = ("demo", "posture", "markers", "convert", "record", "doctor", "benchm
 
 
 class CommandModule(Protocol):
-    """What `adibas.cli.commands` modules offer; each imports its heavy parts in `run`."""
+    """What the modules of `COMMANDS` offer; each imports its heavy parts in `run`."""
 
     SUMMARY: str
 
-    def add_arguments(self, parser: argparse.ArgumentParser) -> None: ...
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Say what the command takes."""
 
-    def run(self, arguments: argparse.Namespace, console: Console) -> int: ...
+    def run(self, arguments: argparse.Namespace, console: Console) -> int:
+        """Do it and return the exit code."""
 
 
 def main(argv: Sequence[str]) -> int:

@@ -1,0 +1,190 @@
+"""From a recording on the disk to a posture analysis, one burst at a time."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+
+from adibas import __version__
+from adibas.arrays import UInt8Array
+from adibas.calibration.files import calibration_to_json, check_fits, read_calibration
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.frames import RgbdFrame
+from adibas.data.posture import PostureAnalysis, Provenance
+from adibas.errors import CalibrationError, MarkerError, RecordingError
+from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
+from adibas.recordings import open_recording
+from adibas.recordings.checksum import recording_sha256
+from adibas.recordings.decoding import to_rgbd
+from adibas.recordings.ports import RecordingReader
+
+Progress = Callable[[int, int], None]
+Clock = Callable[[], datetime]
+
+MARKERS_FOR_A_DISTANCE = 2
+
+
+def utc_now() -> datetime:
+    """Return the time of day; tests pass their own clock."""
+    return datetime.now(UTC)
+
+
+@dataclass(frozen=True, slots=True)
+class PostureRequest:
+    """What to analyse.
+
+    Attributes
+    ----------
+    recording : Path
+        MCAP, .oni or TUM folder.
+    target : MarkerTarget
+        Learned colours, or LEDs.
+    calibration : Path or None
+        A file that takes the place of the recording's own calibration.
+    frames : tuple
+        First frame and the frame after the last; None = to the end.
+    view, patient : str
+        One of `VIEWS` or empty; a pseudonym or empty.
+    """
+
+    recording: Path
+    target: MarkerTarget
+    calibration: Path | None = None
+    frames: tuple[int, int | None] = (0, None)
+    view: str = ""
+    patient: str = ""
+    params: PostureParams = field(default_factory=PostureParams)
+
+
+def analyse_recording(
+    request: PostureRequest, progress: Progress, clock: Clock = utc_now
+) -> PostureAnalysis:
+    """Find the markers of one burst and measure every pair and triplet.
+
+    Raises
+    ------
+    RecordingError
+        The recording is missing, broken, or has no such frames.
+    CalibrationError
+        There is no calibration, or it is for another resolution.
+    MarkerError
+        Fewer than two markers have a position, or the colour model fits everything.
+    """
+    with open_recording(request.recording) as recording:
+        begin, end = _burst_range(recording, request.frames)
+        calibration = _calibration(recording, request.calibration)
+        burst = _Burst(recording, calibration, begin, end, progress)
+        findings = analyse_burst(burst, calibration, request.target, request.params)
+        notices = tuple(notice for notice in (recording.notice,) if notice)
+    check_findings(findings)
+    return PostureAnalysis(
+        patient=request.patient,
+        view=request.view,
+        n_frames=end - begin,
+        first_frame=begin,
+        markers=findings.markers,
+        rejected=findings.rejected,
+        distances=all_distances(findings.markers),
+        angles=all_angles(findings.markers),
+        picture_rgb=burst.picture_rgb(),
+        calibration=calibration,
+        provenance=_provenance(request, calibration, clock()),
+        notices=notices,
+    )
+
+
+class _Burst:
+    """The frames of the burst, read one by one; keeps the middle picture for the report."""
+
+    def __init__(
+        self,
+        recording: RecordingReader,
+        calibration: RgbdCalibration,
+        begin: int,
+        end: int,
+        progress: Progress,
+    ) -> None:
+        self._recording = recording
+        self._calibration = calibration
+        self._range = range(begin, end)
+        self._progress = progress
+        self._picture_rgb: UInt8Array | None = None
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        middle = self._range[len(self._range) // 2]
+        for done, index in enumerate(self._range, 1):
+            frame = to_rgbd(self._recording.read(index), self._recording.info)
+            if done == 1:
+                check_fits(self._calibration, frame.color_rgb.shape[:2], frame.depth_m.shape)
+            if index == middle:
+                self._picture_rgb = frame.color_rgb
+            yield frame
+            self._progress(done, len(self._range))
+
+    def picture_rgb(self) -> UInt8Array:
+        """Return the middle colour image of the burst that was read."""
+        if self._picture_rgb is None:
+            raise ValueError("the burst was not read to its middle")
+        return self._picture_rgb
+
+
+def check_findings(findings: MarkerFindings) -> None:
+    """Raise MarkerError unless there is something to measure."""
+    if not findings.markers:
+        raise MarkerError(
+            "No marker was found. Check that the markers have the learned colour and are in view, "
+            "or learn the colour again in this light."
+        )
+    n_measured = sum(marker.position_m is not None for marker in findings.markers)
+    if len(findings.markers) < MARKERS_FOR_A_DISTANCE:
+        raise MarkerError(
+            "Only one marker was found, and a distance needs two. Check that the markers have the "
+            "learned colour and are in view."
+        )
+    if n_measured < MARKERS_FOR_A_DISTANCE:
+        raise MarkerError(
+            "Of {n_found} markers the depth camera gives a position to {n_measured}, and a "
+            "distance needs two. Stand between 0.8 and 4 m from the sensor, inside its picture.",
+            n_found=len(findings.markers),
+            n_measured=n_measured,
+        )
+
+
+def _burst_range(recording: RecordingReader, frames: tuple[int, int | None]) -> tuple[int, int]:
+    begin, end = frames[0], len(recording) if frames[1] is None else frames[1]
+    if len(recording) == 0:
+        raise RecordingError("The recording holds no whole frame. Record the session again.")
+    if not begin < end <= len(recording):
+        raise RecordingError(
+            "The recording has {n_frames} frames, so frames {begin}:{end} cannot be read. Choose "
+            "a range inside 0:{n_frames}.",
+            n_frames=len(recording),
+            begin=begin,
+            end=end,
+        )
+    return begin, end
+
+
+def _calibration(recording: RecordingReader, path: Path | None) -> RgbdCalibration:
+    calibration = recording.info.calibration if path is None else read_calibration(path)
+    if calibration is None:
+        raise CalibrationError(
+            "The recording brings no calibration. Give one with --calibration FILE."
+        )
+    return calibration
+
+
+def _provenance(
+    request: PostureRequest, calibration: RgbdCalibration, now: datetime
+) -> Provenance:
+    canonical = json.dumps(calibration_to_json(calibration), sort_keys=True)
+    return Provenance(
+        recording_sha256=recording_sha256(request.recording),
+        calibration=f"sha256:{hashlib.sha256(canonical.encode()).hexdigest()}",
+        version=__version__,
+        created_utc=now.isoformat(timespec="seconds"),
+        parameters={**asdict(request.params), "frames": list(request.frames)},
+    )
