@@ -1,0 +1,54 @@
+"""Failures of the world read as sentences, in the user's language."""
+
+import struct
+
+import pytest
+
+from adibas.errors import AdibasError, RecordingError
+from adibas.texts import Texts, system_language
+
+
+def write_catalogue(folder, texts):
+    """Write a binary gettext catalogue (its documented layout) with `texts`."""
+    entries = sorted({"": "Content-Type: text/plain; charset=UTF-8\n", **texts}.items())
+    pairs = [(key.encode(), value.encode()) for key, value in entries]
+    offset = 28 + 16 * len(pairs)
+    tables, blob = [b"", b""], b""
+    for side in (0, 1):
+        for pair in pairs:
+            tables[side] += struct.pack("<II", len(pair[side]), offset + len(blob))
+            blob += pair[side] + b"\0"
+    header = struct.pack("<7I", 0x950412DE, 0, len(pairs), 28, 28 + 8 * len(pairs), 0, 0)
+    folder.mkdir(parents=True)
+    (folder / "adibas.mo").write_bytes(header + tables[0] + tables[1] + blob)
+
+
+def test_an_error_says_what_failed_on_which_thing():
+    error = RecordingError("{file} is cut short. Record again.", file="a.mcap")
+    assert str(error) == "a.mcap is cut short. Record again."
+    assert isinstance(error, AdibasError)
+
+
+def test_an_error_is_told_in_the_language_in_use(tmp_path, monkeypatch):
+    message = "{file} is cut short. Record again."
+    spanish = "{file} está cortado. Grabe de nuevo."
+    write_catalogue(tmp_path / "es" / "LC_MESSAGES", {message: spanish})
+    monkeypatch.setattr("adibas.texts.resource_path", lambda _name: tmp_path)
+    texts = Texts("es")
+    assert texts.describe(RecordingError(message, file="a.mcap")) == (
+        "a.mcap está cortado. Grabe de nuevo."
+    )
+
+
+def test_a_language_without_catalogue_falls_back_to_english():
+    texts = Texts("xx")
+    assert texts.translate("Summary") == "Summary"
+    assert texts.translate_plural("{n} frame", "{n} frames", 2) == "{n} frames"
+
+
+@pytest.mark.parametrize(
+    ("language", "expected"), [("es_ES.UTF-8", "es"), ("ca:es", "ca"), ("en", "en")]
+)
+def test_the_environment_chooses_the_language(monkeypatch, language, expected):
+    monkeypatch.setenv("LANGUAGE", language)
+    assert system_language() == expected

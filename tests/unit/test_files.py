@@ -1,0 +1,53 @@
+"""A file appears whole or not at all."""
+
+import errno
+
+import pytest
+
+from adibas.errors import FileError
+from adibas.files import written_whole
+
+
+def test_a_written_file_appears_under_its_name_alone(tmp_path):
+    path = tmp_path / "new" / "report.xlsx"
+    with written_whole(path) as unfinished:
+        unfinished.write_text("whole")
+        assert not path.exists()
+    assert path.read_text() == "whole"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path):
+    path = tmp_path / "report.xlsx"
+    path.write_text("old")
+    with pytest.raises(KeyboardInterrupt), written_whole(path) as unfinished:
+        unfinished.write_text("half")
+        raise KeyboardInterrupt
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_full_disk_is_told_in_words(tmp_path):
+    with (
+        pytest.raises(FileError, match=r"r\.csv cannot be written: the disk is full"),
+        written_whole(tmp_path / "r.csv"),
+    ):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_is_a_file_is_told_in_words(tmp_path):
+    (tmp_path / "file").write_text("")
+    with (
+        pytest.raises(FileError, match="Choose another folder"),
+        written_whole(tmp_path / "file" / "r.csv"),
+    ):
+        raise AssertionError("nothing can be written there")
+
+
+def test_a_new_file_may_be_read_by_whom_the_user_lets(tmp_path):
+    ordinary = tmp_path / "ordinary"
+    ordinary.write_text("")
+    with written_whole(tmp_path / "ours") as unfinished:
+        unfinished.write_text("")
+    assert (tmp_path / "ours").stat().st_mode == ordinary.stat().st_mode
