@@ -12,6 +12,7 @@ stamp=.venv/.installed
 install_system_packages() {
     command -v dpkg-query >/dev/null 2>&1 || return 0  # not Debian: the user's own package manager
     missing=""
+    # shellcheck disable=SC2013  # one word a line
     for package in $(sed 's/#.*//' "$packages"); do
         status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
         [ "$status" = installed ] || missing="$missing $package"

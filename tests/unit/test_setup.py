@@ -1,0 +1,97 @@
+"""The set-up says what it may not do, and does again only what is missing."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE_LIST = ROOT / "installers" / "debian-packages.txt"
+
+
+def package_names():
+    lines = PACKAGE_LIST.read_text().splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+@pytest.fixture
+def machine(tmp_path):
+    """A copy of the set-up in an empty tree, on a machine whose commands are all our own."""
+    tree, commands = tmp_path / "tree", tmp_path / "commands"
+    commands.mkdir()
+    shutil.copytree(ROOT / "installers", tree / "installers")
+    shutil.copy(ROOT / "pyproject.toml", tree)
+    for name in ("sh", "sed", "cat", "cksum", "dirname", "env", "mkdir", "chmod"):
+        (commands / name).symlink_to(shutil.which(name))
+
+    def add_command(name, script):
+        (commands / name).write_text(f"#!/bin/sh\n{script}\n")
+        (commands / name).chmod(0o755)
+
+    def run():
+        return subprocess.run(
+            [str(tree / "installers" / "setup.sh")],
+            env={"PATH": str(commands), "HOME": os.environ["HOME"]},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    return add_command, run, tree
+
+
+def test_where_it_may_not_install_it_tells_the_one_command(machine):
+    add_command, run, _tree = machine
+    add_command("dpkg-query", "exit 1")
+    add_command("id", "echo 1000")
+    result = run()
+    assert result.returncode == 1
+    command = result.stderr.splitlines()[-1].strip()
+    assert command.startswith("sudo apt-get update && sudo apt-get install -y ")
+    assert command.split()[8:] == package_names()
+
+
+def test_as_root_it_refreshes_the_index_and_installs_what_is_missing(machine, tmp_path):
+    add_command, run, _tree = machine
+    log = tmp_path / "log"
+    add_command("dpkg-query", 'case "$4" in libgl1) exit 1;; *) echo installed;; esac')
+    add_command("id", "echo 0")
+    add_command("apt-get", f'echo "$@" >>{log}')
+    add_command("python3", "exit 1")
+    result = run()
+    assert result.returncode == 1
+    assert "No Python 3.11, 3.12 or 3.13 was found" in result.stderr
+    assert log.read_text().splitlines() == [
+        "-q update",
+        "-q install -y --no-install-recommends libgl1",
+    ]
+
+
+def test_a_second_run_installs_nothing(machine, tmp_path):
+    add_command, run, tree = machine
+    log = tmp_path / "log"
+    add_command("dpkg-query", "echo installed")
+    add_command(
+        "python3",
+        'if [ "$1" = -c ]; then exit 0; fi\n'
+        f"mkdir -p {tree}/.venv/bin\n"
+        f"printf '#!/bin/sh\\necho \"$@\" >>{log}\\n' >{tree}/.venv/bin/python\n"
+        f"chmod +x {tree}/.venv/bin/python",
+    )
+    assert run().returncode == 0
+    calls = log.read_text().splitlines()
+    assert len(calls) == 2
+    assert "--require-hashes" in calls[0]
+    assert "--no-deps --no-build-isolation -e ." in calls[1]
+    assert run().returncode == 0
+    assert log.read_text().splitlines() == calls
+
+
+def test_the_lock_names_no_index_and_hashes_everything():
+    lock = (ROOT / "installers" / "requirements.lock").read_text()
+    assert "://" not in lock
+    assert "index-url" not in lock
+    requirements = [line for line in lock.splitlines() if "==" in line]
+    assert all(line.endswith("\\") for line in requirements)
