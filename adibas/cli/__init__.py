@@ -1,5 +1,5 @@
 """The command line."""
 
-from adibas.cli.main import main
+from adibas.cli.command_line import main
 
 __all__ = ["main"]

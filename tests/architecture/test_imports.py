@@ -10,9 +10,7 @@ HEAVY = {"cv2", "numba", "scipy", "openpyxl", "PySide6", "pyqtgraph", "mcap", "o
 
 def modules_after(statement):
     script = f"{statement}\nimport sys\nprint(*{{name.split('.')[0] for name in sys.modules}})"
-    run = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     return set(run.stdout.split())
 
 
@@ -20,7 +18,7 @@ def modules_after(statement):
     "statement",
     [
         "import adibas",
-        "from adibas.cli.main import build_parser; build_parser()",
+        "from adibas.cli.command_line import build_parser; build_parser()",
         "import adibas.recordings, adibas.sensors, adibas.reports",
     ],
 )

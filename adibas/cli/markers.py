@@ -1,0 +1,73 @@
+"""`adibas markers learn`: the colour of the markers, taught by clicks."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, add_out, pixel, positive, positive_count
+from adibas.texts import translate as _
+
+SUMMARY = "learn the colour of the markers from clicked pixels"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    actions = parser.add_subparsers(metavar="ACTION", required=True)
+    learn = actions.add_parser("learn", help=_(SUMMARY), description=_(SUMMARY))
+    learn.add_argument(
+        "image", type=Path, metavar="IMAGE", help=_("PNG or JPEG picture, or a recording")
+    )
+    learn.add_argument(
+        "--frame", type=int, default=0, metavar="N", help=_("which frame of a recording")
+    )
+    learn.add_argument(
+        "--seed",
+        type=pixel,
+        action="append",
+        required=True,
+        metavar="U,V",
+        help=_("a clicked pixel of a marker; may be given several times"),
+    )
+    learn.add_argument(
+        "--sensitivity",
+        type=positive,
+        metavar="T",
+        help=_("how far (CIELAB distance) a pixel may be from the clicked one"),
+    )
+    learn.add_argument(
+        "--clusters", type=positive_count, metavar="K", help=_("number of colour centroids")
+    )
+    add_out(learn, "colours.json")
+    add_json(learn)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Learn, save the colours, and write a preview of the pixels that were taken."""
+    from adibas.pipeline.learning import LearningRequest, learn_from_file
+
+    request = LearningRequest(
+        image=arguments.image,
+        frame=arguments.frame,
+        seeds=tuple(arguments.seed),
+        sensitivity=arguments.sensitivity,
+        n_clusters=arguments.clusters,
+    )
+    learned = learn_from_file(request, arguments.out)
+    console.say(
+        _("{file}: {n_pixels} pixels in {n_clusters} colours; {preview} shows them.").format(
+            file=arguments.out,
+            n_pixels=learned.n_pixels,
+            n_clusters=len(learned.model.centroids_lab),
+            preview=learned.preview_path,
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "preview": str(learned.preview_path),
+            "n_pixels": learned.n_pixels,
+            "centroids_lab": learned.model.centroids_lab.tolist(),
+            "threshold": learned.model.threshold,
+        }
+    )
+    return 0
