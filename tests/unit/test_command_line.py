@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 from adibas.cli import main
-from adibas.cli.console import Console
 from adibas.cli.command_line import COMMANDS
+from adibas.cli.console import Console
 from adibas.cli.options import frame_range, pixel, positive, positive_count
 from adibas.errors import RecordingError
 
