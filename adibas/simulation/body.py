@@ -1,0 +1,318 @@
+"""Simulated people: one body model, shaped to a person, set into a pose.
+
+Body axes: x to the patient's left, y down with the floor at y = 0, z to the patient's back;
+metres. A body with heading 0 faces a camera that looks along z, so a scene needs only a
+`RigidTransform` to put it before one. See ``docs/simulation-body.md``.
+"""
+
+import functools
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray, UInt8Array, read_only
+from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
+from adibas.resources import resource_path
+from adibas.simulation.phenotype import corner_weights
+from adibas.simulation.poses import DOWN, Pose
+from adibas.simulation.rotations import about
+from adibas.simulation.shape_fitting import (
+    DENSITY_KG_PER_M3,
+    fit_phenotype,
+    standing_stature_m,
+    volume_m3,
+)
+from adibas.simulation.skeleton import Skeleton, bone_turns
+from adibas.simulation.skinning import skin
+
+Sex: TypeAlias = Literal["female", "male"]
+
+YOUNGEST_YEARS = 6.0
+OLDEST_YEARS = 90.0
+
+_SINGLE_BONE_JOINTS = {
+    "neck": "neck01",
+    "torso": "spine03",
+    **{
+        f"{side}_{joint}": f"{bone}.{suffix}"
+        for side, suffix in (("left", "L"), ("right", "R"))
+        for joint, bone in (
+            ("shoulder", "upperarm01"),
+            ("elbow", "lowerarm01"),
+            ("hip", "upperleg01"),
+            ("knee", "lowerleg01"),
+            ("foot", "foot"),
+        )
+    },
+}
+
+
+@dataclass(frozen=True, slots=True)
+class BodyShape:
+    """The person wanted.
+
+    Attributes
+    ----------
+    sex : "female" or "male"
+    age_years : float
+        6 to 90.
+    stature_m, weight_kg : float
+    muscle : float or None
+        0 slight, 0.5 average, 1 athletic; None takes the average, less where only that gives the
+        weight.
+    """
+
+    sex: Sex
+    age_years: float
+    stature_m: float
+    weight_kg: float
+    muscle: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.sex not in ("female", "male"):
+            raise ValueError(f"sex must be female or male, got {self.sex}")
+        if not YOUNGEST_YEARS <= self.age_years <= OLDEST_YEARS:
+            raise ValueError(f"age_years must be 6 to 90, got {self.age_years}")
+        if not (self.stature_m > 0 and self.weight_kg > 0):
+            raise ValueError("stature_m and weight_kg must be positive")
+        if self.muscle is not None and not 0 <= self.muscle <= 1:
+            raise ValueError(f"muscle must be 0 to 1, got {self.muscle}")
+
+
+@dataclass(frozen=True, eq=False)
+class BodyModel:
+    """What all simulated people share; V vertices, T triangles, B bones, K bones a vertex.
+
+    Attributes
+    ----------
+    triangles : (T, 3) array
+        Vertex indices, counter-clockwise seen from outside.
+    bone_names : tuple of str
+    bone_parents : (B,) array
+        -1 for the root.
+    bone_indices, bone_weights : (V, K) arrays
+        Which bones move a vertex, strongest first; the weights sum to 1.
+    mean_vertices_m : (3 V,) array
+    shape_basis_m : (R, 3 V) array
+    corner_coefficients : (C, R) array
+        Shape coefficients at the corners of `PHENOTYPE_GRID`.
+    corner_bone_heads_m : (C, 3 B) array
+    provenance : dict
+        Source, version, licence, errors of the export.
+    """
+
+    triangles: Int32Array
+    bone_names: tuple[str, ...]
+    bone_parents: IntArray
+    bone_indices: UInt8Array
+    bone_weights: Float32Array
+    mean_vertices_m: Float32Array
+    shape_basis_m: Float32Array
+    corner_coefficients: FloatArray
+    corner_bone_heads_m: FloatArray
+    provenance: dict[str, Any]
+
+    @property
+    def n_vertices(self) -> int:
+        """Return V."""
+        return len(self.bone_indices)
+
+    @cached_property
+    def part_weights(self) -> Float32Array:
+        """Return (V, 15) shares of the parts in `BODY_PART_NAMES`; each row sums to 1.
+
+        Interpolate over the triangle and take the largest: the border is then smooth.
+        """
+        part_of_bone = np.array([_part_of_bone(name) for name in self.bone_names])
+        weights = np.zeros((self.n_vertices, len(BODY_PART_NAMES)), np.float32)
+        rows = np.arange(self.n_vertices)
+        for k in range(self.bone_indices.shape[1]):
+            np.add.at(
+                weights, (rows, part_of_bone[self.bone_indices[:, k]]), self.bone_weights[:, k]
+            )
+        read_only(weights)
+        return weights
+
+    @cached_property
+    def head_vertices(self) -> IntArray:
+        """Return the indices of the vertices that move with the skull alone."""
+        head = self.part_weights[:, BODY_PART_NAMES.index("head")]
+        return np.flatnonzero(head > 0.99)  # noqa: PLR2004
+
+    def evaluated(self, phenotype: FloatArray) -> tuple[FloatArray, Skeleton]:
+        """Return (V, 3) rest vertices and the skeleton of a `PHENOTYPE_GRID` parameter vector."""
+        corners = corner_weights(phenotype)
+        coefficients = (corners @ self.corner_coefficients).astype(np.float32)
+        vertices_m = (self.mean_vertices_m + coefficients @ self.shape_basis_m).reshape(-1, 3)
+        heads_m = (corners @ self.corner_bone_heads_m).reshape(-1, 3)
+        skeleton = Skeleton(self.bone_names, self.bone_parents, heads_m)
+        return vertices_m.astype(float), skeleton
+
+    def shaped(self, shape: BodyShape) -> "ShapedBody":
+        """Return the person wanted: exact in stature, as near in weight as the model can.
+
+        Raises
+        ------
+        ValueError
+            The model has no such stature at that age and sex.
+        """
+        phenotype = fit_phenotype(self, shape)
+        vertices_m, skeleton = self.evaluated(phenotype)
+        return ShapedBody(self, shape, phenotype, vertices_m, skeleton)
+
+
+@dataclass(frozen=True, eq=False)
+class ShapedBody:
+    """One person at rest (arms and legs spread).
+
+    Attributes
+    ----------
+    model : BodyModel
+    shape : BodyShape
+        What was asked for.
+    phenotype : (6,) array
+        What was found, in the order of `PHENOTYPE_GRID`.
+    rest_vertices_m : (V, 3) array
+    skeleton : Skeleton
+    """
+
+    model: BodyModel
+    shape: BodyShape
+    phenotype: FloatArray
+    rest_vertices_m: FloatArray
+    skeleton: Skeleton
+
+    @cached_property
+    def stature_m(self) -> float:
+        """Return the stature reached: sole to vertex in the standing pose."""
+        return standing_stature_m(self.model, self.rest_vertices_m, self.skeleton)
+
+    @cached_property
+    def weight_kg(self) -> float:
+        """Return the weight reached: the volume of the mesh times `DENSITY_KG_PER_M3`."""
+        return DENSITY_KG_PER_M3 * volume_m3(self.rest_vertices_m, self.model.triangles)
+
+    @cached_property
+    def _rest_joints_m(self) -> FloatArray:
+        skull = self.rest_vertices_m[self.model.head_vertices]
+        joints = {name: self.skeleton.head(bone) for name, bone in _SINGLE_BONE_JOINTS.items()}
+        joints["head"] = 0.5 * (skull.min(0) + skull.max(0))
+        for side, suffix in (("left", ".L"), ("right", ".R")):
+            wrist, knuckle = (self.skeleton.head(b + suffix) for b in ("wrist", "finger3-1"))
+            joints[f"{side}_hand"] = 0.5 * (wrist + knuckle)
+        return np.stack([joints[name] for name in JOINT_NAMES])
+
+    def posed(self, pose: Pose) -> "PosedBody":
+        """Return the body in `pose`: lowest point on the floor, ankles about `pose.offset_m`."""
+        turns = bone_turns(self.skeleton, pose)
+        vertices_m = np.empty_like(self.rest_vertices_m)
+        skin(
+            self.rest_vertices_m,
+            self.model.bone_indices,
+            self.model.bone_weights,
+            turns,
+            vertices_m,
+        )
+        names = self.model.bone_names
+        ankles = [names.index(name) for name in ("foot.L", "foot.R")]
+        middle = np.mean([_moved(turns[b], self.skeleton.heads_m[b]) for b in ankles], axis=0)
+        shift = np.array([pose.offset_m[0], -pose.lift_m, pose.offset_m[1]]) - np.array(
+            [middle[0], vertices_m[:, 1].max(), middle[2]]
+        )
+        heading = about(DOWN, pose.heading_rad)
+        vertices_m = (vertices_m + shift) @ heading.T
+        turns[:, :, 3] += shift
+        turns = heading @ turns
+        return PosedBody(self, pose, vertices_m, turns)
+
+
+@dataclass(frozen=True, eq=False)
+class PosedBody:
+    """One person in one pose.
+
+    Attributes
+    ----------
+    body : ShapedBody
+    pose : Pose
+    vertices_m : (V, 3) array
+        Body axes, floor at y = 0.
+    bone_turns : (B, 3, 4) array
+        Maps from rest points to posed ones.
+    """
+
+    body: ShapedBody
+    pose: Pose
+    vertices_m: FloatArray
+    bone_turns: FloatArray
+
+    @cached_property
+    def joints_m(self) -> FloatArray:
+        """Return the (15, 3) joints in the order of `JOINT_NAMES`, metres."""
+        names = self.body.model.bone_names
+        bones = [names.index(bone) for bone in _bone_of_joint()]
+        turns = self.bone_turns[bones]
+        rest = self.body._rest_joints_m  # noqa: SLF001  (the rest of the same body)
+        return np.einsum("jab,jb->ja", turns[:, :, :3], rest) + turns[:, :, 3]
+
+
+def _moved(turn: FloatArray, point_m: FloatArray) -> FloatArray:
+    moved: FloatArray = turn[:, :3] @ point_m + turn[:, 3]
+    return moved
+
+
+@functools.cache
+def _bone_of_joint() -> tuple[str, ...]:
+    """Return for each joint the bone that carries it."""
+    hands = {"left_hand": "wrist.L", "right_hand": "wrist.R"}
+    carried = _SINGLE_BONE_JOINTS | hands | {"head": "head"}
+    return tuple(carried[name] for name in JOINT_NAMES)
+
+
+def _part_of_bone(bone: str) -> int:
+    """Return the index in `BODY_PART_NAMES` of the part that a bone moves."""
+    stem, _, suffix = bone.partition(".")
+    side = {"L": "left_", "R": "right_", "": ""}[suffix]
+    limbs = {
+        "upperarm": "upper_arm",
+        "lowerarm": "lower_arm",
+        "wrist": "hand",
+        "finger": "hand",
+        "metacarpal": "hand",
+        "upperleg": "upper_leg",
+        "lowerleg": "lower_leg",
+        "foot": "foot",
+        "toe": "foot",
+    }
+    for start, part in limbs.items():
+        if stem.startswith(start):
+            return BODY_PART_NAMES.index(side + part)
+    if stem in ("head", "eye"):
+        return BODY_PART_NAMES.index("head")
+    return BODY_PART_NAMES.index("neck" if stem.startswith("neck") else "torso")
+
+
+@functools.cache
+def load_body_model() -> BodyModel:
+    """Return the body model of ``resources/models/body.npz``; it is read once."""
+    with np.load(resource_path("models", "body.npz"), allow_pickle=False) as file:
+        steps = file["shape_basis_step"][:, None]
+        basis = file["shape_basis"].reshape(len(steps), -1)
+        heads = file["corner_bone_heads_m"]
+        model = BodyModel(
+            triangles=file["triangles"].astype(np.int32),
+            bone_names=tuple(str(name) for name in file["bone_names"]),
+            bone_parents=file["bone_parents"].astype(np.int64),
+            bone_indices=file["bone_indices"],
+            bone_weights=(file["bone_weights"] / np.iinfo(np.uint16).max).astype(np.float32),
+            mean_vertices_m=file["mean_vertices_m"].ravel(),
+            shape_basis_m=basis * steps,
+            corner_coefficients=file["corner_coefficients"].astype(float),
+            corner_bone_heads_m=heads.reshape(len(heads), -1).astype(float),
+            provenance=json.loads(str(file["provenance"])),
+        )
+    for array in (model.triangles, model.bone_indices, model.bone_weights):
+        read_only(array)
+    return model
