@@ -1,1 +1,70 @@
-"""Recordings on disk: MCAP, .oni and TUM RGB-D folders."""
+"""Recordings of a depth camera: the native MCAP, OpenNI2's .oni and TUM RGB-D folders.
+
+The functions load the format that they need when they are called.
+"""
+
+from pathlib import Path
+
+from adibas.data.frames import SourceInfo
+from adibas.errors import RecordingError
+from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
+
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+ONI_MAGIC = b"NI10"
+TUM_LISTS = ("depth.txt", "rgb.txt")
+
+
+def open_recording(path: Path) -> RecordingReader:
+    """Open a recording; its content tells the format, not its name.
+
+    Raises
+    ------
+    RecordingError
+        There is no such file, or it is no recording, or it is damaged.
+    """
+    from adibas.recordings.mcap_reader import McapReader, cannot_read
+
+    try:
+        with path.open("rb") as file:
+            head = file.read(len(MCAP_MAGIC))
+    except OSError as error:
+        raise cannot_read(path.name, error) from error
+    if head == MCAP_MAGIC:
+        return McapReader(path)
+    raise RecordingError(
+        "{file} is no recording. Choose an .mcap or .oni file, or a folder with rgb.txt or "
+        "depth.txt.",
+        file=path.name,
+    )
+
+
+def create_recording(
+    path: Path, info: SourceInfo, options: RecordingOptions | None = None
+) -> RecordingWriter:
+    """Begin a recording; the end of its name chooses the format, none means a TUM folder.
+
+    Raises
+    ------
+    RecordingError
+        The format does not exist or cannot hold such frames, or the place cannot be written.
+    """
+    chosen = options or RecordingOptions()
+    suffix = path.suffix.lower()
+    if suffix == ".mcap":
+        from adibas.recordings.mcap_writer import McapWriter
+
+        return McapWriter(path, info, chosen)
+    raise RecordingError(
+        "{file} cannot be written: its format is unknown. Choose a name that ends in .mcap or "
+        ".oni, or a folder's name without an ending.",
+        file=path.name,
+    )
+
+
+__all__ = [
+    "RecordingOptions",
+    "RecordingReader",
+    "RecordingWriter",
+    "create_recording",
+    "open_recording",
+]

@@ -1,22 +1,35 @@
-"""The identity of a recording: the hash of its bytes."""
+"""The fingerprint of a recording, for the provenance of a report."""
 
 import hashlib
 from pathlib import Path
 
+from adibas.recordings.mcap_reader import cannot_read
+
+BLOCK_SIZE = 1 << 20
+
 
 def recording_sha256(path: Path) -> str:
-    """Return the SHA-256 of a file, or of a folder's file names and contents in sorted order."""
+    """Return the SHA-256 of a file; of a folder that of its files' names and contents, by name.
+
+    Raises
+    ------
+    RecordingError
+        Something cannot be read.
+    """
     digest = hashlib.sha256()
-    if path.is_file():
-        _add_file(digest, path)
-    else:
-        for part in sorted(part for part in path.rglob("*") if part.is_file()):
-            digest.update(part.relative_to(path).as_posix().encode() + b"\0")
-            _add_file(digest, part)
+    try:
+        if not path.is_dir():
+            _add_file(digest, path)
+            return digest.hexdigest()
+        for file in sorted(item for item in path.rglob("*") if item.is_file()):
+            digest.update(file.relative_to(path).as_posix().encode() + b"\0")
+            _add_file(digest, file)
+    except OSError as error:
+        raise cannot_read(path.name, error) from error
     return digest.hexdigest()
 
 
 def _add_file(digest: "hashlib._Hash", path: Path) -> None:
     with path.open("rb") as file:
-        while chunk := file.read(1 << 20):
-            digest.update(chunk)
+        while block := file.read(BLOCK_SIZE):
+            digest.update(block)

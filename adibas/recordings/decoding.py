@@ -1,0 +1,114 @@
+"""Colour images out of and into JPEG and PNG, and raw frames into metres."""
+
+import struct
+
+import numpy as np
+
+from adibas.arrays import UInt8Array
+from adibas.data.frames import EncodedImage, RgbdFrame, SensorFrame, SourceInfo, depth_in_metres
+from adibas.errors import RecordingError
+from adibas.recordings.ports import RecordingOptions
+
+MAX_COLOR_PIXELS = 64_000_000
+"""Largest image that is decoded: a few bytes must not ask for gigabytes."""
+PNG_LEVEL = 1
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+JPEG_SIGNATURE = b"\xff\xd8\xff"
+JPEG_MARKER = 0xFF
+JPEG_FRAME_STARTS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+
+
+def to_rgbd(frame: SensorFrame, info: SourceInfo) -> RgbdFrame:
+    """Turn a frame as the sensor gave it into metres and decoded colour.
+
+    Parameters
+    ----------
+    frame : SensorFrame
+        With depth and colour.
+    info : SourceInfo
+        Of the recording or sensor that gave it.
+
+    Raises
+    ------
+    RecordingError
+        The frame lacks depth or colour, or its colour image is damaged.
+    """
+    if frame.depth_raw is None or frame.color is None:
+        raise RecordingError(
+            "Frame {sequence} has no {what}. Record depth and colour together, or choose other "
+            "frames.",
+            sequence=frame.sequence,
+            what="depth" if frame.depth_raw is None else "colour",
+        )
+    return RgbdFrame(
+        sequence=frame.sequence,
+        timestamp_ns=frame.timestamp_ns,
+        depth_m=depth_in_metres(frame.depth_raw, info.depth_unit_m),
+        color_rgb=decode_color(frame.color, frame.sequence),
+    )
+
+
+def decode_color(image: UInt8Array | EncodedImage, sequence: int) -> UInt8Array:
+    """Return the (H, W, 3) RGB image of frame `sequence`; an array is returned as it is."""
+    if not isinstance(image, EncodedImage):
+        return image
+    import cv2
+
+    height, width = encoded_size(image.payload)
+    color = None
+    if 0 < height * width <= MAX_COLOR_PIXELS and _is_whole(image.payload):
+        flags = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
+        try:
+            color = cv2.imdecode(np.frombuffer(image.payload, np.uint8), flags)
+        except cv2.error:
+            color = None
+    if color is None or color.shape[:2] != (height, width):
+        raise RecordingError(
+            "The colour image of frame {sequence} is damaged or too large. Choose other frames.",
+            sequence=sequence,
+        )
+    return np.ascontiguousarray(color, np.uint8)
+
+
+def encode_color(image: UInt8Array | EncodedImage, options: RecordingOptions) -> EncodedImage:
+    """Return the (H, W, 3) RGB image as `options` say; an encoded one is returned as it is."""
+    if isinstance(image, EncodedImage):
+        return image
+    import cv2
+
+    bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
+    if options.color == "jpeg":
+        quality = [cv2.IMWRITE_JPEG_QUALITY, options.jpeg_quality]
+        return EncodedImage("jpeg", cv2.imencode(".jpg", bgr, quality)[1].tobytes())
+    level = [cv2.IMWRITE_PNG_COMPRESSION, PNG_LEVEL]
+    return EncodedImage("png", cv2.imencode(".png", bgr, level)[1].tobytes())
+
+
+def encoded_size(payload: bytes) -> tuple[int, int]:
+    """Return (height, width) that the head of a JPEG or PNG file names; (0, 0) if it has none."""
+    if payload.startswith(PNG_SIGNATURE) and len(payload) >= 24:  # noqa: PLR2004  (IHDR)
+        width, height = struct.unpack(">II", payload[16:24])
+        return height, width
+    if payload.startswith(JPEG_SIGNATURE):
+        return _jpeg_size(payload)
+    return 0, 0
+
+
+def _jpeg_size(payload: bytes) -> tuple[int, int]:
+    """Walk the segments up to the start of frame; the marker's number says that it is one."""
+    position = 2
+    while position + 9 <= len(payload) and payload[position] == JPEG_MARKER:
+        kind = payload[position + 1]
+        if kind in JPEG_FRAME_STARTS:
+            height, width = struct.unpack(">HH", payload[position + 5 : position + 9])
+            return height, width
+        length = int.from_bytes(payload[position + 2 : position + 4], "big")
+        position += 1 if kind == JPEG_MARKER else 2 + max(2, length)
+    return 0, 0
+
+
+def _is_whole(payload: bytes) -> bool:
+    """Say whether the end is there; the decoder would fill what is missing with grey."""
+    if payload.startswith(PNG_SIGNATURE):
+        return payload[-8:-4] == b"IEND"
+    return payload.rstrip(b"\0").endswith(b"\xff\xd9")

@@ -1,0 +1,129 @@
+"""Reads the native recording, whole or cut by a crash, one frame at a time."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from adibas.data.frames import SensorFrame, SourceInfo
+from adibas.errors import RecordingError
+from adibas.recordings.mcap_index import McapIndex, read_frame_chunk, read_index
+from adibas.recordings.mcap_records import DamagedError, Message
+from adibas.recordings.mcap_writer import COLOR, DEPTH, INFRARED
+from adibas.recordings.messages import read_color, read_depth
+from adibas.recordings.ports import RecordingReader, count_gaps
+from adibas.recordings.source_info import info_from_texts
+from adibas.texts import translate as _
+
+
+class McapReader(RecordingReader):
+    """An MCAP file that this program wrote; the file is never changed."""
+
+    def __init__(self, path: Path) -> None:
+        self._name = path.name
+        self._file = open_to_read(path)
+        try:
+            self._open()
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _open(self) -> None:
+        try:
+            index = read_index(self._file)
+        except DamagedError as error:
+            raise RecordingError(
+                "{file} cannot be read: its beginning is damaged. Restore it from a copy.",
+                file=self._name,
+            ) from error
+        except OSError as error:
+            raise cannot_read(self._name, error) from error
+        self._size = self._file.seek(0, 2)
+        self._starts = index.starts
+        self._schemas = index.schemas
+        self.timestamps_ns = np.array(index.times_ns, np.int64)
+        self.timestamps_ns.flags.writeable = False
+        info = info_from_texts(index.info_texts, self._name)
+        self.info: SourceInfo = replace(info, n_dropped=_count_dropped(info, index))
+        self.notice = _describe_loss(self._name, index)
+
+    def read(self, index: int) -> SensorFrame:
+        """Return frame `index`, counted from 0."""
+        if not 0 <= index < len(self._starts):
+            raise IndexError(f"no frame {index} among {len(self._starts)}")
+        try:
+            messages = read_frame_chunk(self._file, self._size, self._starts[index])
+            return self._frame(messages)
+        except OSError as error:
+            raise cannot_read(self._name, error) from error
+        except (ValueError, RecordingError) as error:
+            raise damaged_frame(self._name, index) from error
+
+    def _frame(self, messages: list[Message]) -> SensorFrame:
+        by_channel = {message.channel: message for message in messages}
+        images = [by_channel[c] for c in (DEPTH, COLOR, INFRARED) if c in by_channel]
+        if not images:
+            raise DamagedError("a frame without an image")
+        depth, color, infrared = (by_channel.get(c) for c in (DEPTH, COLOR, INFRARED))
+        return SensorFrame(
+            sequence=images[0].sequence,
+            timestamp_ns=images[0].log_time_ns,
+            depth_raw=read_depth(self._schemas.get(DEPTH, ""), depth.data) if depth else None,
+            color=read_color(color.data) if color else None,
+            color_timestamp_ns=color.publish_time_ns if color else None,
+            infrared_raw=read_depth(self._schemas.get(INFRARED, ""), infrared.data)
+            if infrared
+            else None,
+        )
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._file.close()
+
+
+def open_to_read(path: Path) -> BinaryIO:
+    """Open the file `path`, or say in words why that fails."""
+    try:
+        return path.open("rb")
+    except OSError as error:
+        raise cannot_read(path.name, error) from error
+
+
+def cannot_read(file: str, error: OSError) -> RecordingError:
+    """Say why the file cannot be read."""
+    return RecordingError(
+        "{file} cannot be read: {reason}. Check the name, and that the disk is connected.",
+        file=file,
+        reason=error.strerror or str(error),
+    )
+
+
+def damaged_frame(file: str, index: int) -> RecordingError:
+    """Say which frame (counted from 0) is damaged."""
+    return RecordingError(
+        "Frame {index} of {file} is damaged. Leave it out, or restore the file from a copy.",
+        file=file,
+        index=index,
+    )
+
+
+def _count_dropped(info: SourceInfo, index: McapIndex) -> int:
+    """Return what the writer counted, or in a cut file what the frames' numbers tell."""
+    if index.sequences is not None:
+        return max(info.n_dropped, count_gaps(np.array(index.sequences, np.int64)))
+    said = index.end_texts.get("n_dropped", "")
+    return int(said) if said.isdecimal() else info.n_dropped
+
+
+def _describe_loss(file: str, index: McapIndex) -> str | None:
+    if index.sequences is None:
+        return None
+    if index.n_lost_bytes == 0:
+        text = _("The recording of {file} was interrupted; all its {n_frames} frames are there.")
+    else:
+        text = _(
+            "{file} is cut: its last {n_bytes} bytes are no whole frame and are left out. The "
+            "{n_frames} frames before them are there."
+        )
+    return text.format(file=file, n_bytes=index.n_lost_bytes, n_frames=len(index.starts))
