@@ -16,8 +16,9 @@ import numpy as np
 from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray, UInt8Array, read_only
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.resources import resource_path
+from adibas.simulation.landmarks import RestBody, joint_anchors, landmark_anchors
 from adibas.simulation.phenotype import corner_weights
-from adibas.simulation.poses import DOWN, Pose
+from adibas.simulation.poses import DOWN, FORWARD, Pose, standing
 from adibas.simulation.rotations import about
 from adibas.simulation.shape_fitting import (
     DENSITY_KG_PER_M3,
@@ -26,7 +27,8 @@ from adibas.simulation.shape_fitting import (
     volume_m3,
 )
 from adibas.simulation.skeleton import Skeleton, bone_turns
-from adibas.simulation.skinning import skin
+from adibas.simulation.skinning import add_normals, skin
+from adibas.simulation.surface import SurfaceAnchors
 
 Sex: TypeAlias = Literal["female", "male"]
 
@@ -137,6 +139,12 @@ class BodyModel:
         return weights
 
     @cached_property
+    def triangle_parts(self) -> IntArray:
+        """Return (T,) indices in `BODY_PART_NAMES`: the part with most of each triangle."""
+        parts: IntArray = self.part_weights[self.triangles].sum(1).argmax(1)
+        return parts
+
+    @cached_property
     def head_vertices(self) -> IntArray:
         """Return the indices of the vertices that move with the skull alone."""
         head = self.part_weights[:, BODY_PART_NAMES.index("head")]
@@ -205,6 +213,29 @@ class ShapedBody:
             joints[f"{side}_hand"] = 0.5 * (wrist + knuckle)
         return np.stack([joints[name] for name in JOINT_NAMES])
 
+    @cached_property
+    def _rest(self) -> RestBody:
+        return RestBody(
+            self.rest_vertices_m, self.model.triangles, self.model.triangle_parts, self.skeleton
+        )
+
+    @cached_property
+    def landmark_anchors(self) -> SurfaceAnchors:
+        """Return the landmarks by name; see `adibas.simulation.landmarks`."""
+        return landmark_anchors(self._rest)
+
+    @cached_property
+    def front_joint_anchors(self) -> SurfaceAnchors:
+        """Return the skin point in front of each joint of `JOINT_NAMES` when standing."""
+        stood = self.posed(standing())
+        return joint_anchors(self._rest, stood.joints_m, stood.vertices_m, FORWARD)
+
+    @cached_property
+    def back_joint_anchors(self) -> SurfaceAnchors:
+        """Return the skin point behind each joint of `JOINT_NAMES` when standing."""
+        stood = self.posed(standing())
+        return joint_anchors(self._rest, stood.joints_m, stood.vertices_m, -FORWARD)
+
     def posed(self, pose: Pose) -> "PosedBody":
         """Return the body in `pose`: lowest point on the floor, ankles about `pose.offset_m`."""
         turns = bone_turns(self.skeleton, pose)
@@ -255,7 +286,27 @@ class PosedBody:
         bones = [names.index(bone) for bone in _bone_of_joint()]
         turns = self.bone_turns[bones]
         rest = self.body._rest_joints_m  # noqa: SLF001  (the rest of the same body)
-        return np.einsum("jab,jb->ja", turns[:, :, :3], rest) + turns[:, :, 3]
+        return np.asarray(np.einsum("jab,jb->ja", turns[:, :, :3], rest) + turns[:, :, 3])
+
+    @cached_property
+    def vertex_normals(self) -> FloatArray:
+        """Return (V, 3) unit vectors that point out of the skin."""
+        normals = np.zeros_like(self.vertices_m)
+        add_normals(self.vertices_m, self.body.model.triangles, normals)
+        return normals
+
+    def on_skin(self, anchors: SurfaceAnchors) -> tuple[FloatArray, FloatArray]:
+        """Return (N, 3) positions in metres and (N, 3) outward unit normals of skin points."""
+        triangles = self.body.model.triangles
+        normals = anchors.on(self.vertex_normals, triangles)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        return anchors.on(self.vertices_m, triangles), normals
+
+    @cached_property
+    def landmarks(self) -> dict[str, FloatArray]:
+        """Return the (3,) position of each landmark, metres."""
+        anchors = self.body.landmark_anchors
+        return dict(zip(anchors.names, self.on_skin(anchors)[0], strict=True))
 
 
 def _moved(turn: FloatArray, point_m: FloatArray) -> FloatArray:

@@ -29,7 +29,10 @@ def about(axis: FloatArray, angle_rad: float) -> FloatArray:
     """
     x, y, z = unit(axis)
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle_rad) * skew + (1 - math.cos(angle_rad)) * np.dot(skew, skew)
+    turn: FloatArray = (
+        np.eye(3) + math.sin(angle_rad) * skew + (1 - math.cos(angle_rad)) * (skew @ skew)
+    )
+    return turn
 
 
 def onto(start: FloatArray, end: FloatArray) -> FloatArray:

@@ -1,6 +1,8 @@
-"""Linear blend skinning: each vertex follows a few bones."""
+"""Linear blend skinning: each vertex follows a few bones; and the normals that result."""
 
-from adibas.arrays import Float32Array, FloatArray, UInt8Array
+import math
+
+from adibas.arrays import Float32Array, FloatArray, Int32Array, UInt8Array
 from adibas.kernels import compiled
 
 
@@ -31,3 +33,28 @@ def skin(
         posed_m[vertex, 0] = moved_x
         posed_m[vertex, 1] = moved_y
         posed_m[vertex, 2] = moved_z
+
+
+@compiled
+def add_normals(vertices_m: FloatArray, triangles: Int32Array, normals: FloatArray) -> None:
+    """Turn `normals`, (V, 3) zeros, into unit vertex normals that point outwards.
+
+    Each is the mean over its triangles by area; zero where these have none.
+    """
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        ux = vertices_m[b, 0] - vertices_m[a, 0]
+        uy = vertices_m[b, 1] - vertices_m[a, 1]
+        uz = vertices_m[b, 2] - vertices_m[a, 2]
+        vx = vertices_m[c, 0] - vertices_m[a, 0]
+        vy = vertices_m[c, 1] - vertices_m[a, 1]
+        vz = vertices_m[c, 2] - vertices_m[a, 2]
+        for vertex in (a, b, c):
+            normals[vertex, 0] += uy * vz - uz * vy
+            normals[vertex, 1] += uz * vx - ux * vz
+            normals[vertex, 2] += ux * vy - uy * vx
+    for vertex in range(normals.shape[0]):
+        n = normals[vertex]
+        length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+        if length > 0.0:
+            n /= length
