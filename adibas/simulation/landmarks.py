@@ -40,7 +40,7 @@ SPINE_LEVELS = {
 """Spinous processes as shares of the way from C7 to L5: sums of mean vertebral heights."""
 _L4_ABOVE_HIPS = 0.24
 """Of the height from the hips to the neck's root: the iliac crests."""
-_C7_ABOVE_NECK = 0.015
+_C7_ABOVE_NECK = -0.015
 
 
 @dataclass(frozen=True, slots=True, eq=False)
