@@ -21,7 +21,7 @@ from adibas.sensors.openni2_streams import (
     set_registration,
     synchronise,
 )
-from adibas.sensors.pairing import FramePairer, StreamImage
+from adibas.sensors.pairing import FramePairer, join_images
 from adibas.sensors.ports import (
     DEFAULT_OPTIONS,
     READ_TIMEOUT_S,
@@ -157,7 +157,7 @@ class OpenNI2Camera(DepthCamera):
     def _next_frame(self) -> SensorFrame | None:
         is_final = self._file is not None and not self._is_more_expected()
         pair = self._pairer.next_pair(is_final=is_final)
-        return None if pair is None else _join(*pair, is_infrared="infrared" in self._streams)
+        return None if pair is None else join_images(*pair, is_infrared="infrared" in self._streams)
 
     def _is_more_expected(self) -> bool:
         """Tell whether the file has more images, as far as it knows their number itself."""
@@ -279,15 +279,3 @@ def _recorded_streams(device: Any) -> tuple[StreamName, ...]:
     seconds: tuple[StreamName, ...] = ("color", "infrared")
     found = [name for name in seconds if has_stream(device, name)]
     return ("depth", *found[:1])
-
-
-def _join(depth: StreamImage, second: StreamImage | None, *, is_infrared: bool) -> SensorFrame:
-    is_color = second is not None and not is_infrared
-    return SensorFrame(
-        sequence=depth.index if second is None else second.index,
-        timestamp_ns=depth.timestamp_ns,
-        depth_raw=depth.pixels,
-        color=second.pixels if second is not None and is_color else None,
-        color_timestamp_ns=second.timestamp_ns if second is not None and is_color else None,
-        infrared_raw=second.pixels if second is not None and is_infrared else None,
-    )

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy.typing as npt
 
+from adibas.data.frames import SensorFrame
+
 WAITING_IMAGES = 8
 """Images kept of either stream; more means that the other one stands still."""
 
@@ -84,3 +86,22 @@ class FramePairer:
         while self._depths.popleft() is not nearest:
             pass
         return nearest
+
+
+def join_images(
+    depth: StreamImage, second: StreamImage | None, *, is_infrared: bool
+) -> SensorFrame:
+    """Return the moment of a depth image and of the second stream's image, which counts it."""
+    if second is None:
+        return SensorFrame(depth.index, depth.timestamp_ns, depth.pixels)
+    if is_infrared:
+        return SensorFrame(
+            second.index, depth.timestamp_ns, depth.pixels, infrared_raw=second.pixels
+        )
+    return SensorFrame(
+        second.index,
+        depth.timestamp_ns,
+        depth.pixels,
+        color=second.pixels,
+        color_timestamp_ns=second.timestamp_ns,
+    )
