@@ -31,6 +31,10 @@ def open_recording(path: Path) -> RecordingReader:
         raise cannot_read(path.name, error) from error
     if head == MCAP_MAGIC:
         return McapReader(path)
+    if head.startswith(ONI_MAGIC):
+        from adibas.recordings.oni_reader import OniReader
+
+        return OniReader(path)
     raise RecordingError(
         "{file} is no recording. Choose an .mcap or .oni file, or a folder with rgb.txt or "
         "depth.txt.",
@@ -54,6 +58,10 @@ def create_recording(
         from adibas.recordings.mcap_writer import McapWriter
 
         return McapWriter(path, info, chosen)
+    if suffix == ".oni":
+        from adibas.recordings.oni_writer import OniWriter
+
+        return OniWriter(path, info, chosen)
     raise RecordingError(
         "{file} cannot be written: its format is unknown. Choose a name that ends in .mcap or "
         ".oni, or a folder's name without an ending.",

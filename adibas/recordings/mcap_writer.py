@@ -54,10 +54,8 @@ class McapWriter(RecordingWriter):
         self._metadata: list[bytes] = []
         self._is_open = True
         head = mcap.MAGIC + mcap.record(mcap.HEADER, mcap.text("") + mcap.text(LIBRARY))
-        self._registry = _registry(options)
         head += self._metadata_record(INFO_NAME, info_to_texts(info), len(head))
-        self._file = PartFile(path)
-        self._file.append(head + self._registry)
+        self._file = PartFile(path, head + _registry(options))
 
     @property
     def n_dropped(self) -> int:

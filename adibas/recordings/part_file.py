@@ -22,9 +22,11 @@ class PartFile:
     ----------
     path : Path
         The name that the file gets when it is whole; its folder is made where it is missing.
+    head : bytes
+        What stands at the beginning.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, head: bytes) -> None:
         self.path = path
         self.size = 0
         self._synced_at = time.monotonic()
@@ -33,6 +35,11 @@ class PartFile:
             self.part_path, self._file = _open_part(path)
         except OSError as error:
             raise cannot_record(path, error) from error
+        try:
+            self.append(head)
+        except RecordingError:
+            self.remove()
+            raise
 
     def append(self, data: bytes) -> None:
         """Write `data` whole or not at all, and see that it is on the disk within a second."""
