@@ -36,6 +36,8 @@ WAIT_SLICE_S = 0.1
 
 FRAME_BY_FRAME = -1.0
 ONI_MAGIC = b"NI10"
+UNKNOWN = -1
+"""A file that was cut by a crash does not know how many images it has; counting goes on below."""
 
 
 class OpenNI2Camera(DepthCamera):
@@ -98,9 +100,13 @@ class OpenNI2Camera(DepthCamera):
         """
         deadline_s = time.monotonic() + timeout_s
         while (frame := self._next_frame()) is None:
-            if self._file is not None and not self._is_more_expected():
+            if self._is_at_end():
                 return None
-            self._fetch(deadline_s)
+            name = self._wait(deadline_s)
+            if name is None:
+                self._give_up()
+            else:
+                self._fetch(name)
         return frame
 
     def close(self) -> None:
@@ -140,7 +146,7 @@ class OpenNI2Camera(DepthCamera):
             self._device.playback.set_speed(FRAME_BY_FRAME)
             for name in _recorded_streams(self._device):
                 self._streams[name] = stream = open_file_stream(self._device, name)
-                self._n_left[name] = stream.handle.get_number_of_frames()
+                self._n_left[name] = stream.handle.get_number_of_frames() or UNKNOWN
 
     def _start(self) -> None:
         rates = {stream.mode.frame_rate_hz for stream in self._streams.values()}
@@ -155,32 +161,15 @@ class OpenNI2Camera(DepthCamera):
                 stream.handle.start()
 
     def _next_frame(self) -> SensorFrame | None:
-        is_final = self._file is not None and not self._is_more_expected()
-        pair = self._pairer.next_pair(is_final=is_final)
-        return None if pair is None else join_images(*pair, is_infrared="infrared" in self._streams)
+        pair = self._pairer.next_pair(is_final=self._is_at_end())
+        if pair is None:
+            return None
+        return join_images(*pair, is_infrared="infrared" in self._streams)
 
-    def _is_more_expected(self) -> bool:
-        """Tell whether the file has more images, as far as it knows their number itself."""
-        return any(n_left > 0 for n_left in self._n_left.values())
+    def _is_at_end(self) -> bool:
+        return self._file is not None and not any(n != 0 for n in self._n_left.values())
 
-    def _fetch(self, deadline_s: float) -> None:
-        """Take the next image of any stream into the pairer."""
-        name = self._wait(deadline_s)
-        stream = self._streams[name]
-        with openni2_errors(
-            "The sensor sent no picture: {reason}. Check its cable, plug it in anew and try again."
-        ):
-            frame = stream.handle.read_frame()
-        with frame:
-            image = copy_image(frame, is_color=name == "color", is_mirrored=stream.is_mirrored)
-        if self._file is not None:
-            self._n_left[name] -= 1
-        if name == "depth":
-            self._pairer.add_depth(image)
-        else:
-            self._pairer.add_second(image)
-
-    def _wait(self, deadline_s: float) -> StreamName:
+    def _wait(self, deadline_s: float) -> StreamName | None:
         """Return the stream that has an image; in slices, so that Ctrl-C is not kept waiting."""
         names = list(self._streams)
         handles = [self._streams[name].handle for name in names]
@@ -199,21 +188,41 @@ class OpenNI2Camera(DepthCamera):
             if ready is not None:
                 return names[handles.index(ready)]
             if left_s == 0.0:
-                raise self._silence()
+                return None
 
-    def _silence(self) -> SensorError:
-        if self._file is not None:
-            return SensorError(
-                "{file} is damaged: OpenNI2 finds no more frames, although the file names "
-                "{n_left} more. Convert it with adibas convert, which keeps every whole frame.",
-                file=self._file.name,
-                n_left=sum(self._n_left.values()),
+    def _fetch(self, name: StreamName) -> None:
+        """Take the image that waits in this stream into the pairer."""
+        stream = self._streams[name]
+        with openni2_errors(
+            "The sensor sent no picture: {reason}. Check its cable, plug it in anew and try again."
+        ):
+            frame = stream.handle.read_frame()
+        with frame:
+            image = copy_image(frame, is_color=name == "color", is_mirrored=stream.is_mirrored)
+        if name in self._n_left:
+            self._n_left[name] -= 1
+        if name == "depth":
+            self._pairer.add_depth(image)
+        else:
+            self._pairer.add_second(image)
+
+    def _give_up(self) -> None:
+        """Take silence for the end of a file that does not know its length, else say so."""
+        if self._file is None:
+            raise SensorError(
+                "The sensor {sensor} sends no pictures. Check its cable, plug it into a USB port "
+                "of its own, and try again.",
+                sensor=self._info.sensor_name,
             )
-        return SensorError(
-            "The sensor {sensor} sends no pictures. Check its cable, plug it into a USB port of "
-            "its own, and try again.",
-            sensor=self._info.sensor_name,
-        )
+        n_missing = sum(n for n in self._n_left.values() if n > 0)
+        if n_missing:
+            raise SensorError(
+                "{file} is damaged: {n_missing} of its images are not found. Convert it with "
+                "adibas convert, which keeps every whole frame.",
+                file=self._file.name,
+                n_missing=n_missing,
+            )
+        self._n_left = dict.fromkeys(self._n_left, 0)
 
 
 def _open_sensor(openni2: ModuleType, uri: str | None) -> Any:

@@ -51,12 +51,16 @@ def _nominal_calibration(
     unit_m: float,
     *,
     is_registered: bool,
-) -> RgbdCalibration:
+) -> RgbdCalibration | None:
+    color = streams["color"].nominal_camera() if "color" in streams else None
+    depth = streams["depth"].nominal_camera()
+    if color is None and depth is None:
+        return None
     is_primesense = sensor.vendor.lower().startswith(PRIMESENSE_VENDORS)
-    is_offset = is_primesense and not is_registered and "color" in streams
+    is_offset = is_primesense and not is_registered and color is not None
     return RgbdCalibration(
-        color=streams["color"].nominal_camera() if "color" in streams else None,
-        depth=streams["depth"].nominal_camera(),
+        color=color,
+        depth=depth,
         color_from_depth=PRIMESENSE_COLOR_FROM_DEPTH if is_offset else IDENTITY,
         depth_unit_m=unit_m,
         sensor_serial=sensor.serial,

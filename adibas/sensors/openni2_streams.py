@@ -47,12 +47,14 @@ class OpenStream:
     mode: VideoMode
     is_mirrored: bool
 
-    def nominal_camera(self) -> CameraCalibration:
-        """Return the camera according to the device's own field of view."""
-        with openni2_errors(
-            "The sensor does not tell its field of view: {reason}. Plug it in anew and try again."
-        ):
+    def nominal_camera(self) -> CameraCalibration | None:
+        """Return the camera of the device's own field of view; None where it tells none."""
+        from openni.utils import OpenNIError
+
+        try:
             fov_rad = self.handle.get_horizontal_fov()
+        except OpenNIError:  # many .oni files lack it
+            return None
         return nominal_camera(self.mode.width, self.mode.height, fov_rad)
 
 
