@@ -1,0 +1,83 @@
+"""`colours.json`, and a picture of what was taken."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from adibas.arrays import BoolArray, UInt8Array
+from adibas.errors import MarkerError
+from adibas.files import written_whole
+from adibas.markers.color_model import ColorModel
+
+FORMAT = "adibas-colours"
+VERSION = 1
+MAX_BYTES = 1 << 20
+"""More is not read; a cut document is no colour model."""
+DIMMED = 0.35
+"""Brightness of what was not taken, in the preview."""
+
+
+def write_colors(path: Path, model: ColorModel) -> None:
+    """Write `colours.json`, whole or not at all.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "centroids_lab": model.centroids_lab.tolist(),
+        "threshold": model.threshold,
+        "source": dict(model.source),
+    }
+    with written_whole(path) as unfinished:
+        unfinished.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", "utf-8")
+
+
+def read_colors(path: Path) -> ColorModel:
+    """Read `colours.json`.
+
+    Raises
+    ------
+    MarkerError
+        The file is missing, or is no colour model.
+    """
+    try:
+        with path.open("rb") as file:
+            return _from_document(json.loads(file.read(MAX_BYTES)))
+    except OSError as error:
+        raise MarkerError(
+            "{file} cannot be read: {reason}. Check the name, or learn the colours with "
+            "`adibas markers learn`.",
+            file=path.name,
+            reason=error.strerror or str(error),
+        ) from error
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise MarkerError(
+            "{file} holds no learned colours. Learn them with `adibas markers learn`.",
+            file=path.name,
+        ) from error
+
+
+def _from_document(document: object) -> ColorModel:
+    if not isinstance(document, Mapping) or document.get("format") != FORMAT:
+        raise ValueError("another format")
+    if document.get("version") != VERSION:
+        raise ValueError("another version")
+    source = document.get("source", {})
+    return ColorModel(
+        np.array(document["centroids_lab"], dtype=np.float64).reshape(-1, 3),
+        float(document["threshold"]),
+        source if isinstance(source, Mapping) else {},
+    )
+
+
+def preview(color_rgb: UInt8Array, taken: BoolArray) -> UInt8Array:
+    """Return the picture with everything dimmed that was not taken, (H, W, 3) RGB."""
+    picture = (color_rgb * np.float32(DIMMED)).astype(np.uint8)
+    picture[taken] = color_rgb[taken]
+    return picture
