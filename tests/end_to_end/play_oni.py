@@ -10,7 +10,8 @@ from openni import openni2
 
 from adibas.sensors.openni2_library import find_library_folder
 
-SECONDS_TO_WAIT = 3.0
+SECONDS_TO_WAIT = 2.0
+MAX_ROUNDS = 8
 
 
 def main(path: str, name: str, out: str) -> None:
@@ -20,23 +21,33 @@ def main(path: str, name: str, out: str) -> None:
     a fast reader: so the file is played again and again.
     """
     openni2.initialize(str(find_library_folder()))
+    seen = {}
+    for _ in range(MAX_ROUNDS):
+        n_frames, pixel_format = play_once(path, name, seen)
+        if len(seen) == n_frames:
+            break
+    images = np.array([seen[number][1] for number in sorted(seen)])
+    times_us = [seen[number][0] for number in sorted(seen)]
+    np.savez(out, images=images, times_us=times_us, numbers=sorted(seen), format=pixel_format)
+
+
+def play_once(path: str, name: str, seen: dict) -> tuple[int, int]:
+    """Add the frames of one round to `seen`; return their number and the pixel format."""
     device = openni2.Device(path.encode())
+    device.playback.set_repeat_enabled(False)
     stream = getattr(device, f"create_{name}_stream")()
     mode = stream.get_video_mode()
     n_frames = stream.get_number_of_frames()
     stream.start()
-    seen = {}
-    while len(seen) < n_frames and openni2.wait_for_any_stream([stream], SECONDS_TO_WAIT):
+    number = 0
+    while number < n_frames and openni2.wait_for_any_stream([stream], SECONDS_TO_WAIT):
         frame = stream.read_frame()
-        seen[frame.frameIndex] = (frame.timestamp, to_array(frame, name).copy())
+        number = frame.frameIndex
+        seen[number] = (frame.timestamp, to_array(frame, name).copy())
     stream.stop()
     stream.close()
     device.close()
-    images = np.array([seen[number][1] for number in sorted(seen)])
-    times_us = [seen[number][0] for number in sorted(seen)]
-    np.savez(
-        out, images=images, times_us=times_us, numbers=sorted(seen), format=mode.pixelFormat.value
-    )
+    return n_frames, mode.pixelFormat.value
 
 
 def to_array(frame: object, name: str) -> np.ndarray:
