@@ -3,7 +3,6 @@
 import ctypes
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -22,7 +21,6 @@ BYTES_PER_PIXEL = {
     "GRAY8": 1,
     "GRAY16": 2,
 }
-YUV_CONVERSIONS = {"YUV422": cv2.COLOR_YUV2RGB_UYVY, "YUYV": cv2.COLOR_YUV2RGB_YUYV}
 
 
 def copy_image(frame: Any, *, is_color: bool, is_mirrored: bool) -> StreamImage:
@@ -73,4 +71,7 @@ def _rgb(rows: UInt8Array, name: str) -> UInt8Array:
         return rows.reshape(height, -1, 3)
     if name == "GRAY8":
         return np.repeat(rows[:, :, None], 3, axis=2)
-    return np.asarray(cv2.cvtColor(rows.reshape(height, -1, 2), YUV_CONVERSIONS[name]), np.uint8)
+    import cv2
+
+    code = cv2.COLOR_YUV2RGB_UYVY if name == "YUV422" else cv2.COLOR_YUV2RGB_YUYV
+    return np.asarray(cv2.cvtColor(rows.reshape(height, -1, 2), code), np.uint8)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -25,11 +24,6 @@ FORMATS: dict[StreamName, tuple[str, ...]] = {
     "depth": ("z16",),
     "color": ("rgb8", "bgr8", "yuyv", "uyvy"),
     "infrared": ("y16", "y8"),
-}
-COLOR_CONVERSIONS = {
-    "bgr8": cv2.COLOR_BGR2RGB,
-    "yuyv": cv2.COLOR_YUV2RGB_YUYV,
-    "uyvy": cv2.COLOR_YUV2RGB_UYVY,
 }
 
 
@@ -91,11 +85,15 @@ def copy_image(frame: Any) -> StreamImage:
 
 
 def _rgb(pixels: npt.NDArray[Any], name: str, height: int) -> UInt8Array:
-    if name in ("yuyv", "uyvy"):
-        pixels = pixels.view(np.uint8).reshape(height, -1, 2)
-    conversion = COLOR_CONVERSIONS.get(name)
-    converted = pixels if conversion is None else cv2.cvtColor(pixels, conversion)
-    return np.asarray(converted, np.uint8)
+    if name == "rgb8":
+        return np.asarray(pixels, np.uint8)
+    import cv2
+
+    if name == "bgr8":
+        return np.asarray(cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), np.uint8)
+    code = cv2.COLOR_YUV2RGB_YUYV if name == "yuyv" else cv2.COLOR_YUV2RGB_UYVY
+    pairs = pixels.view(np.uint8).reshape(height, -1, 2)
+    return np.asarray(cv2.cvtColor(pairs, code), np.uint8)
 
 
 def _mode(handle: Any) -> VideoMode | None:

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from adibas.recordings import open_recording
+from adibas.recordings.decoding import decode_color
 from tests.virtual_openni2.virtual_sensor import (
     COLOR,
     DEPTH,
@@ -196,6 +198,59 @@ for size in [(640, 480), (1280, 1024)] * 3:
 give(sizes=sizes)
 """)
     assert given["sizes"] == [640, 1280] * 3
+
+
+def test_a_live_sensor_is_recorded_until_it_is_unplugged(sensor, images):
+    given = sensor.run("""
+import threading
+from adibas.pipeline.recording import record
+threading.Timer(1.0, Path(DUMP + ".unplug").touch).start()
+with open_source("openni2", SensorOptions(color_size=(640, 480))) as camera:
+    try:
+        record(camera, FOLDER / "live.mcap")
+    except AdibasError as error:
+        give(error=str(error), kind=type(error).__name__)
+""")
+    path = sensor.dump.parent / "live.mcap"
+    assert given["kind"] == "SensorError"
+    assert "Virtual sensor was unplugged" in given["error"]
+    assert given["error"].endswith(f"are kept in {path}.")
+    with open_recording(path) as recording:
+        assert recording.notice is None
+        assert recording.info.sensor_serial == "VIRTUAL-0001"
+        assert 5 < len(recording) < 60
+        for frame in recording:
+            depth = sent(images, DEPTH_MM, frame.sequence, COLOR_SMALL)
+            np.testing.assert_array_equal(frame.depth_raw, depth)
+
+
+def test_the_command_records_a_live_sensor_for_the_seconds_asked(sensor, images):
+    given = sensor.run("""
+import sys
+from ui.main import main
+from contextlib import redirect_stdout
+sys.argv = ["adibas", "record", "openni2", "--seconds", "1", "--out", str(FOLDER / "live.mcap")]
+with (FOLDER / "said.txt").open("w") as said, redirect_stdout(said):
+    code = main()
+give(code=code)
+""")
+    assert given["code"] == 0
+    with open_recording(sensor.dump.parent / "live.mcap") as recording:
+        # Ten periods of 99,999 microseconds are a little less than the second.
+        assert len(recording) + recording.info.n_dropped in (10, 11)
+        frame = recording.read(0)
+    color = decode_color(frame.color, frame.sequence)
+    np.testing.assert_array_equal(color, sent(images, COLOR_LARGE, frame.sequence, COLOR_LARGE))
+
+
+def test_the_doctor_names_the_sensor(sensor):
+    given = sensor.run("""
+from adibas.sensors.doctor import findings
+give(**{finding.name: finding.detail for finding in findings()})
+""")
+    assert given["OpenNI2"] == (
+        "Virtual sensor, serial number VIRTUAL-0001, colour 1280 x 1024, 640 x 480"
+    )
 
 
 def test_without_a_sensor_the_user_is_told_to_plug_one_in(sensor):
