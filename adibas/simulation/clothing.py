@@ -51,7 +51,7 @@ class Outfit:
 OUTFITS: dict[str, Outfit] = {
     "briefs": Outfit(leg=0.0, waist=0.12),
     "shorts": Outfit(leg=0.4),
-    "shorts_and_bra_top": Outfit(leg=0.4, sleeve=0.0, hem=0.62),
+    "shorts_and_bra_top": Outfit(leg=0.4, sleeve=0.0, hem=0.56),
     "t_shirt_and_trousers": Outfit(leg=1.95, sleeve=0.6, shoes=True),
     "long_sleeves_and_trousers": Outfit(leg=1.95, sleeve=1.9, shoes=True),
     "bare": Outfit(hair=False, leg=None),
@@ -100,7 +100,9 @@ def _left_of_limb_m(
         start, middle, end = (body.skeleton.head(bone + suffix) for bone in bones)
         a, b = (start, middle) if share <= 1 else (middle, end)
         cut = a + (share if share <= 1 else share - 1) * (b - a)
-        fields[suffix] = (cut - body.rest_vertices_m) @ unit(b - a)
+        before_m = (cut - body.rest_vertices_m) @ unit(b - a)
+        # Far values would move the borders where limb and trunk blend.
+        fields[suffix] = np.clip(before_m, -_FAR_M, _FAR_M)
     return fields
 
 
@@ -114,7 +116,8 @@ def _top_m(body: ShapedBody, sleeve: float, hem: float) -> FloatArray:
     neck = body.skeleton.head("neck01")
     neckline = unit(DOWN - 0.55 * FORWARD)
     below_neckline = (vertices_m - neck - 0.02 * DOWN) @ neckline
-    trunk = np.minimum(_trunk_y(body, hem) - vertices_m[:, 1], below_neckline)
+    above_hem = np.clip(_trunk_y(body, hem) - vertices_m[:, 1], -_FAR_M, _FAR_M)
+    trunk = np.minimum(above_hem, np.clip(below_neckline, -_FAR_M, _FAR_M))
     arm_bones = ("upperarm01", "lowerarm01", "wrist")
     arm = _nearer_side(body, _left_of_limb_m(body, arm_bones, sleeve))
     on_arm = _share(body, *_sides("upper_arm", "lower_arm", "hand"))
@@ -123,7 +126,7 @@ def _top_m(body: ShapedBody, sleeve: float, hem: float) -> FloatArray:
 
 def _bottom_m(body: ShapedBody, leg: float, waist: float) -> FloatArray:
     """Return the field of shorts or trousers: below the waist, up to the leg's end."""
-    below_waist = body.rest_vertices_m[:, 1] - _trunk_y(body, waist)
+    below_waist = np.clip(body.rest_vertices_m[:, 1] - _trunk_y(body, waist), -_FAR_M, _FAR_M)
     leg_bones = ("upperleg02", "lowerleg01", "foot")
     before_end = _nearer_side(body, _left_of_limb_m(body, leg_bones, leg))
     on_leg = _share(body, *_sides("upper_leg", "lower_leg", "foot"))
@@ -136,7 +139,8 @@ def _shoes_m(body: ShapedBody) -> FloatArray:
     """Return the field of low shoes: all that lies under the ankle bones."""
     ankle = float(body.skeleton.head("foot.L") @ DOWN)
     floor = float(body.rest_vertices_m[:, 1].max())
-    return body.rest_vertices_m[:, 1] - (ankle + 0.1 * (floor - ankle))
+    below_m: FloatArray = body.rest_vertices_m[:, 1] - (ankle + 0.1 * (floor - ankle))
+    return below_m
 
 
 def _hair_m(body: ShapedBody) -> FloatArray:
@@ -148,10 +152,10 @@ def _hair_m(body: ShapedBody) -> FloatArray:
     ear_z = 0.5 * float(skull[:, 2].min() + skull[:, 2].max()) + 0.1 * forehead_m
     hairline = unit(DOWN + 0.75 * FORWARD)
     front = np.array([0.0, eye[1] - 0.55 * forehead_m, eye[2] + 0.1 * forehead_m])
-    above = -(vertices_m - front) @ hairline
-    above = np.minimum(above, eye[1] + 0.05 * forehead_m - vertices_m[:, 1])
+    above_eyes = eye[1] + 0.05 * forehead_m - vertices_m[:, 1]
+    above = np.minimum((front - vertices_m) @ hairline, above_eyes)
     behind = np.minimum(
         vertices_m[:, 2] - ear_z - 0.25 * forehead_m, eye[1] + 0.75 * forehead_m - vertices_m[:, 1]
     )
     on_trunk = 1 - _share(body, "head", "neck")
-    return np.maximum(above, behind) - on_trunk * _FAR_M
+    return np.asarray(np.maximum(above, behind) - on_trunk * _FAR_M)

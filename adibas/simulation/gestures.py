@@ -158,9 +158,9 @@ def _jump(performer: _Performer) -> tuple[_Keys, Flight | None]:
     height_m = float(performer.rng.uniform(0.12, 0.32))
     crouch = _crouch(performer, deep=1.0, arms_back=True)
     stretched_leg = LegAngles(flexion=0.0, knee=0.03, sole=math.radians(35))
-    arm = performer.arm(elevation=140, plane=80, rotation=0, elbow=20, pronation=20)
+    arm = performer.arm(elevation=125, plane=80, rotation=0, elbow=20, pronation=20)
     stretched = Figure(arm, arm, stretched_leg, stretched_leg, TrunkAngles())
-    down, up = performer.lasting(0.45), performer.lasting(0.25)
+    down, up = performer.lasting(0.5), performer.lasting(0.33)
     flight = Flight(down + up, height_m)
     return [
         (down, crouch),
@@ -174,7 +174,8 @@ def _jump(performer: _Performer) -> tuple[_Keys, Flight | None]:
 def _crouch(performer: _Performer, *, deep: float, arms_back: bool) -> Figure:
     hips = deep * performer.angle(55)
     legs = LegAngles(flexion=hips, knee=1.55 * hips)
-    back = performer.arm(elevation=35, plane=-80, rotation=0, elbow=15, pronation=10)
+    # Negative, so that the way up leads past the hips and not sideways.
+    back = performer.arm(elevation=-35, plane=80, rotation=0, elbow=15, pronation=10)
     fore = performer.arm(elevation=45, plane=70, rotation=10, elbow=30, pronation=30)
     arm = back if arms_back else fore
     return Figure(arm, arm, legs, legs, TrunkAngles(0.5 * hips, 0.65 * hips, 0.15 * hips))

@@ -153,6 +153,5 @@ def _leg_rotations(
         "upperleg01" + suffix: part_way(swing, whole_upper, 0.5),
         "upperleg02" + suffix: whole_upper,
         "lowerleg01" + suffix: whole_lower,
-        "lowerleg02" + suffix: part_way(whole_lower, leg.foot @ flat, 0.15),
         "foot" + suffix: leg.foot @ flat,
     }
