@@ -11,7 +11,7 @@ from adibas.recordings.ports import RecordingOptions, RecordingReader, Recording
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 ONI_MAGIC = b"NI10"
-TUM_LISTS = ("depth.txt", "rgb.txt")
+TUM_LISTS = ("depth.txt", "rgb.txt", "infrared.txt")
 
 
 def open_recording(path: Path) -> RecordingReader:
@@ -22,11 +22,17 @@ def open_recording(path: Path) -> RecordingReader:
     RecordingError
         There is no such file, or it is no recording, or it is damaged.
     """
+    if any((path / name).is_file() for name in TUM_LISTS):
+        from adibas.recordings.tum_reader import TumReader
+
+        return TumReader(path)
     from adibas.recordings.mcap_reader import McapReader, cannot_read
 
+    head = b""
     try:
-        with path.open("rb") as file:
-            head = file.read(len(MCAP_MAGIC))
+        if not path.is_dir():
+            with path.open("rb") as file:
+                head = file.read(len(MCAP_MAGIC))
     except OSError as error:
         raise cannot_read(path.name, error) from error
     if head == MCAP_MAGIC:
@@ -62,6 +68,10 @@ def create_recording(
         from adibas.recordings.oni_writer import OniWriter
 
         return OniWriter(path, info, chosen)
+    if not suffix:
+        from adibas.recordings.tum_writer import TumWriter
+
+        return TumWriter(path, info, chosen)
     raise RecordingError(
         "{file} cannot be written: its format is unknown. Choose a name that ends in .mcap or "
         ".oni, or a folder's name without an ending.",

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from adibas.arrays import UInt8Array, UInt16Array
+from adibas.calibration.files import read_calibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings import oni_records as oni
@@ -66,8 +67,6 @@ class OniReader(RecordingReader):
             )
         beside = calibration_path(path)
         if beside.is_file():
-            from adibas.calibration.files import read_calibration
-
             info = replace(info, calibration=read_calibration(beside))
         return info
 

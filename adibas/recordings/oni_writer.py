@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from adibas.arrays import IntArray, UInt8Array, UInt16Array
+from adibas.calibration.files import write_calibration
 from adibas.data.calibration import CameraCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
@@ -210,8 +211,6 @@ class OniWriter(RecordingWriter):
 
     def _write_calibration(self) -> None:
         if self._info.calibration is not None:
-            from adibas.calibration.files import write_calibration
-
             write_calibration(calibration_path(self.path), self._info.calibration)
 
     def abandon(self) -> None:

@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 
+from adibas.calibration.files import calibration_from_json, calibration_to_json
 from adibas.data.frames import SourceInfo
 from adibas.errors import RecordingError
 
@@ -24,8 +25,6 @@ def info_to_texts(info: SourceInfo) -> dict[str, str]:
         "n_dropped": str(info.n_dropped),
     }
     if info.calibration is not None:
-        from adibas.calibration.files import calibration_to_json
-
         texts["calibration"] = json.dumps(calibration_to_json(info.calibration))
     return texts
 
@@ -63,8 +62,6 @@ def info_from_texts(texts: dict[str, str], file: str) -> SourceInfo:
         ) from error
     if calibration is None:
         return info
-    from adibas.calibration.files import calibration_from_json
-
     return replace(info, calibration=calibration_from_json(calibration, file))
 
 

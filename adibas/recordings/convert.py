@@ -1,0 +1,66 @@
+"""One recording format into another, without a change to what was measured."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from adibas.errors import RecordingError
+from adibas.recordings import create_recording, open_recording
+from adibas.recordings.ports import RecordingOptions
+
+
+@dataclass(frozen=True, slots=True)
+class ConversionSummary:
+    """What was written; `notice` says what the source had lost."""
+
+    n_frames: int
+    n_dropped: int
+    notice: str | None
+
+
+def convert(
+    source: Path,
+    target: Path,
+    *,
+    plain: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> ConversionSummary:
+    """Write the recording `source` as `target`, whose name chooses the format.
+
+    Depth, numbers, times, unit, dropped frames and calibration stay the same; colour keeps its
+    bytes where the target has its encoding, and its pixels where not. (.oni plays times in
+    microseconds; the nanoseconds stand behind its end.)
+
+    Parameters
+    ----------
+    plain : bool
+        MCAP only: depth as 16-bit images that any Foxglove reader shows.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+
+    Raises
+    ------
+    RecordingError
+        The source is damaged, the target cannot hold it, or the disk is full. No target is left.
+    """
+    if _is_same(source, target):
+        raise RecordingError(
+            "{file} cannot be converted into itself. Choose another name.", file=target.name
+        )
+    if plain and target.suffix.lower() != ".mcap":
+        raise RecordingError(
+            "{file} cannot be plain: only MCAP has two ways to keep depth. Choose a name that ends "
+            "in .mcap.",
+            file=target.name,
+        )
+    options = RecordingOptions(is_plain=plain, is_live=False)
+    with open_recording(source) as reader, create_recording(target, reader.info, options) as writer:
+        for number, frame in enumerate(reader, 1):
+            writer.write(frame)
+            if progress is not None:
+                progress(number, len(reader))
+    return ConversionSummary(writer.n_frames, writer.n_dropped, reader.notice)
+
+
+def _is_same(source: Path, target: Path) -> bool:
+    return target.exists() and source.exists() and source.samefile(target)
