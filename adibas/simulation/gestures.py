@@ -163,7 +163,8 @@ def _jump(performer: _Performer) -> tuple[_Keys, Flight | None]:
     down, up = performer.lasting(0.5), performer.lasting(0.33)
     flight = Flight(down + up, height_m)
     return [
-        (down, crouch),
+        (0.5 * down, _sinking(performer)),
+        (0.5 * down, crouch),
         (up, stretched),
         (flight.duration_s, stretched),
         (performer.lasting(0.22), _crouch(performer, deep=0.75, arms_back=False)),
@@ -171,11 +172,19 @@ def _jump(performer: _Performer) -> tuple[_Keys, Flight | None]:
     ], flight
 
 
+def _sinking(performer: _Performer) -> Figure:
+    """Return the way down, the arms still before the hips and clear of them."""
+    hips = performer.angle(25)
+    legs = LegAngles(flexion=hips, knee=1.55 * hips)
+    arm = performer.arm(elevation=15, plane=60, rotation=5, elbow=15, pronation=10)
+    return Figure(arm, arm, legs, legs, TrunkAngles(0.5 * hips, 0.65 * hips, 0.15 * hips))
+
+
 def _crouch(performer: _Performer, *, deep: float, arms_back: bool) -> Figure:
     hips = deep * performer.angle(55)
     legs = LegAngles(flexion=hips, knee=1.55 * hips)
-    # Negative, so that the way up leads past the hips and not sideways.
-    back = performer.arm(elevation=-35, plane=80, rotation=0, elbow=15, pronation=10)
+    # Negative, so that the way leads past the hips and not sideways.
+    back = performer.arm(elevation=-35, plane=112, rotation=0, elbow=15, pronation=10)
     fore = performer.arm(elevation=45, plane=70, rotation=10, elbow=30, pronation=30)
     arm = back if arms_back else fore
     return Figure(arm, arm, legs, legs, TrunkAngles(0.5 * hips, 0.65 * hips, 0.15 * hips))

@@ -1,5 +1,7 @@
 """Gestures begin and end at rest, are smooth, and look like what they are called."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from adibas.simulation.gestures import gesture_names, perform
 from adibas.simulation.poses import standing
 
 SEEDS = (0, 1, 7)
-STEP_S = 1 / 60
+STEP_S = 1 / 40
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +19,12 @@ def person():
     return load_body_model().shaped(BodyShape("male", 35, 1.78, 76))
 
 
-def joints_over_time(person, gesture):
+@pytest.fixture(scope="module")
+def joints_over_time(person):
+    return functools.cache(lambda name, seed: tracks_of(person, perform(name, seed)))
+
+
+def tracks_of(person, gesture):
     times_s = np.arange(0.0, gesture.duration_s, STEP_S)
     joints_m = np.stack([person.posed(gesture.pose(t)).joints_m for t in times_s])
     return {name: joints_m[:, k] for k, name in enumerate(JOINT_NAMES)}
@@ -55,39 +62,39 @@ def test_gesture_repeats_with_its_seed_and_differs_with_another(name):
 
 
 @pytest.mark.parametrize("name", gesture_names())
-def test_no_joint_jumps_or_flies(person, name):
-    tracks = joints_over_time(person, perform(name, 2))
+def test_no_joint_jumps_or_flies(joints_over_time, name):
+    tracks = joints_over_time(name, 1)
     for joint, track in tracks.items():
         speed = np.linalg.norm(np.diff(track, axis=0), axis=1) / STEP_S
         assert speed.max() < 12.0, joint
         change = np.abs(np.diff(speed)).max()
-        assert change < 3.0, joint
+        assert change < 4.0, joint
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_jump_is_a_throw(person, seed):
     gesture = perform("jump", seed)
-    times_s = np.arange(0.0, gesture.duration_s, 0.01)
+    times_s = np.arange(0.0, gesture.duration_s, 0.02)
     lift_m = np.array([gesture.pose(t).lift_m for t in times_s])
     lowest_m = np.array([person.posed(gesture.pose(t)).vertices_m[:, 1].max() for t in times_s])
     np.testing.assert_allclose(lowest_m, -lift_m, atol=1e-12)
     assert 0.1 < lift_m.max() < 0.35
     inside = (lift_m[:-2] > 0) & (lift_m[1:-1] > 0) & (lift_m[2:] > 0)
-    falling = np.diff(lift_m, 2)[inside] / 0.01**2
+    falling = np.diff(lift_m, 2)[inside] / 0.02**2
     np.testing.assert_allclose(falling, -9.81, rtol=1e-6)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_bend_brings_the_head_to_the_height_of_the_hips(person, seed):
-    tracks = joints_over_time(person, perform("bend", seed))
+def test_bend_brings_the_head_to_the_height_of_the_hips(joints_over_time, seed):
+    tracks = joints_over_time("bend", seed)
     assert (tracks["head"][:, 1] - tracks["left_hip"][:, 1]).max() > -0.25
     assert np.ptp(tracks["left_foot"], axis=0).max() < 0.03
     assert np.abs(tracks["left_hand"][:, 0] + tracks["right_hand"][:, 0]).max() < 0.01
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_clap_brings_the_hands_together_several_times(person, seed):
-    tracks = joints_over_time(person, perform("clap", seed))
+def test_clap_brings_the_hands_together_several_times(joints_over_time, seed):
+    tracks = joints_over_time("clap", seed)
     gap_m = np.linalg.norm(tracks["left_hand"] - tracks["right_hand"], axis=1)
     closed = gap_m < 0.5 * (gap_m.min() + 0.30)
     meetings = np.count_nonzero(np.diff(closed.astype(int)) == 1)
@@ -96,8 +103,8 @@ def test_clap_brings_the_hands_together_several_times(person, seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_greet_raises_one_hand_beside_the_head_and_waves(person, seed):
-    tracks = joints_over_time(person, perform("greet", seed))
+def test_greet_raises_one_hand_beside_the_head_and_waves(joints_over_time, seed):
+    tracks = joints_over_time("greet", seed)
     highest = {side: -tracks[f"{side}_hand"][:, 1].min() for side in ("left", "right")}
     raised = max(highest, key=highest.get)
     low = min(highest, key=highest.get)
