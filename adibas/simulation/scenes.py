@@ -1,0 +1,344 @@
+"""The simulated clinic's scenes: a patient before a sensor, frame by frame, with the truth.
+
+A frame depends on its number and the scene's settings alone, so frames may be asked for in any
+order and come out the same every time.
+"""
+
+import functools
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
+
+import cv2
+import numpy as np
+
+from adibas.arrays import FloatArray, UInt8Array
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
+from adibas.simulation.body import BodyShape, PosedBody
+from adibas.simulation.color_noise import ColorNoise, ColorSensor
+from adibas.simulation.depth_noise import DepthNoise, DepthSensor
+from adibas.simulation.device import Device, draw_device
+from adibas.simulation.gestures import Gesture, gesture_names, perform
+from adibas.simulation.light import Illumination, draw_illumination
+from adibas.simulation.looks import Look, draw_look
+from adibas.simulation.patient import SHAPES, MarkerSettings, Patient
+from adibas.simulation.poses import Pose, View
+from adibas.simulation.postures import POSTURES, random_sway
+from adibas.simulation.room import Room, draw_room
+from adibas.simulation.rotations import about
+from adibas.simulation.studio import ColorStudio, DepthStudio
+from adibas.simulation.truth import FrameTruth, SimulatedFrame
+
+Mounting: TypeAlias = Literal["landscape", "portrait"]
+
+FRAME_RATE_HZ = 30.0
+CLOCK_JITTER_NS = 150_000
+VIEWS: tuple[View, ...] = ("anterior", "posterior", "left_lateral", "right_lateral")
+
+_BOTH = ("left_", "right_")
+VIEW_MARKERS: dict[str, tuple[str, ...]] = {
+    "anterior": (
+        "glabella",
+        "sternal_notch",
+        *(
+            side + name
+            for name in ("acromion", "asis", "wrist", "patella", "tibial_tuberosity")
+            for side in _BOTH
+        ),
+        "left_medial_epicondyle",
+        "right_medial_epicondyle",
+    ),
+    "posterior": (
+        "c7",
+        "t4",
+        "t10",
+        "l4",
+        *(
+            side + name
+            for name in ("inferior_scapula", "psis", "midleg", "achilles")
+            for side in _BOTH
+        ),
+    ),
+    **{
+        f"{side}_lateral": (
+            f"{side}_tragus",
+            "c7",
+            *(
+                f"{side}_{name}"
+                for name in (
+                    "acromion",
+                    "lateral_epicondyle",
+                    "greater_trochanter",
+                    "knee_joint_line",
+                    "lateral_malleolus",
+                )
+            ),
+        )
+        for side in ("left", "right")
+    },
+}
+"""Landmarks that a clinician marks for each view."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneSettings:
+    """One scene; None means: drawn from the seed.
+
+    Attributes
+    ----------
+    seed : int
+        Of everything that is not set.
+    view : str
+        Side that the patient shows.
+    posture : str
+        One of `adibas.simulation.postures.POSTURES`.
+    gesture : str or None
+        Done over and over instead of standing in the posture.
+    is_swaying : bool
+        As living people do.
+    has_patient : bool
+        Else the room is empty.
+    distance_m, camera_height_m, tilt_rad : float
+        Of the sensor from the patient, above the floor, and its look downwards; at 2 m (thesis) a
+        landscape image shows 1.6 m of the patient, at 2.6 m all.
+    mounting : "landscape" or "portrait"
+        Portrait: the sensor turned by 90 degrees to the right, so the image shows the patient
+        lying with the head to the left.
+    color_size : (height, width)
+        (1024, 1280) or (480, 640).
+    markers : MarkerSettings
+    shape, look : BodyShape, Look or None
+    room, illumination : Room, Illumination or None
+    depth_noise, color_noise : DepthNoise, ColorNoise
+    device_seed : int or None
+        Which sensor; None: the scene's seed.
+    knows_bias : bool
+        Whether the calibration handed out corrects the device's depth error.
+    jpeg_quality : int or None
+        Colour as JPEG of that quality; None: as it is.
+    color_delay_s : float
+        By how much the colour is taken after the depth (PEERS: up to one frame).
+    n_frames : int or None
+        None: without end.
+    """
+
+    seed: int = 0
+    view: View = "anterior"
+    posture: str = "relaxed"
+    gesture: str | None = None
+    is_swaying: bool = True
+    has_patient: bool = True
+    distance_m: float = 2.0
+    camera_height_m: float = 0.95
+    tilt_rad: float = 0.0
+    mounting: Mounting = "landscape"
+    color_size: tuple[int, int] = (1024, 1280)
+    markers: MarkerSettings = field(default_factory=MarkerSettings)
+    shape: BodyShape | None = None
+    look: Look | None = None
+    room: Room | None = None
+    illumination: Illumination | None = None
+    depth_noise: DepthNoise = field(default_factory=DepthNoise)
+    color_noise: ColorNoise = field(default_factory=ColorNoise)
+    device_seed: int | None = None
+    knows_bias: bool = True
+    jpeg_quality: int | None = None
+    color_delay_s: float = 0.0
+    n_frames: int | None = None
+
+
+class SimulatedScene:
+    """A source of frames with truth.
+
+    Attributes
+    ----------
+    settings : SceneSettings
+    device : Device
+    info : SourceInfo
+        As a real sensor's, with the calibration.
+    n_frames : int or None
+        None: without end.
+    """
+
+    def __init__(self, settings: SceneSettings) -> None:
+        self.settings = settings
+        seed = settings.seed
+        rng = np.random.default_rng([seed, 0x5C])
+        device_seed = seed if settings.device_seed is None else settings.device_seed
+        self.device = draw_device(device_seed, settings.color_size)
+        self.n_frames = settings.n_frames
+        depth_from_world = _sensor_pose(settings)
+        color_from_depth = self.device.calibration.color_from_depth
+        room = settings.room or draw_room(rng)
+        illumination = settings.illumination or draw_illumination(rng)
+        shape = settings.shape or SHAPES[seed % len(SHAPES)]
+        look = settings.look or draw_look(rng, shape.sex)
+        self._patient = _patient(shape, look) if settings.has_patient else None
+        self._sway = random_sway(rng) if settings.is_swaying else None
+        self._gesture = perform(settings.gesture, seed) if settings.gesture else None
+        self._depth_from_world = depth_from_world
+        self._depth_studio = DepthStudio(room, depth_from_world, self.device.depth)
+        self._color_studio = ColorStudio(
+            room, color_from_depth @ depth_from_world, self.device.color, illumination
+        )
+        self._depth_sensor = DepthSensor(self.device, settings.depth_noise, seed)
+        self._color_sensor = ColorSensor(
+            self.device.color, settings.color_noise, illumination, seed
+        )
+        self.info = SourceInfo(
+            depth_unit_m=self.device.calibration.depth_unit_m,
+            frame_rate_hz=FRAME_RATE_HZ,
+            sensor_name="ADiBAS simulator",
+            sensor_serial=self.device.calibration.sensor_serial,
+            calibration=_handed_out(self.device, depth_from_world, settings),
+        )
+
+    def frame(self, index: int) -> SimulatedFrame:
+        """Return frame number `index`, from 0.
+
+        Raises
+        ------
+        IndexError
+            The scene has no such frame.
+        """
+        if index < 0 or (self.n_frames is not None and index >= self.n_frames):
+            raise IndexError(f"frame {index} of {self.n_frames}")
+        timestamp_ns = self._timestamp_ns(index)
+        color_timestamp_ns = timestamp_ns + round(1e9 * self.settings.color_delay_s)
+        posed = self._posed(timestamp_ns)
+        posed_later = posed
+        if color_timestamp_ns != timestamp_ns:
+            posed_later = self._posed(color_timestamp_ns)
+        view = self._depth_studio.view(self._patient, posed)
+        linear, markers = self._color_studio.view(self._patient, posed_later, self.settings.markers)
+        joints_m = self._joints_m(posed)
+        calibration = self.device.calibration
+        truth = FrameTruth(
+            joints_m=joints_m,
+            joints_color_m=calibration.color_from_depth.apply(joints_m),
+            markers=markers,
+            labels=view.labels,
+            depth_m=(1.0 / view.inverse_depth).astype(np.float32),
+            calibration=calibration,
+        )
+        sensor_frame = SensorFrame(
+            sequence=index,
+            timestamp_ns=timestamp_ns,
+            depth_raw=self._depth_sensor.measure(
+                view.inverse_depth, view.reflectance, index, self._holes(posed)
+            ),
+            color=self._encoded(self._color_sensor.take(linear, index)),
+            color_timestamp_ns=color_timestamp_ns,
+        )
+        return SimulatedFrame(sensor_frame, truth)
+
+    def _timestamp_ns(self, index: int) -> int:
+        rng = np.random.default_rng([self.settings.seed, 0x71, index])
+        jitter = int(rng.normal(0.0, CLOCK_JITTER_NS))
+        return 1_000_000_000 + round(index * 1e9 / FRAME_RATE_HZ) + jitter
+
+    def _posed(self, timestamp_ns: int) -> PosedBody | None:
+        if self._patient is None:
+            return None
+        time_s = timestamp_ns * 1e-9
+        pose = _pose(self._gesture, self.settings.posture, time_s)
+        if self._sway is not None:
+            pose = self._sway.applied(pose, time_s)
+        return self._patient.body.posed(pose.facing(self.settings.view))
+
+    def _joints_m(self, posed: PosedBody | None) -> FloatArray:
+        if posed is None:
+            return np.full((15, 3), np.nan)
+        return self._depth_from_world.apply(posed.joints_m)
+
+    def _holes(self, posed: PosedBody | None) -> FloatArray | None:
+        """Return u, v and radius in the depth image of markers that reflect no pattern."""
+        markers = self.settings.markers
+        if self._patient is None or posed is None or markers.hole_radius_m == 0.0:
+            return None
+        points, normals = self._patient.places(posed, markers)
+        points = self._depth_from_world.apply(points)
+        normals = normals @ self._depth_from_world.rotation.T
+        points = points[np.einsum("ij,ij->i", points, normals) < 0]
+        k = self.device.depth.intrinsics
+        z_m = points[:, 2]
+        u, v = k.fx * points[:, 0] / z_m + k.cx, k.fy * points[:, 1] / z_m + k.cy
+        return np.stack([u, v, k.fx * markers.hole_radius_m / z_m], axis=1)
+
+    def _encoded(self, picture: UInt8Array) -> UInt8Array | EncodedImage:
+        quality = self.settings.jpeg_quality
+        if quality is None:
+            return picture
+        _, payload = cv2.imencode(
+            ".jpg", picture[..., ::-1], [int(cv2.IMWRITE_JPEG_QUALITY), quality]
+        )
+        return EncodedImage("jpeg", payload.tobytes())
+
+
+def scene_names() -> tuple[str, ...]:
+    """Return the names that `open_scene` knows."""
+    return tuple(_scenes())
+
+
+def open_scene(name: str, seed: int = 0, **changes: object) -> SimulatedScene:
+    """Return the scene `name`, with the patient, room, light and sensor of `seed`.
+
+    `changes` replace fields of its `SceneSettings`.
+
+    Raises
+    ------
+    KeyError
+        There is no such scene.
+    """
+    settings = _scenes()[name]
+    return SimulatedScene(replace(settings, seed=seed, **changes))  # type: ignore[arg-type]
+
+
+@functools.cache
+def _scenes() -> dict[str, SceneSettings]:
+    scenes = {}
+    for view in VIEWS:
+        settings = SceneSettings(view=view, markers=MarkerSettings(VIEW_MARKERS[view]))
+        scenes[view] = settings
+        scenes[f"{view}_led"] = replace(
+            settings, markers=replace(settings.markers, kind="led", diameter_m=0.005)
+        )
+    scenes["standing"] = scenes["anterior"]
+    for gesture in gesture_names():
+        scenes[gesture] = SceneSettings(gesture=gesture, distance_m=2.7)
+    scenes["empty"] = SceneSettings(has_patient=False)
+    return scenes
+
+
+@functools.lru_cache(maxsize=8)
+def _patient(shape: BodyShape, look: Look) -> Patient:
+    return Patient.dressed(shape, look)
+
+
+def _pose(gesture: Gesture | None, posture: str, time_s: float) -> Pose:
+    if gesture is None:
+        return POSTURES[posture].pose()
+    return gesture.pose((time_s - 1.0) % (gesture.duration_s + 0.5))
+
+
+def _sensor_pose(settings: SceneSettings) -> RigidTransform:
+    """Return depth_from_world."""
+    rotation = about(np.array([1.0, 0.0, 0.0]), settings.tilt_rad)
+    if settings.mounting == "portrait":
+        rotation = about(np.array([0.0, 0.0, 1.0]), -math.pi / 2) @ rotation
+    eye_m = np.array([0.0, -settings.camera_height_m, -settings.distance_m])
+    return RigidTransform(rotation, -rotation @ eye_m)
+
+
+def _handed_out(
+    device: Device, depth_from_world: RigidTransform, settings: SceneSettings
+) -> RgbdCalibration:
+    calibration = device.calibration
+    if not settings.knows_bias:
+        calibration = device.without_bias_correction()
+    up = -depth_from_world.rotation[:, 1]
+    floor = Plane(up, float(settings.camera_height_m))
+    return replace(calibration, gravity=-up, floor=floor)
