@@ -142,13 +142,14 @@ def grain(x: float, y: float, z: float) -> float:
 
 
 @compiled
-def mixed(values: FloatArray, corners: Int32Array, weights: FloatArray, column: int) -> float:
+def mixed(
+    values: FloatArray | Float32Array, corners: Int32Array, weights: FloatArray, column: int
+) -> float:
     """Interpolate one column of vertex values."""
-    return (
-        values[corners[0], column] * weights[0]
-        + values[corners[1], column] * weights[1]
-        + values[corners[2], column] * weights[2]
-    )
+    total = 0.0
+    for corner in range(3):
+        total += values[corners[corner], column] * weights[corner]
+    return total
 
 
 @compiled

@@ -68,7 +68,7 @@ class ColorSensor:
     def take(self, linear: Float32Array, moment: int) -> UInt8Array:
         """Return the (H, W, 3) RGB picture of (H, W, 3) linear light; 1 is white paper."""
         if self._blur_px > 0:
-            linear = cv2.GaussianBlur(linear, (0, 0), self._blur_px)
+            linear = np.asarray(cv2.GaussianBlur(linear, (0, 0), self._blur_px), np.float32)
         if not self._noise.is_mosaic:
             return self._perfect(linear)
         raw = np.empty(self._size, np.uint16)
@@ -80,7 +80,7 @@ class ColorSensor:
         )
         expose(linear, camera, self._bank, offsets, raw)
         # OpenCV names a mosaic by its second row: its "BG" begins with red.
-        whole = cv2.cvtColor(raw, cv2.COLOR_BayerBG2RGB)
+        whole = np.asarray(cv2.cvtColor(raw, cv2.COLOR_BayerBG2RGB), np.uint16)
         picture = np.empty((*self._size, 3), np.uint8)
         develop(whole, self._curve, picture)
         return picture

@@ -146,13 +146,13 @@ def _wavering(
 ) -> float:
     """Return 1/z with the outlines displaced by the frame's jitter."""
     height, width = inverse_depth.shape
-    here = inverse_depth[v, u]
+    here = float(inverse_depth[v, u])
     v2 = min(max(v + fields.jitter_v[v, u], 0), height - 1)
     u2 = min(max(u + fields.jitter_u[v, u], 0), width - 1)
-    there = inverse_depth[v2, u2]
+    there = float(inverse_depth[v2, u2])
     if abs(there - here) <= n.edge_step_m * here * there:
         return here
-    fraction = fields.luck[v, u] * 64.0 % 1.0
+    fraction = float(fields.luck[v, u]) * 64.0 % 1.0
     if fraction < n.flying_share:
         return here + (there - here) * fraction / n.flying_share
     return there

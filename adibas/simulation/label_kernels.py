@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from adibas.arrays import Float32Array, Int32Array, UInt8Array
+from adibas.arrays import Float32Array, FloatArray, Int32Array, UInt8Array
 from adibas.kernels import compiled
 from adibas.simulation.color_kernels import Mesh, material_at
 from adibas.simulation.raster import ray_weights
 
 
 @compiled
-def _strongest(part_weights: Float32Array, corners: Int32Array, weights: Float32Array) -> int:
+def _strongest(part_weights: Float32Array, corners: Int32Array, weights: FloatArray) -> int:
     best, most = 0, -1.0
     for part in range(part_weights.shape[1]):
         share = 0.0

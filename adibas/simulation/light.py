@@ -67,7 +67,7 @@ def lamp_position_m(illumination: Illumination, target_m: FloatArray) -> FloatAr
             -level_m * math.cos(illumination.azimuth_rad),
         ]
     )
-    return target_m + offset
+    return np.asarray(target_m + offset)
 
 
 def shadow_camera(

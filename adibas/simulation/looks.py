@@ -109,10 +109,10 @@ def materials(look: Look) -> Materials:
     skin = np.array(look.skin, float)
     albedo = {
         "skin": skin,
-        "hair": look.hair,
-        "top": look.top,
-        "bottom": look.bottom,
-        "shoes": look.shoes,
+        "hair": np.array(look.hair, float),
+        "top": np.array(look.top, float),
+        "bottom": np.array(look.bottom, float),
+        "shoes": np.array(look.shoes, float),
         "eyes": skin * 0.42,
         "lips": skin * (0.88, 0.62, 0.62),
     }

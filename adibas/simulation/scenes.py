@@ -299,7 +299,7 @@ def open_scene(name: str, seed: int = 0, **changes: object) -> SimulatedScene:
 
 @functools.cache
 def _scenes() -> dict[str, SceneSettings]:
-    scenes = {}
+    scenes: dict[str, SceneSettings] = {}
     for view in VIEWS:
         settings = SceneSettings(view=view, markers=MarkerSettings(VIEW_MARKERS[view]))
         scenes[view] = settings

@@ -50,12 +50,13 @@ class DepthStudio:
     def view(self, patient: Patient | None, posed: PosedBody | None) -> DepthView:
         """Return the noise-free image of one moment."""
         back = self._backdrop
-        labels = np.zeros(back.inverse_depth.shape, np.uint8)
+        size = (self._camera.height, self._camera.width)
+        labels = np.zeros(size, np.uint8)
         if patient is None or posed is None:
             return DepthView(back.inverse_depth, labels, back.infrared)
         mesh = mesh_in(self._from_world, patient, posed)
         inverse_depth, seen = draw(
-            mesh.vertices, mesh.triangles, self._lens, labels.shape, hides_back_faces=True
+            mesh.vertices, mesh.triangles, self._lens, size, hides_back_faces=True
         )
         seen[inverse_depth < back.inverse_depth] = -1
         reflectance = back.infrared.copy()
@@ -116,7 +117,7 @@ class ColorStudio:
             return linear * np.float32(darkness), ()
         mesh = mesh_in(self._from_world, patient, posed)
         lamp = self._lamp(mesh.vertices, mesh.triangles)
-        grown = cv2.dilate(lamp.nearest, np.ones((7, 7), np.uint8))
+        grown = np.asarray(cv2.dilate(lamp.nearest, np.ones((7, 7), np.uint8)), np.float32)
         shade_room(self._places, self._direct, grown, lamp, linear)
         inverse_depth = self._draw_person(mesh, patient, lamp, linear)
         truths = self._paint_markers(patient, posed, markers, (inverse_depth, lamp, linear))
