@@ -168,6 +168,8 @@ def _walk(file: BinaryIO, size: int, start: int, index: McapIndex) -> None:
             index.starts.append(position)
             index.times_ns.append(min(time_ns, MAX_TIMESTAMP_NS))
             ends.append(end)
+        elif ends:
+            ends[-1] = end
         position = end
     n_whole = _count_whole(file, size, index.starts)
     del index.starts[n_whole:], index.times_ns[n_whole:], sequences[n_whole:]

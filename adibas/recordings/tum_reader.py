@@ -15,7 +15,7 @@ from adibas.recordings.association import associate
 from adibas.recordings.decoding import JPEG_SIGNATURE, PNG_SIGNATURE, encoded_size
 from adibas.recordings.mcap_reader import cannot_read, damaged_frame
 from adibas.recordings.mcap_records import DamagedError
-from adibas.recordings.ports import MAX_SEQUENCE, RecordingReader
+from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS, RecordingReader
 from adibas.recordings.rvl import MAX_PIXELS
 from adibas.recordings.source_info import info_from_texts
 from adibas.recordings.tum_lists import (
@@ -38,14 +38,10 @@ PNG_16_BIT_GREY = (16, 0)
 @dataclass(frozen=True, slots=True)
 class _Frame:
     sequence: int
+    time_ns: int
     depth: ListedImage | None
     color: ListedImage | None
     infrared: ListedImage | None
-
-    @property
-    def time_ns(self) -> int:
-        first = self.depth or self.infrared or self.color
-        return 0 if first is None else first.time_ns
 
 
 class TumReader(RecordingReader):
@@ -165,24 +161,25 @@ def _frames(path: Path, notes: dict[str, object]) -> list[_Frame]:
     for row in rows if isinstance(rows, list) else ():
         if not _is_row(row):
             raise _bad_notes()
-        sequence, *names = row
-        images = [
-            listed.pop(name, None)
-            for listed, name in zip((depth, color, infrared), names, strict=True)
-        ]
+        sequence, noted_ns, *names = row
+        lists = (depth, color, infrared)
+        images = [listed.pop(name, None) for listed, name in zip(lists, names, strict=True)]
         if any(images):
-            frames.append(_Frame(sequence, *images))
+            of_depth = images[0] or images[2]
+            time_ns = noted_ns if of_depth is None else of_depth.time_ns
+            frames.append(_Frame(sequence, time_ns, *images))
     frames += _pair_by_time(list(depth.values()), list(color.values()), len(frames))
     return frames
 
 
 def _is_row(row: object) -> bool:
-    """Say whether `row` is (sequence, three names or None)."""
-    if not (isinstance(row, list) and len(row) == 4):  # noqa: PLR2004
+    """Say whether `row` is (sequence, time in ns, three names or None)."""
+    if not (isinstance(row, list) and len(row) == 5):  # noqa: PLR2004
         return False
-    sequence = row[0]
-    is_number = isinstance(sequence, int) and 0 <= sequence <= MAX_SEQUENCE
-    return is_number and all(name is None or isinstance(name, str) for name in row[1:])
+    sequence, time_ns, *names = row
+    are_numbers = isinstance(sequence, int) and isinstance(time_ns, int)
+    in_range = are_numbers and 0 <= sequence <= MAX_SEQUENCE and 0 <= time_ns <= MAX_TIMESTAMP_NS
+    return in_range and all(name is None or isinstance(name, str) for name in names)
 
 
 def _pair_by_time(
@@ -192,15 +189,14 @@ def _pair_by_time(
         np.array([image.time_ns for image in depth], np.int64),
         np.array([image.time_ns for image in color], np.int64),
     )
-    return [
-        _Frame(
-            sequence=first_sequence + number,
-            depth=None if i is None else depth[i],
-            color=None if j is None else color[j],
-            infrared=None,
-        )
-        for number, (i, j) in enumerate(pairs)
-    ]
+    frames = []
+    for number, (i, j) in enumerate(pairs):
+        of_depth = None if i is None else depth[i]
+        of_color = None if j is None else color[j]
+        first = of_depth or of_color
+        time_ns = 0 if first is None else first.time_ns
+        frames.append(_Frame(first_sequence + number, time_ns, of_depth, of_color, None))
+    return frames
 
 
 def _info(

@@ -42,7 +42,7 @@ class TumWriter(RecordingWriter):
         self._info = info
         self._drops = DropCount(info.n_dropped)
         self._lists: dict[str, list[ListedImage]] = {name: [] for name in TITLES}
-        self._frames: list[tuple[int, str | None, str | None, str | None]] = []
+        self._frames: list[tuple[int | str | None, ...]] = []
         self._is_open = True
         if path.exists() and not (path.is_dir() and not any(path.iterdir())):
             raise RecordingError(
@@ -80,7 +80,7 @@ class TumWriter(RecordingWriter):
             payload = encode_png16(frame.infrared_raw)
             name = f"infrared/{number}.png"
             names[2] = self._add(INFRARED_LIST, name, frame.timestamp_ns, payload)
-        self._frames.append((frame.sequence, names[0], names[1], names[2]))
+        self._frames.append((frame.sequence, frame.timestamp_ns, *names))
         self._drops.see(frame.sequence)
         self.n_frames += 1
 
@@ -120,7 +120,7 @@ class TumWriter(RecordingWriter):
                 text = format_list(TITLES[name], images)
                 (self._part / name).write_text(text, encoding="utf-8")
         info = replace(self._info, calibration=None, n_dropped=self.n_dropped)
-        columns = ("sequence", "depth", "color", "infrared")
+        columns = ("sequence", "timestamp_ns", "depth", "color", "infrared")
         notes = {**info_to_texts(info), "columns": columns, "frames": self._frames}
         (self._part / NOTES_FILE).write_text(json.dumps(notes), encoding="utf-8")
 
