@@ -18,7 +18,7 @@ from adibas.recordings.decoding import decode_color, encoded_size
 from adibas.recordings.oni_codec import encode_16zt
 from adibas.recordings.part_file import PartFile
 from adibas.recordings.ports import DropCount, RecordingOptions, RecordingWriter, check_frame
-from adibas.recordings.source_info import info_to_texts
+from adibas.recordings.source_info import calibration_to_keep, info_to_texts
 
 DEPTH, COLOR, INFRARED = 1, 2, 3
 NAMES = {DEPTH: "Depth", COLOR: "Image", INFRARED: "IR"}
@@ -210,8 +210,9 @@ class OniWriter(RecordingWriter):
         return texts + table + sizes + struct.pack("<Q", start) + TRAILER_MAGIC
 
     def _write_calibration(self) -> None:
-        if self._info.calibration is not None:
-            write_calibration(calibration_path(self.path), self._info.calibration)
+        calibration = calibration_to_keep(self._info)
+        if calibration is not None:
+            write_calibration(calibration_path(self.path), calibration)
 
     def abandon(self) -> None:
         """Remove everything that was written."""

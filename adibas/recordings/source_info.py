@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 from adibas.calibration.files import calibration_from_json, calibration_to_json
+from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SourceInfo
 from adibas.errors import RecordingError
 
@@ -24,9 +25,17 @@ def info_to_texts(info: SourceInfo) -> dict[str, str]:
         "is_depth_registered": "true" if info.is_depth_registered else "false",
         "n_dropped": str(info.n_dropped),
     }
-    if info.calibration is not None:
-        texts["calibration"] = json.dumps(calibration_to_json(info.calibration))
+    calibration = calibration_to_keep(info)
+    if calibration is not None:
+        texts["calibration"] = json.dumps(calibration_to_json(calibration))
     return texts
+
+
+def calibration_to_keep(info: SourceInfo) -> RgbdCalibration | None:
+    """Return the calibration; None where it has no camera: it could not be read back."""
+    calibration = info.calibration
+    has_camera = calibration is not None and (calibration.color or calibration.depth)
+    return calibration if has_camera else None
 
 
 def info_from_texts(texts: dict[str, str], file: str) -> SourceInfo:

@@ -68,7 +68,7 @@ def read_list(folder: Path, name: str) -> list[ListedImage]:
 
 def _parse_line(line: str) -> ListedImage | None:
     parts = line.split()
-    if len(parts) < 2 or not _stays_inside(parts[1]):  # noqa: PLR2004  (time and name)
+    if len(parts) < 2 or not parts[0].isascii() or not _stays_inside(parts[1]):  # noqa: PLR2004  (time and name)
         return None
     time_ns = _parse_time_ns(parts[0])
     return None if time_ns is None else ListedImage(time_ns, parts[1])
@@ -77,7 +77,7 @@ def _parse_line(line: str) -> ListedImage | None:
 def _parse_time_ns(text: str) -> int | None:
     """Return decimal seconds as nanoseconds; None where that is no time."""
     whole, _, decimals = text.partition(".")
-    if whole.isdecimal() and whole.isascii() and (decimals + "0").isdecimal() and text.isascii():
+    if whole.isdecimal() and (decimals + "0").isdecimal():
         time_ns = int(whole[:20]) * NS_PER_S + int(decimals[:N_DECIMALS].ljust(N_DECIMALS, "0"))
         return time_ns if time_ns <= MAX_TIMESTAMP_NS and len(whole) <= len("9223372036") else None
     try:

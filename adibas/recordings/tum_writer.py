@@ -14,7 +14,7 @@ from adibas.errors import RecordingError
 from adibas.recordings.decoding import PNG_LEVEL, encode_color
 from adibas.recordings.part_file import cannot_record
 from adibas.recordings.ports import DropCount, RecordingOptions, RecordingWriter, check_frame
-from adibas.recordings.source_info import info_to_texts
+from adibas.recordings.source_info import calibration_to_keep, info_to_texts
 from adibas.recordings.tum_lists import (
     COLOR_LIST,
     DEPTH_LIST,
@@ -105,8 +105,9 @@ class TumWriter(RecordingWriter):
         self._is_open = False
         try:
             self._write_texts()
-            if self._info.calibration is not None:
-                write_calibration(self._part / CALIBRATION_FILE, self._info.calibration)
+            calibration = calibration_to_keep(self._info)
+            if calibration is not None:
+                write_calibration(self._part / CALIBRATION_FILE, calibration)
             self._part.chmod(0o777 & ~_umask())
             self._part.replace(self.path)
         except OSError as error:
