@@ -105,7 +105,7 @@ def test_left_and_right_mirror_each_other(stood):
     for name in PAIRED:
         left, right = stood.landmarks[f"left_{name}"], stood.landmarks[f"right_{name}"]
         assert left[0] > 0.01
-        np.testing.assert_allclose(right, left * [-1, 1, 1], atol=0.005, err_msg=name)
+        np.testing.assert_allclose(right, left * [-1, 1, 1], atol=0.001, err_msg=name)
 
 
 def test_spine_goes_down_the_midline_of_the_back(stood):
