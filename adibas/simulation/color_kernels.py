@@ -162,47 +162,68 @@ def material_at(covers: Float32Array, corners: Int32Array, weights: FloatArray) 
 
 
 @compiled
+def _look_at(
+    covers: Float32Array,
+    corners: Int32Array,
+    weights: FloatArray,
+    looks: tuple[Float32Array, float],
+    look: FloatArray,
+) -> None:
+    """Write albedo and finish (6,) of a point: the covers laid over the skin, hems smoothed.
+
+    `looks` are those of all materials (M, 6), and the width of a pixel in metres.
+    """
+    table, pixel_m = looks
+    look[:] = table[0]
+    for cover in range(covers.shape[1]):
+        share = 0.5 + mixed(covers, corners, weights, cover) / pixel_m
+        if share >= 1.0:
+            look[:] = table[cover + 1]
+        elif share > 0.0:
+            look += share * (table[cover + 1] - look)
+
+
+@compiled
 def shade_person(
     mesh: Mesh,
     images: tuple[Float32Array, Int32Array, Float32Array],
-    looks: tuple[Float32Array, Float32Array],
+    looks: tuple[Float32Array, float],
     lamp: Lamp,
     linear: Float32Array,
 ) -> None:
     """Paint the person over (H, W, 3) `linear`, which already holds the room.
 
-    `images` are 1/z, triangle and rays (H, W, 2); `looks` are albedo (M, 3) and, by row of the
-    materials, their finish (M, 3): see `looks.Materials`.
+    `images` are 1/z, triangle and rays (H, W, 2); `looks` are albedo and finish of the materials
+    side by side (M, 6), see `looks.Materials`, and the angle of a pixel.
     """
     inverse_depth, seen, rays = images
-    albedo, finish = looks
-    weights = np.empty(3)
+    weights, look = np.empty(3), np.empty(6)
     normal, rest = np.empty(3), np.empty(3)
     for v in range(seen.shape[0]):
         for u in range(seen.shape[1]):
             if seen[v, u] < 0:
                 continue
             corners = mesh.triangles[seen[v, u]]
-            x, y = rays[v, u, 0], rays[v, u, 1]
+            x, y, z = rays[v, u, 0], rays[v, u, 1], 1.0 / inverse_depth[v, u]
             weights[0], weights[1] = ray_weights(
                 x, y, mesh.vertices, corners[0], corners[1], corners[2]
             )
             weights[2] = 1.0 - weights[0] - weights[1]
+            _look_at(mesh.covers, corners, weights, (looks[0], looks[1] * z), look)
             for axis in range(3):
                 normal[axis] = mixed(mesh.normals, corners, weights, axis)
-                rest[axis] = mixed(mesh.rest, corners, weights, axis)
+                rest[axis] = mixed(mesh.rest, corners, weights, axis) / look[5]
             scale = 1.0 / math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-            z = 1.0 / inverse_depth[v, u]
             point = (x * z, y * z, z)
-            lit = lit_share(point[0], point[1], point[2], lamp)
             light, highlight = brightness(
-                point, (normal[0] * scale, normal[1] * scale, normal[2] * scale), lit, lamp
+                point,
+                (normal[0] * scale, normal[1] * scale, normal[2] * scale),
+                lit_share(point[0], point[1], point[2], lamp),
+                lamp,
             )
-            m = material_at(mesh.covers, corners, weights)
-            size = finish[m, 2]
-            light *= 1.0 + finish[m, 1] * grain(rest[0] / size, rest[1] / size, rest[2] / size)
+            light *= 1.0 + look[4] * grain(rest[0], rest[1], rest[2])
             for channel in range(3):
-                linear[v, u, channel] = light * albedo[m, channel] + highlight * finish[m, 0]
+                linear[v, u, channel] = light * look[channel] + highlight * look[3]
 
 
 @compiled

@@ -32,7 +32,7 @@ class ColorNoise:
         One colour a pixel behind an RGGB filter, the rest interpolated, as in the real device.
     """
 
-    blur_px: float = 0.6
+    blur_px: float = 0.7
     full_well: float = 4000.0
     read_noise: float = 8.0
     corner_loss: float = 0.2

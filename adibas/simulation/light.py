@@ -47,7 +47,7 @@ def draw_illumination(rng: np.random.Generator) -> Illumination:
     """Return the light of some clinic room: lamp, level, colour and white balance all vary."""
     red, blue = rng.normal(0.0, 0.05, 2)
     return Illumination(
-        level=float(rng.uniform(0.65, 1.1)),
+        level=float(rng.uniform(0.75, 1.25)),
         temperature_k=float(rng.uniform(2900.0, 6500.0)),
         white_balance_error=(float(red), float(blue)),
         azimuth_rad=float(rng.uniform(-1.1, 1.1)),

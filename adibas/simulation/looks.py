@@ -114,7 +114,7 @@ def materials(look: Look) -> Materials:
         "bottom": np.array(look.bottom, float),
         "shoes": np.array(look.shoes, float),
         "eyes": skin * 0.42,
-        "lips": skin * (0.88, 0.62, 0.62),
+        "lips": skin * (0.9, 0.7, 0.7),
     }
     linear = {name: linear_from_srgb(color) for name, color in albedo.items()}
     infrared = {
@@ -177,6 +177,6 @@ def _lips_m(body: ShapedBody) -> FloatArray:
     on_head = body.model.part_weights[:, BODY_PART_NAMES.index("head")] > 0.5  # noqa: PLR2004
     is_middle = np.abs(vertices_m[:, 0]) < 0.01  # noqa: PLR2004
     front_m = float(vertices_m[on_head & is_middle, 2].min())
-    mouth = np.array([0.0, eye[1] + 2.2 * eye[0], front_m + 0.02])
+    mouth = np.array([0.0, eye[1] + 2.33 * eye[0], front_m + 0.02])
     stretched = (vertices_m - mouth) * (1.0, 2.6, 0.6)
     return np.asarray(0.8 * eye[0] - np.linalg.norm(stretched, axis=1))

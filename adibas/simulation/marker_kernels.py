@@ -122,6 +122,29 @@ def paint_markers(
 
 
 @compiled
+def place_balls(
+    centers: FloatArray, radius: float, rays: Float32Array, inverse_depth: Float32Array
+) -> None:
+    """Put balls, centres (N, 3) in camera axes, before what (H, W) `inverse_depth` holds."""
+    shape = np.zeros(7)
+    shape[6] = radius
+    for m in range(centers.shape[0]):
+        shape[:3] = centers[m]
+        reach = 1.1 * radius / shape[2]
+        x0, y0 = shape[0] / shape[2], shape[1] / shape[2]
+        for v in range(rays.shape[0]):
+            # Without distortion all pixels of a row share y.
+            if abs(rays[v, 0, 1] - y0) > reach:
+                continue
+            for u in range(rays.shape[1]):
+                if abs(rays[v, u, 0] - x0) > reach:
+                    continue
+                z = _distance(rays[v, u, 0], rays[v, u, 1], shape, BALL)
+                if z * inverse_depth[v, u] < 1.0 and z > 0.0:
+                    inverse_depth[v, u] = np.float32(1.0 / z)
+
+
+@compiled
 def add_glow(
     centers: FloatArray, power: FloatArray, spread: FloatArray, linear: Float32Array
 ) -> None:

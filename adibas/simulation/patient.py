@@ -1,5 +1,6 @@
 """A simulated person with clothes, and what sticks to the skin."""
 
+import functools
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -88,7 +89,7 @@ class Patient:
     @staticmethod
     def dressed(shape: BodyShape, look: Look) -> "Patient":
         """Return the person of that shape in these clothes."""
-        body = load_body_model().shaped(shape)
+        body = _shaped(shape)
         return Patient(
             body,
             surface_fields(body, look.cut),
@@ -113,6 +114,11 @@ class Patient:
         if markers.kind == "ball":
             points = points + markers.radius_m * normals
         return points, normals
+
+
+@functools.lru_cache(maxsize=16)
+def _shaped(shape: BodyShape) -> ShapedBody:
+    return load_body_model().shaped(shape)
 
 
 SHAPES = (

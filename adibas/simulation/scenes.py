@@ -30,7 +30,7 @@ from adibas.simulation.postures import POSTURES, random_sway
 from adibas.simulation.room import Room, draw_room
 from adibas.simulation.rotations import about
 from adibas.simulation.studio import ColorStudio, DepthStudio
-from adibas.simulation.truth import FrameTruth, SimulatedFrame
+from adibas.simulation.truth import FrameTruth, MarkerTruth, SimulatedFrame
 
 Mounting: TypeAlias = Literal["landscape", "portrait"]
 
@@ -107,6 +107,8 @@ class SceneSettings:
     mounting : "landscape" or "portrait"
         Portrait: the sensor turned by 90 degrees to the right, so the image shows the patient
         lying with the head to the left.
+    has_color : bool
+        Else depth and labels alone, three times as fast; the truth then has no markers.
     color_size : (height, width)
         (1024, 1280) or (480, 640).
     markers : MarkerSettings
@@ -135,6 +137,7 @@ class SceneSettings:
     camera_height_m: float = 0.95
     tilt_rad: float = 0.0
     mounting: Mounting = "landscape"
+    has_color: bool = True
     color_size: tuple[int, int] = (1024, 1280)
     markers: MarkerSettings = field(default_factory=MarkerSettings)
     shape: BodyShape | None = None
@@ -181,13 +184,13 @@ class SimulatedScene:
         self._gesture = perform(settings.gesture, seed) if settings.gesture else None
         self._depth_from_world = depth_from_world
         self._depth_studio = DepthStudio(room, depth_from_world, self.device.depth)
-        self._color_studio = ColorStudio(
-            room, color_from_depth @ depth_from_world, self.device.color, illumination
-        )
         self._depth_sensor = DepthSensor(self.device, settings.depth_noise, seed)
-        self._color_sensor = ColorSensor(
-            self.device.color, settings.color_noise, illumination, seed
-        )
+        self._color_studio = self._color_sensor = None
+        if settings.has_color:
+            camera = self.device.color
+            color_from_world = color_from_depth @ depth_from_world
+            self._color_studio = ColorStudio(room, color_from_world, camera, illumination)
+            self._color_sensor = ColorSensor(camera, settings.color_noise, illumination, seed)
         self.info = SourceInfo(
             depth_unit_m=self.device.calibration.depth_unit_m,
             frame_rate_hz=FRAME_RATE_HZ,
@@ -207,13 +210,14 @@ class SimulatedScene:
         if index < 0 or (self.n_frames is not None and index >= self.n_frames):
             raise IndexError(f"frame {index} of {self.n_frames}")
         timestamp_ns = self._timestamp_ns(index)
-        color_timestamp_ns = timestamp_ns + round(1e9 * self.settings.color_delay_s)
         posed = self._posed(timestamp_ns)
-        posed_later = posed
-        if color_timestamp_ns != timestamp_ns:
-            posed_later = self._posed(color_timestamp_ns)
-        view = self._depth_studio.view(self._patient, posed)
-        linear, markers = self._color_studio.view(self._patient, posed_later, self.settings.markers)
+        view = self._depth_studio.view(self._patient, posed, self.settings.markers)
+        depth_raw = self._depth_sensor.measure(
+            view.inverse_depth, view.reflectance, index, self._holes(posed)
+        )
+        color_timestamp_ns = timestamp_ns + round(1e9 * self.settings.color_delay_s)
+        posed_later = posed if self.settings.color_delay_s == 0 else self._posed(color_timestamp_ns)
+        color, markers = self._color(posed_later, index)
         joints_m = self._joints_m(posed)
         calibration = self.device.calibration
         truth = FrameTruth(
@@ -221,19 +225,31 @@ class SimulatedScene:
             joints_color_m=calibration.color_from_depth.apply(joints_m),
             markers=markers,
             labels=view.labels,
-            depth_m=(1.0 / view.inverse_depth).astype(np.float32),
+            depth_m=1.0 / view.inverse_depth,
             calibration=calibration,
         )
         sensor_frame = SensorFrame(
             sequence=index,
             timestamp_ns=timestamp_ns,
-            depth_raw=self._depth_sensor.measure(
-                view.inverse_depth, view.reflectance, index, self._holes(posed)
-            ),
-            color=self._encoded(self._color_sensor.take(linear, index)),
-            color_timestamp_ns=color_timestamp_ns,
+            depth_raw=depth_raw,
+            color=color,
+            color_timestamp_ns=None if color is None else color_timestamp_ns,
         )
         return SimulatedFrame(sensor_frame, truth)
+
+    def _color(
+        self, posed: PosedBody | None, index: int
+    ) -> tuple[UInt8Array | EncodedImage | None, tuple[MarkerTruth, ...]]:
+        if self._color_studio is None or self._color_sensor is None:
+            return None, ()
+        linear, markers = self._color_studio.view(self._patient, posed, self.settings.markers)
+        picture = self._color_sensor.take(linear, index)
+        quality = self.settings.jpeg_quality
+        if quality is None:
+            return picture, markers
+        flags = [int(cv2.IMWRITE_JPEG_QUALITY), quality]
+        _, payload = cv2.imencode(".jpg", picture[..., ::-1], flags)
+        return EncodedImage("jpeg", payload.tobytes()), markers
 
     def _timestamp_ns(self, index: int) -> int:
         rng = np.random.default_rng([self.settings.seed, 0x71, index])
@@ -267,15 +283,6 @@ class SimulatedScene:
         z_m = points[:, 2]
         u, v = k.fx * points[:, 0] / z_m + k.cx, k.fy * points[:, 1] / z_m + k.cy
         return np.stack([u, v, k.fx * markers.hole_radius_m / z_m], axis=1)
-
-    def _encoded(self, picture: UInt8Array) -> UInt8Array | EncodedImage:
-        quality = self.settings.jpeg_quality
-        if quality is None:
-            return picture
-        _, payload = cv2.imencode(
-            ".jpg", picture[..., ::-1], [int(cv2.IMWRITE_JPEG_QUALITY), quality]
-        )
-        return EncodedImage("jpeg", payload.tobytes())
 
 
 def scene_names() -> tuple[str, ...]:

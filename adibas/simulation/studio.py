@@ -13,7 +13,7 @@ from adibas.simulation.body import PosedBody
 from adibas.simulation.color_kernels import Lamp, Mesh, light_room, shade_person, shade_room
 from adibas.simulation.label_kernels import label_person
 from adibas.simulation.light import Illumination, lamp_position_m, shadow_camera
-from adibas.simulation.marker_kernels import BALL, DISC, add_glow, paint_markers
+from adibas.simulation.marker_kernels import BALL, DISC, add_glow, paint_markers, place_balls
 from adibas.simulation.patient import MarkerSettings, Patient
 from adibas.simulation.raster import draw, lens_vector
 from adibas.simulation.room import Room, chair_mesh, see_room
@@ -47,8 +47,10 @@ class DepthStudio:
         self._lens = lens_vector(camera.intrinsics, camera.distortion)
         self._backdrop = see_room(room, from_world, camera)
 
-    def view(self, patient: Patient | None, posed: PosedBody | None) -> DepthView:
-        """Return the noise-free image of one moment."""
+    def view(
+        self, patient: Patient | None, posed: PosedBody | None, markers: MarkerSettings
+    ) -> DepthView:
+        """Return the noise-free image of one moment; stickers are flat, balls stand out."""
         back = self._backdrop
         size = (self._camera.height, self._camera.width)
         labels = np.zeros(size, np.uint8)
@@ -67,7 +69,11 @@ class DepthStudio:
             (seen, back.rays),
             (labels, reflectance),
         )
-        return DepthView(np.maximum(inverse_depth, back.inverse_depth), labels, reflectance)
+        inverse_depth = np.maximum(inverse_depth, back.inverse_depth)
+        if markers.kind == "ball" and markers.names:
+            centers_m = self._from_world.apply(patient.places(posed, markers)[0])
+            place_balls(centers_m, markers.radius_m, back.rays, inverse_depth)
+        return DepthView(inverse_depth, labels, reflectance)
 
 
 class ColorStudio:
@@ -135,10 +141,9 @@ class ColorStudio:
             mesh.vertices, mesh.triangles, self._lens, size, hides_back_faces=True
         )
         seen[inverse_depth < back.inverse_depth] = -1
-        looks = patient.materials
-        shade_person(
-            mesh, (inverse_depth, seen, back.rays), (looks.albedo, looks.finish), lamp, linear
-        )
+        looks = np.column_stack([patient.materials.albedo, patient.materials.finish])
+        pixel_rad = 1.0 / self._camera.intrinsics.fx
+        shade_person(mesh, (inverse_depth, seen, back.rays), (looks, pixel_rad), lamp, linear)
         return np.maximum(inverse_depth, back.inverse_depth)
 
     def _lamp(self, vertices_m: FloatArray, triangles: Int32Array) -> Lamp:
