@@ -1,6 +1,7 @@
 """Colour images out of and into JPEG and PNG, and raw frames into metres."""
 
 import struct
+import zlib
 
 import numpy as np
 
@@ -11,8 +12,11 @@ from adibas.recordings.ports import RecordingOptions
 
 MAX_COLOR_PIXELS = 64_000_000
 """Largest image that is decoded: a few bytes must not ask for gigabytes."""
+MAX_PIXELS_PER_BYTE = 1032
+"""Deflate's best ratio, at one byte a pixel; JPEG needs a bit for each block of 64 pixels."""
 PNG_LEVEL = 1
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+PNG_PART_OVERHEAD = 12
 JPEG_SIGNATURE = b"\xff\xd8\xff"
 JPEG_MARKER = 0xFF
 JPEG_FRAME_STARTS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
@@ -56,7 +60,8 @@ def decode_color(image: UInt8Array | EncodedImage, sequence: int) -> UInt8Array:
 
     height, width = encoded_size(image.payload)
     color = None
-    if 0 < height * width <= MAX_COLOR_PIXELS and _is_whole(image.payload):
+    is_sane = 0 < height * width <= min(MAX_COLOR_PIXELS, max_pixels(image.payload))
+    if is_sane and is_whole_image(image.payload):
         flags = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION
         try:
             color = cv2.imdecode(np.frombuffer(image.payload, np.uint8), flags)
@@ -94,6 +99,11 @@ def encoded_size(payload: bytes) -> tuple[int, int]:
     return 0, 0
 
 
+def max_pixels(payload: bytes) -> int:
+    """Return how many pixels a JPEG or PNG file of that length can have at all."""
+    return MAX_PIXELS_PER_BYTE * len(payload)
+
+
 def _jpeg_size(payload: bytes) -> tuple[int, int]:
     """Walk the segments up to the start of frame; the marker's number says that it is one."""
     position = 2
@@ -107,8 +117,22 @@ def _jpeg_size(payload: bytes) -> tuple[int, int]:
     return 0, 0
 
 
-def _is_whole(payload: bytes) -> bool:
-    """Say whether the end is there; the decoder would fill what is missing with grey."""
-    if payload.startswith(PNG_SIGNATURE):
-        return payload[-8:-4] == b"IEND"
-    return payload.rstrip(b"\0").endswith(b"\xff\xd9")
+def is_whole_image(payload: bytes) -> bool:
+    """Say whether a JPEG or PNG file is complete: the decoder would fill what is missing with grey.
+
+    Of a PNG file every part is checked: the decoder takes as much memory as a part's length says.
+    """
+    if not payload.startswith(PNG_SIGNATURE):
+        return payload.rstrip(b"\0").endswith(b"\xff\xd9")
+    position = len(PNG_SIGNATURE)
+    kind = b""
+    while position + PNG_PART_OVERHEAD <= len(payload) and kind != b"IEND":
+        end = position + PNG_PART_OVERHEAD + int.from_bytes(payload[position : position + 4], "big")
+        kind = payload[position + 4 : position + 8]
+        crc = zlib.crc32(payload[position + 4 : end - 4])
+        if end > len(payload) or payload[end - 4 : end] != crc.to_bytes(4, "big"):
+            return False
+        if kind == b"acTL":  # an animation, whose pictures have sizes of their own
+            return False
+        position = end
+    return kind == b"IEND"

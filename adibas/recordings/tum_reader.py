@@ -12,7 +12,13 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings.association import associate
-from adibas.recordings.decoding import JPEG_SIGNATURE, PNG_SIGNATURE, encoded_size
+from adibas.recordings.decoding import (
+    JPEG_SIGNATURE,
+    PNG_SIGNATURE,
+    encoded_size,
+    is_whole_image,
+    max_pixels,
+)
 from adibas.recordings.mcap_reader import cannot_read, damaged_frame
 from adibas.recordings.mcap_records import DamagedError
 from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS, RecordingReader
@@ -109,7 +115,8 @@ def decode_png16(payload: bytes) -> UInt16Array:
 
     height, width = encoded_size(payload)
     is_png16 = payload.startswith(PNG_SIGNATURE) and tuple(payload[24:26]) == PNG_16_BIT_GREY
-    if not (is_png16 and 0 < height * width <= MAX_PIXELS and payload[-8:-4] == b"IEND"):
+    is_sane = 0 < height * width <= min(MAX_PIXELS, max_pixels(payload))
+    if not (is_png16 and is_sane and is_whole_image(payload)):
         raise DamagedError("no 16-bit grey PNG")
     try:
         image = cv2.imdecode(np.frombuffer(payload, np.uint8), cv2.IMREAD_UNCHANGED)

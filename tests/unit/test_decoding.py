@@ -1,6 +1,8 @@
 """Frames in metres and RGB, and colour images that are not what they say."""
 
+import resource
 import struct
+import zlib
 
 import cv2
 import numpy as np
@@ -76,6 +78,22 @@ def test_a_huge_image_is_refused_by_its_head():
     jpeg[start + 5 : start + 9] = struct.pack(">HH", 65_000, 65_000)
     with pytest.raises(RecordingError, match="damaged or too large"):
         decode_color(EncodedImage("jpeg", bytes(jpeg)), 3)
+
+
+def test_a_part_that_claims_gigabytes_is_refused_before_memory_is_taken():
+    at = PNG.index(b"IDAT") - 4
+    bomb = PNG[:at] + (2**31 - 1).to_bytes(4, "big") + PNG[at + 4 :]
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(RecordingError, match="damaged or too large"):
+        decode_color(EncodedImage("png", bomb), 3)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000
+
+
+def test_a_few_bytes_cannot_ask_for_millions_of_pixels():
+    head = struct.pack(">IIBBBBB", 7000, 7000, 8, 2, 0, 0, 0)
+    crc = zlib.crc32(b"IHDR" + head).to_bytes(4, "big")
+    with pytest.raises(RecordingError, match="damaged or too large"):
+        decode_color(EncodedImage("png", PNG[:16] + head + crc + PNG[33:]), 3)
 
 
 @pytest.mark.parametrize("payload", [PNG, JPEG])
