@@ -24,6 +24,8 @@ class McapIndex:
 
     Attributes
     ----------
+    library : str
+        The program that wrote the file.
     starts, times_ns : list of int
         Position of each frame's chunk, and its time.
     info_texts, end_texts : dict
@@ -36,6 +38,7 @@ class McapIndex:
         Bytes after the last whole frame of a cut file.
     """
 
+    library: str = ""
     starts: list[int] = field(default_factory=list)
     times_ns: list[int] = field(default_factory=list)
     info_texts: dict[str, str] = field(default_factory=dict)
@@ -76,7 +79,10 @@ def _read_head(file: BinaryIO, size: int) -> tuple[McapIndex, int]:
         if opcode not in (mcap.HEADER, mcap.SCHEMA, mcap.CHANNEL, mcap.METADATA):
             return index, start
         content = Cursor(read_content(file, prefix, size, mcap.MAX_SMALL_RECORD))
-        if opcode == mcap.SCHEMA:
+        if opcode == mcap.HEADER:
+            content.text()
+            index.library = content.text()
+        elif opcode == mcap.SCHEMA:
             schema = content.number(2)
             names[schema] = content.text()
         elif opcode == mcap.CHANNEL:

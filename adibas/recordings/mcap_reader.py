@@ -10,7 +10,7 @@ from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings.mcap_index import McapIndex, read_frame_chunk, read_index
 from adibas.recordings.mcap_records import DamagedError, Message
-from adibas.recordings.mcap_writer import COLOR, DEPTH, INFRARED
+from adibas.recordings.mcap_writer import COLOR, DEPTH, INFRARED, LIBRARY
 from adibas.recordings.messages import read_color, read_depth
 from adibas.recordings.ports import RecordingReader, count_gaps
 from adibas.recordings.source_info import info_from_texts
@@ -39,6 +39,12 @@ class McapReader(RecordingReader):
             ) from error
         except OSError as error:
             raise cannot_read(self._name, error) from error
+        if index.library != LIBRARY:
+            raise RecordingError(
+                "{file} was written or changed by another program, so that its frames cannot be "
+                "told apart. Choose the file as ADiBAS recorded it.",
+                file=self._name,
+            )
         self._size = self._file.seek(0, 2)
         self._starts = index.starts
         self._schemas = index.schemas

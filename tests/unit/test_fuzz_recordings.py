@@ -16,7 +16,7 @@ import pytest
 
 from adibas.data.frames import SourceInfo
 from adibas.errors import AdibasError
-from adibas.recordings import RecordingOptions, create_recording, open_recording
+from adibas.recordings import RecordingOptions, create_recording, mcap_records, open_recording
 from adibas.recordings.decoding import to_rgbd
 from tests.unit.recorded_frames import INFO, make_frames, write_frames
 
@@ -125,6 +125,28 @@ def test_mutated_files_are_read_or_refused(kind, seeds, tmp_path, capfd):
 
     check_cases(make_case)
     capfd.readouterr()  # the image decoder grumbles
+
+
+def test_mutated_images_behind_right_sums_are_read_or_refused(tmp_path, monkeypatch, capfd):
+    genuine = mcap_records.pack_chunk
+
+    def make_case(case, rng):
+        def pack_mutated(messages, level):
+            data = [
+                mutate(message.data, rng) if rng.random() < 0.2 else message.data
+                for message in messages
+            ]
+            return genuine([replace(m, data=d) for m, d in zip(messages, data, strict=True)], level)
+
+        monkeypatch.setattr(mcap_records, "pack_chunk", pack_mutated)
+        path = tmp_path / f"{case}.mcap"
+        options = RecordingOptions(is_plain=case % 2 == 0)
+        frames = small_frames("jpeg")[: rng.choice((1, 1, 3))]
+        write_frames(create_recording(path, SourceInfo(), options), frames)
+        return path
+
+    check_cases(make_case)
+    capfd.readouterr()
 
 
 def test_mutated_folders_are_read_or_refused(seeds, tmp_path, capfd):

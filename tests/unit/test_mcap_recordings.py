@@ -16,6 +16,7 @@ from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import AdibasError, RecordingError
 from adibas.recordings import RecordingOptions, create_recording, open_recording
 from adibas.recordings import mcap_records as mcap
+from adibas.recordings.decoding import decode_color
 from tests.unit.recorded_frames import (
     FRAME_NS,
     INFO,
@@ -162,6 +163,7 @@ import sys
 from pathlib import Path
 from adibas.data.frames import SourceInfo
 from adibas.recordings import create_recording
+from adibas.recordings.decoding import decode_color
 from tests.unit.recorded_frames import make_frames
 frames = make_frames(30)
 with create_recording(Path(sys.argv[1]), SourceInfo()) as writer:
@@ -296,16 +298,23 @@ def test_a_file_of_another_program_is_refused_in_words(tmp_path):
         writer = Writer(file)
         writer.start()
         writer.finish()
-    with pytest.raises(AdibasError, match="was not recorded by this version"):
+    with pytest.raises(AdibasError, match="written or changed by another program"):
         open_recording(tmp_path / "other.mcap")
+
+
+def test_a_recording_of_a_later_version_is_refused_in_words(recorded):
+    path, _ = recorded
+    data = path.read_bytes()
+    old, new = (mcap.text("version") + mcap.text(number) for number in "12")
+    path.write_bytes(data.replace(old, new))
+    with pytest.raises(RecordingError, match="Update the program"):
+        open_recording(path)
 
 
 def test_jpeg_is_a_choice_and_close_to_the_original(tmp_path):
     frame = make_frames(1, "array")[0]
     with create_recording(tmp_path / "a.mcap", INFO, RecordingOptions(color="jpeg")) as writer:
         writer.write(frame)
-    from adibas.recordings.decoding import decode_color
-
     with open_recording(tmp_path / "a.mcap") as reader:
         image = reader.read(0).color
     assert isinstance(image, EncodedImage)
