@@ -16,6 +16,7 @@ import numpy as np
 from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray, UInt8Array, read_only
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.resources import resource_path
+from adibas.simulation.arm_room import find_arm_room_rad, with_arm_room
 from adibas.simulation.landmarks import RestBody, joint_anchors, landmark_anchors
 from adibas.simulation.phenotype import corner_weights
 from adibas.simulation.poses import DOWN, FORWARD, Pose, standing
@@ -236,8 +237,21 @@ class ShapedBody:
         stood = self.posed(standing())
         return joint_anchors(self._rest, stood.joints_m, stood.vertices_m, -FORWARD)
 
+    @cached_property
+    def arm_room_rad(self) -> float:
+        """Return by how much this body's hanging arms are spread so as to clear its hips."""
+        part = self.model.part_weights.argmax(1)
+        return find_arm_room_rad(lambda pose: self._exactly_posed(pose).vertices_m, part)
+
     def posed(self, pose: Pose) -> "PosedBody":
-        """Return the body in `pose`: lowest point on the floor, ankles about `pose.offset_m`."""
+        """Return the body in `pose`: lowest point on the floor, ankles about `pose.offset_m`.
+
+        Hanging arms are spread by `arm_room_rad`, 0 for slender people and 15 degrees for
+        the heaviest; `PosedBody.pose` is the pose that results.
+        """
+        return self._exactly_posed(with_arm_room(pose, self.arm_room_rad))
+
+    def _exactly_posed(self, pose: Pose) -> "PosedBody":
         turns = bone_turns(self.skeleton, pose)
         vertices_m = np.empty_like(self.rest_vertices_m)
         skin(
@@ -268,6 +282,7 @@ class PosedBody:
     ----------
     body : ShapedBody
     pose : Pose
+        The one asked for, with room for the arms.
     vertices_m : (V, 3) array
         Body axes, floor at y = 0.
     bone_turns : (B, 3, 4) array

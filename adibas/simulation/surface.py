@@ -7,6 +7,9 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, Int32Array, IntArray, check_shape, read_only
 
+_EDGE = 1e-9
+"""Barycentric slack at a triangle's edges."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfaceAnchors:
@@ -83,7 +86,8 @@ def _outermost(
         along = np.cross(to_origin, b - a)
         v = along @ ray.direction / size
         distance = np.einsum("ij,ij->i", c - a, along) / size
-    met = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0)
+    # Rays of the midline run along edges, where rounding must not let them slip through.
+    met = (np.minimum(u, v) >= -_EDGE) & (u + v <= 1 + _EDGE) & (distance > 0)
     if not met.any():
         raise ValueError(f"no skin found for {name}")
     best = int(np.argmax(np.where(met, distance, -np.inf)))

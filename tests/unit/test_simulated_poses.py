@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
+from adibas.simulation.arm_room import with_arm_room
 from adibas.simulation.body import BodyShape, load_body_model
 from adibas.simulation.figures import Figure, TrunkAngles
 from adibas.simulation.poses import ArmAngles, LegAngles, Pose, arm_pose, leg_pose, standing
@@ -52,8 +54,8 @@ def joints_of(posed):
 @settings(max_examples=30, deadline=None)
 @given(figures)
 def test_segments_point_where_the_pose_says(person, figure):
-    pose = figure.pose()
-    joints = joints_of(person.posed(pose))
+    posed = person.posed(figure.pose())
+    pose, joints = posed.pose, joints_of(posed)
     wanted = {
         ("shoulder", "elbow"): lambda arm, _: arm.upper,
         ("hip", "knee"): lambda _, leg: leg.upper,
@@ -143,6 +145,31 @@ def test_leg_angles_mean_what_the_clinic_means():
         spread = leg_pose(side, LegAngles(flexion=0, spread=0.3, knee=0, toe_out=0.2))
         assert spread.upper[0] * outward == pytest.approx(math.sin(0.3))
         assert (spread.foot @ [0, 0, -1])[0] * outward == pytest.approx(math.sin(0.2))
+
+
+def test_heavy_people_hang_their_arms_farther_out_and_clear_of_the_hips():
+    heavy = load_body_model().shaped(BodyShape("male", 50, 1.75, 120))
+    slender = load_body_model().shaped(BodyShape("male", 20, 1.85, 60))
+    assert slender.arm_room_rad == 0.0
+    assert 0.1 < heavy.arm_room_rad < 0.4
+    posed = heavy.posed(standing())
+    part = heavy.model.part_weights.argmax(1)
+    on_trunk = np.isin(part, [BODY_PART_NAMES.index(n) for n in ("torso", "left_upper_leg")])
+    trunk = posed.vertices_m[on_trunk]
+    for name in ("left_lower_arm", "left_hand"):
+        arm = posed.vertices_m[part == BODY_PART_NAMES.index(name)]
+        near = cKDTree(trunk[:, 1:]).query(arm[:, 1:])[1]
+        assert (arm[:, 0] > trunk[near, 0] - 0.001).all(), name
+
+
+def test_raised_and_bent_arms_need_no_room():
+    forward = standing(left_arm=ArmAngles(elevation=1.5), right_arm=ArmAngles(elbow=1.6))
+    roomy = with_arm_room(forward, 0.3)
+    for side in ("left_arm", "right_arm"):
+        np.testing.assert_allclose(getattr(roomy, side).upper, getattr(forward, side).upper)
+    hanging = with_arm_room(standing(), 0.3)
+    assert hanging.left_arm.upper[0] > standing().left_arm.upper[0] + 0.2
+    assert hanging.right_arm.upper[0] < standing().right_arm.upper[0] - 0.2
 
 
 def test_palms_look_inward_when_the_arms_hang(person):
