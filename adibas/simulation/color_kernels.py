@@ -70,18 +70,26 @@ class Mesh(NamedTuple):
 
 
 @compiled
-def lit_share(x: float, y: float, z: float, lamp: Lamp) -> float:
-    """Return how much of the lamp a point in camera axes sees, 0 to 1, with a soft border."""
-    pose, nearest = lamp.pose, lamp.nearest
+def _in_shadow_map(x: float, y: float, z: float, lamp: Lamp) -> tuple[float, float, float]:
+    """Return column, row and distance from the lamp (<= 0 behind it) of a point."""
+    pose = lamp.pose
     far = pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z + pose[2, 3]
     if far <= 0.0:
-        return 1.0
+        return 0.0, 0.0, far
     focal, middle = lamp.lens[0] / far, lamp.lens[1]
     u = focal * (pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z + pose[0, 3]) + middle
     v = focal * (pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z + pose[1, 3]) + middle
+    return u, v, far
+
+
+@compiled
+def lit_share(x: float, y: float, z: float, lamp: Lamp) -> float:
+    """Return how much of the lamp a point in camera axes sees, 0 to 1, with a soft border."""
+    u, v, far = _in_shadow_map(x, y, z, lamp)
     u0, v0 = math.floor(u), math.floor(v)
+    nearest = lamp.nearest
     size = nearest.shape[0]
-    if u0 < 1 or v0 < 1 or u0 >= size - 2 or v0 >= size - 2:
+    if far <= 0.0 or min(u0, v0) < 1 or max(u0, v0) >= size - 2:
         return 1.0
     fu, fv = u - u0, v - v0
     limit = 1.0 / (far - lamp.strength[3])
@@ -146,10 +154,11 @@ def mixed(
     values: FloatArray | Float32Array, corners: Int32Array, weights: FloatArray, column: int
 ) -> float:
     """Interpolate one column of vertex values."""
-    total = 0.0
-    for corner in range(3):
-        total += values[corners[corner], column] * weights[corner]
-    return total
+    return float(
+        values[corners[0], column] * weights[0]
+        + values[corners[1], column] * weights[1]
+        + values[corners[2], column] * weights[2]
+    )
 
 
 @compiled
@@ -174,13 +183,14 @@ def _look_at(
     `looks` are those of all materials (M, 6), and the width of a pixel in metres.
     """
     table, pixel_m = looks
-    look[:] = table[0]
+    for k in range(6):
+        look[k] = table[0, k]
     for cover in range(covers.shape[1]):
-        share = 0.5 + mixed(covers, corners, weights, cover) / pixel_m
-        if share >= 1.0:
-            look[:] = table[cover + 1]
-        elif share > 0.0:
-            look += share * (table[cover + 1] - look)
+        inside_m = mixed(covers, corners, weights, cover)
+        if inside_m > -0.5 * pixel_m:
+            share = min(0.5 + inside_m / pixel_m, 1.0)
+            for k in range(6):
+                look[k] += share * (table[cover + 1, k] - look[k])
 
 
 @compiled
@@ -232,13 +242,15 @@ def light_room(
     normals: Float32Array,
     albedo: Float32Array,
     lamp: Lamp,
-    images: tuple[Float32Array, Float32Array],
+    images: tuple[Float32Array, Float32Array, Int32Array],
 ) -> None:
     """Paint the empty room: all light into the first of `images`, the lamp's into the second.
 
-    Everything is (H, W, 3); `places` and `normals` in camera axes.
+    Everything is (H, W, 3), `places` and `normals` in camera axes; only the third image is (H, W):
+    the cell of the shadow map (row times width plus column) in which a pixel lies, -1 for none.
     """
-    linear, direct = images
+    linear, direct, cells = images
+    size = lamp.nearest.shape[0]
     for v in range(places.shape[0]):
         for u in range(places.shape[1]):
             point = (places[v, u, 0], places[v, u, 1], places[v, u, 2])
@@ -249,36 +261,34 @@ def light_room(
             for channel in range(3):
                 linear[v, u, channel] = whole * albedo[v, u, channel]
                 direct[v, u, channel] = (whole - without) * albedo[v, u, channel]
+            column, row, far = _in_shadow_map(point[0], point[1], point[2], lamp)
+            i, j = int(row), int(column)
+            if far > 0.0 and 0 <= i < size and 0 <= j < size:
+                cells[v, u] = i * size + j
 
 
 @compiled
 def shade_room(
-    places: Float32Array,
-    direct: Float32Array,
+    images: tuple[Float32Array, Float32Array, Int32Array],
     occupied: Float32Array,
     lamp: Lamp,
     linear: Float32Array,
 ) -> None:
-    """Take the lamp's light (H, W, 3) `direct` out of `linear` where a person shades the room.
+    """Take the lamp's light out of (H, W, 3) `linear` where a person shades the room.
 
-    `places` (H, W, 3) are the room's points in camera axes; `occupied` is the shadow map with all
-    shadows grown, 0 where there is none.
+    `images` are the room's points (H, W, 3) in camera axes, and the lamp's light and the cells
+    that `light_room` wrote; `occupied` is the shadow map with all shadows grown.
     """
-    pose, middle = lamp.pose, lamp.lens[1]
-    for v in range(places.shape[0]):
-        for u in range(places.shape[1]):
-            x, y, z = places[v, u, 0], places[v, u, 1], places[v, u, 2]
-            far = pose[2, 0] * x + pose[2, 1] * y + pose[2, 2] * z + pose[2, 3]
-            focal = lamp.lens[0] / far
-            across = focal * (pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z + pose[0, 3])
-            down = focal * (pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z + pose[1, 3])
-            # Beyond these the map ends; behind the lamp nothing is shaded.
-            if far <= 0.0 or max(abs(across), abs(down)) >= middle:
+    places, direct, cells = images
+    size = occupied.shape[0]
+    for v in range(cells.shape[0]):
+        for u in range(cells.shape[1]):
+            cell = cells[v, u]
+            if cell < 0 or occupied[cell // size, cell % size] == 0.0:
                 continue
-            if occupied[int(down + middle), int(across + middle)] > 0.0:
-                shaded = 1.0 - lit_share(x, y, z, lamp)
-                for channel in range(3):
-                    linear[v, u, channel] -= shaded * direct[v, u, channel]
+            shaded = 1.0 - lit_share(places[v, u, 0], places[v, u, 1], places[v, u, 2], lamp)
+            for channel in range(3):
+                linear[v, u, channel] -= shaded * direct[v, u, channel]
 
 
 @compiled

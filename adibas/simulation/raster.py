@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adibas.arrays import Float32Array, FloatArray, Int32Array, check_shape
+from adibas.arrays import Float32Array, FloatArray, Int32Array, check_shape, read_only
 from adibas.geometry.pinhole import Intrinsics
 from adibas.kernels import compiled
 
@@ -68,7 +68,8 @@ def rasterise(
     """
     check_shape("vertices_camera_m", vertices_camera_m, (None, 3))
     vertices = np.ascontiguousarray(vertices_camera_m, dtype=np.float64)
-    corners = np.ascontiguousarray(triangles, dtype=np.int32)
+    corners = np.ascontiguousarray(triangles, dtype=np.int32).view()
+    read_only(corners)
     lens = lens_vector(intrinsics, ())
     inverse_depth, seen = draw(vertices, corners, lens, size, hides_back_faces=hides_back_faces)
     depth_m = np.full(size, np.nan, np.float32)
@@ -93,6 +94,9 @@ def draw(
     `lens_vector`. With lens distortion the corners stand exactly where the lens shows them and
     the edges between them stay straight, which small triangles do not notice.
     """
+    # numba compiles anew for arrays that can be written.
+    triangles = triangles.view()
+    read_only(triangles)
     inverse_depth = np.zeros(size, np.float32)
     seen = np.full(size, -1, np.int32)
     _fill(_homogeneous(vertices, lens), triangles, hides_back_faces, inverse_depth, seen)

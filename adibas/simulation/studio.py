@@ -105,12 +105,13 @@ class ColorStudio:
         lamp = self._lamp(from_world.apply(furniture[0]), furniture[1])
         self._empty = np.empty_like(self._places)
         self._direct = np.empty_like(self._places)
+        self._cells = np.full(self._places.shape[:2], -1, np.int32)
         light_room(
             self._places,
             self._backdrop.normals,
             self._backdrop.albedo,
             lamp,
-            (self._empty, self._direct),
+            (self._empty, self._direct, self._cells),
         )
 
     def view(
@@ -124,7 +125,7 @@ class ColorStudio:
         mesh = mesh_in(self._from_world, patient, posed)
         lamp = self._lamp(mesh.vertices, mesh.triangles)
         grown = np.asarray(cv2.dilate(lamp.nearest, np.ones((7, 7), np.uint8)), np.float32)
-        shade_room(self._places, self._direct, grown, lamp, linear)
+        shade_room((self._places, self._direct, self._cells), grown, lamp, linear)
         inverse_depth = self._draw_person(mesh, patient, lamp, linear)
         truths = self._paint_markers(patient, posed, markers, (inverse_depth, lamp, linear))
         if markers.kind == "led":
