@@ -8,6 +8,7 @@ from pathlib import Path
 from adibas.data.frames import SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
+from adibas.recordings.reading import cannot_read
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 ONI_MAGIC = b"NI10"
@@ -26,8 +27,6 @@ def open_recording(path: Path) -> RecordingReader:
         from adibas.recordings.tum_reader import TumReader
 
         return TumReader(path)
-    from adibas.recordings.mcap_reader import McapReader, cannot_read
-
     head = b""
     try:
         if not path.is_dir():
@@ -36,6 +35,8 @@ def open_recording(path: Path) -> RecordingReader:
     except OSError as error:
         raise cannot_read(path.name, error) from error
     if head == MCAP_MAGIC:
+        from adibas.recordings.mcap_reader import McapReader
+
         return McapReader(path)
     if head.startswith(ONI_MAGIC):
         from adibas.recordings.oni_reader import OniReader

@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from adibas.recordings.mcap_reader import cannot_read
+from adibas.recordings.reading import cannot_read
 
 BLOCK_SIZE = 1 << 20
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import BinaryIO
 
 from adibas.recordings import mcap_records as mcap
-from adibas.recordings.mcap_records import Cursor, DamagedError
+from adibas.recordings.mcap_records import Cursor
 from adibas.recordings.mcap_writer import END_NAME, INFO_NAME
 from adibas.recordings.ports import MAX_TIMESTAMP_NS
+from adibas.recordings.reading import DamagedError
 
 SUMMARY_CHUNK = struct.Struct("<BQQQQQ")
 PEEK_SIZE = 4096

@@ -2,19 +2,24 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings.mcap_index import McapIndex, read_frame_chunk, read_index
-from adibas.recordings.mcap_records import DamagedError, Message
+from adibas.recordings.mcap_records import Message
 from adibas.recordings.mcap_writer import COLOR, DEPTH, INFRARED, LIBRARY
 from adibas.recordings.messages import read_color, read_depth
 from adibas.recordings.ports import RecordingReader, count_gaps
+from adibas.recordings.reading import (
+    DamagedError,
+    cannot_read,
+    damaged_frame,
+    describe_loss,
+    open_to_read,
+)
 from adibas.recordings.source_info import info_from_texts
-from adibas.texts import translate as _
 
 
 class McapReader(RecordingReader):
@@ -52,7 +57,9 @@ class McapReader(RecordingReader):
         self.timestamps_ns.flags.writeable = False
         info = info_from_texts(index.info_texts, self._name)
         self.info: SourceInfo = replace(info, n_dropped=_count_dropped(info, index))
-        self.notice = _describe_loss(self._name, index)
+        self.notice = None
+        if index.sequences is not None:
+            self.notice = describe_loss(self._name, index.n_lost_bytes, len(self._starts))
 
     def read(self, index: int) -> SensorFrame:
         """Return frame `index`, counted from 0."""
@@ -88,48 +95,9 @@ class McapReader(RecordingReader):
         self._file.close()
 
 
-def open_to_read(path: Path) -> BinaryIO:
-    """Open the file `path`, or say in words why that fails."""
-    try:
-        return path.open("rb")
-    except OSError as error:
-        raise cannot_read(path.name, error) from error
-
-
-def cannot_read(file: str, error: OSError) -> RecordingError:
-    """Say why the file cannot be read."""
-    return RecordingError(
-        "{file} cannot be read: {reason}. Check the name, and that the disk is connected.",
-        file=file,
-        reason=error.strerror or str(error),
-    )
-
-
-def damaged_frame(file: str, index: int) -> RecordingError:
-    """Say which frame (counted from 0) is damaged."""
-    return RecordingError(
-        "Frame {index} of {file} is damaged. Leave it out, or restore the file from a copy.",
-        file=file,
-        index=index,
-    )
-
-
 def _count_dropped(info: SourceInfo, index: McapIndex) -> int:
     """Return what the writer counted, or in a cut file what the frames' numbers tell."""
     if index.sequences is not None:
         return max(info.n_dropped, count_gaps(np.array(index.sequences, np.int64)))
     said = index.end_texts.get("n_dropped", "")
     return int(said) if said.isdecimal() else info.n_dropped
-
-
-def _describe_loss(file: str, index: McapIndex) -> str | None:
-    if index.sequences is None:
-        return None
-    if index.n_lost_bytes == 0:
-        text = _("The recording of {file} was interrupted; all its {n_frames} frames are there.")
-    else:
-        text = _(
-            "{file} is cut: its last {n_bytes} bytes are no whole frame and are left out. The "
-            "{n_frames} frames before them are there."
-        )
-    return text.format(file=file, n_bytes=index.n_lost_bytes, n_frames=len(index.starts))

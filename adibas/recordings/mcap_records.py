@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import zstandard
 
+from adibas.recordings.reading import DamagedError
+
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 1, 2, 3, 4, 5, 6
 MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, METADATA, METADATA_INDEX = 7, 8, 11, 12, 13
@@ -28,10 +30,6 @@ MAX_CHUNK = 1 << 28
 """Largest chunk that is unpacked, bytes: a frame of 64 million pixels is smaller."""
 MAX_SMALL_RECORD = 1 << 24
 """Largest schema, channel or metadata record that is read, bytes."""
-
-
-class DamagedError(ValueError):
-    """The bytes are no such record; the reader says in which file."""
 
 
 @dataclass(frozen=True, slots=True)

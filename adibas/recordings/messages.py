@@ -19,28 +19,27 @@ COMPRESSED_IMAGE = MessageType(
     "foxglove.CompressedImage",
     (
         Field(1, "timestamp", "timestamp"),
-        Field(4, "frame_id", "string"),
-        Field(3, "format", "string"),
         Field(2, "data", "bytes"),
+        Field(3, "format", "string"),
+        Field(4, "frame_id", "string"),
     ),
 )
 RAW_IMAGE = MessageType(
     "foxglove.RawImage",
     (
         Field(1, "timestamp", "timestamp"),
-        Field(7, "frame_id", "string"),
         Field(2, "width", "fixed32"),
         Field(3, "height", "fixed32"),
         Field(4, "encoding", "string"),
         Field(5, "step", "fixed32"),
         Field(6, "data", "bytes"),
+        Field(7, "frame_id", "string"),
     ),
 )
 CAMERA_CALIBRATION = MessageType(
     "foxglove.CameraCalibration",
     (
         Field(1, "timestamp", "timestamp"),
-        Field(9, "frame_id", "string"),
         Field(2, "width", "fixed32"),
         Field(3, "height", "fixed32"),
         Field(4, "distortion_model", "string"),
@@ -48,6 +47,7 @@ CAMERA_CALIBRATION = MessageType(
         Field(6, "K", "doubles"),
         Field(7, "R", "doubles"),
         Field(8, "P", "doubles"),
+        Field(9, "frame_id", "string"),
     ),
 )
 RVL_IMAGE = MessageType(

@@ -11,7 +11,7 @@ import struct
 import numpy as np
 
 from adibas.arrays import UInt16Array
-from adibas.recordings.mcap_records import DamagedError
+from adibas.recordings.reading import DamagedError
 from adibas.recordings.rvl import MAX_PIXELS
 
 MAX_TABLE = 0x8000

@@ -10,9 +10,9 @@ import numpy as np
 from adibas.arrays import IntArray
 from adibas.recordings import oni_records as oni
 from adibas.recordings.association import associate
-from adibas.recordings.mcap_records import DamagedError
 from adibas.recordings.oni_writer import NO_IMAGE, NS_PER_US, TRAILER_MAGIC, trailer_rows
 from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS
+from adibas.recordings.reading import DamagedError
 
 PEEK_SIZE = oni.RECORD_HEADER.size + oni.NEW_DATA_FIELDS.size
 TAIL_SIZE = 8 + 8 + 8 + len(TRAILER_MAGIC)

@@ -11,14 +11,18 @@ from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings import oni_records as oni
 from adibas.recordings.decoding import decode_color
-from adibas.recordings.mcap_reader import cannot_read, damaged_frame, open_to_read
-from adibas.recordings.mcap_records import DamagedError
 from adibas.recordings.oni_codec import decode_16z, decode_16zt
 from adibas.recordings.oni_index import OniIndex, read_index
 from adibas.recordings.oni_writer import NO_IMAGE, calibration_path
 from adibas.recordings.ports import RecordingReader, count_gaps
+from adibas.recordings.reading import (
+    DamagedError,
+    cannot_read,
+    damaged_frame,
+    describe_loss,
+    open_to_read,
+)
 from adibas.recordings.source_info import info_from_texts
-from adibas.texts import translate as _
 
 
 class OniReader(RecordingReader):
@@ -53,7 +57,9 @@ class OniReader(RecordingReader):
         self.timestamps_ns = np.ascontiguousarray(index.rows[:, 1])
         self.timestamps_ns.flags.writeable = False
         self.info = self._read_info(path, index)
-        self.notice = _describe_loss(self._name, index)
+        self.notice = None
+        if not index.has_end:
+            self.notice = describe_loss(self._name, index.n_lost_bytes, len(self._rows))
 
     def _read_info(self, path: Path, index: OniIndex) -> SourceInfo:
         if index.texts:
@@ -157,12 +163,3 @@ def _to_rgb(node: oni.Node, payload: bytes) -> UInt8Array:
         return np.ascontiguousarray(cv2.cvtColor(pixels.reshape(*shape, 2), code), np.uint8)
     except cv2.error as error:
         raise DamagedError("a colour image of the wrong size") from error
-
-
-def _describe_loss(file: str, index: OniIndex) -> str | None:
-    if index.has_end:
-        return None
-    return _(
-        "{file} is cut: its last {n_bytes} bytes are no whole frame and are left out. The "
-        "{n_frames} frames before them are there."
-    ).format(file=file, n_bytes=index.n_lost_bytes, n_frames=len(index.rows))

@@ -7,7 +7,7 @@ code. All numbers are little endian and packed.
 import struct
 from dataclasses import dataclass
 
-from adibas.recordings.mcap_records import DamagedError
+from adibas.recordings.reading import DamagedError
 
 MAGIC = b"NI10"
 FILE_HEADER = struct.Struct("<4sBBHIQI")

@@ -19,9 +19,8 @@ from adibas.recordings.decoding import (
     is_whole_image,
     max_pixels,
 )
-from adibas.recordings.mcap_reader import cannot_read, damaged_frame
-from adibas.recordings.mcap_records import DamagedError
 from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS, RecordingReader
+from adibas.recordings.reading import DamagedError, cannot_read, damaged_frame
 from adibas.recordings.rvl import MAX_PIXELS
 from adibas.recordings.source_info import info_from_texts
 from adibas.recordings.tum_lists import (

@@ -17,6 +17,7 @@ from adibas.errors import AdibasError, RecordingError
 from adibas.recordings import RecordingOptions, create_recording, open_recording
 from adibas.recordings import mcap_records as mcap
 from adibas.recordings.decoding import decode_color
+from adibas.recordings.reading import DamagedError
 from tests.unit.recorded_frames import (
     FRAME_NS,
     INFO,
@@ -164,6 +165,7 @@ from pathlib import Path
 from adibas.data.frames import SourceInfo
 from adibas.recordings import create_recording
 from adibas.recordings.decoding import decode_color
+from adibas.recordings.reading import DamagedError
 from tests.unit.recorded_frames import make_frames
 frames = make_frames(30)
 with create_recording(Path(sys.argv[1]), SourceInfo()) as writer:
@@ -287,7 +289,7 @@ def test_a_bomb_in_a_chunk_is_refused_before_memory_is_taken():
     for claimed in (1000, 2**40):
         content = mcap.CHUNK_FIELDS.pack(0, 0, claimed, 0) + mcap.text("zstd")
         content += len(bomb).to_bytes(8, "little") + bomb
-        with pytest.raises(mcap.DamagedError):
+        with pytest.raises(DamagedError):
             mcap.unpack_chunk(content)
 
 

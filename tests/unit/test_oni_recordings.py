@@ -12,8 +12,8 @@ from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings import create_recording, open_recording
 from adibas.recordings import oni_records as oni
-from adibas.recordings.mcap_records import DamagedError
 from adibas.recordings.oni_codec import decode_16z, decode_16zt, encode_16zt
+from adibas.recordings.reading import DamagedError
 from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames, write_frames
 
 values = st.sampled_from([0, 1, 500, 501, 900, 65535]) | st.integers(0, 65535)

@@ -1,0 +1,49 @@
+"""What all readers say when a file, or a frame of it, cannot be read."""
+
+from pathlib import Path
+from typing import BinaryIO
+
+from adibas.errors import RecordingError
+from adibas.texts import translate as _
+
+
+class DamagedError(ValueError):
+    """Some bytes make no sense; a reader turns it into a sentence with the file's name."""
+
+
+def open_to_read(path: Path) -> BinaryIO:
+    """Open the file `path`, or say in words why that fails."""
+    try:
+        return path.open("rb")
+    except OSError as error:
+        raise cannot_read(path.name, error) from error
+
+
+def cannot_read(file: str, error: OSError) -> RecordingError:
+    """Say why the file cannot be read."""
+    return RecordingError(
+        "{file} cannot be read: {reason}. Check the name, and that the disk is connected.",
+        file=file,
+        reason=error.strerror or str(error),
+    )
+
+
+def damaged_frame(file: str, index: int) -> RecordingError:
+    """Say which frame (counted from 0) is damaged."""
+    return RecordingError(
+        "Frame {index} of {file} is damaged. Leave it out, or restore the file from a copy.",
+        file=file,
+        index=index,
+    )
+
+
+def describe_loss(file: str, n_lost_bytes: int, n_frames: int) -> str:
+    """Return the notice of a recording that was cut."""
+    if n_lost_bytes == 0:
+        text = _("The recording of {file} was interrupted; all its {n_frames} frames are there.")
+    else:
+        text = _(
+            "{file} is cut: its last {n_bytes} bytes are no whole frame and are left out. The "
+            "{n_frames} frames before them are there."
+        )
+    return text.format(file=file, n_bytes=n_lost_bytes, n_frames=n_frames)
