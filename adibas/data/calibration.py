@@ -1,5 +1,7 @@
 """A calibrated RGB-D sensor: two cameras, how they stand to each other, and how sure that is."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +12,8 @@ from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12)
+LARGEST_SIDE_PX = 65_535
+UNIT_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +28,15 @@ class CameraCalibration:
     def __post_init__(self) -> None:
         if self.width <= 0 or self.height <= 0:
             raise ValueError(f"image size must be positive: {self.width} x {self.height}")
+        if max(self.width, self.height) > LARGEST_SIDE_PX:
+            raise ValueError(f"image size is beyond {LARGEST_SIDE_PX} pixels a side")
         if len(self.distortion) not in DISTORTION_LENGTHS:
             raise ValueError(
                 f"distortion must have one of {DISTORTION_LENGTHS} values, "
                 f"got {len(self.distortion)}"
             )
+        if not all(math.isfinite(value) for value in self.distortion):
+            raise ValueError("distortion must be finite")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +80,8 @@ class RgbdCalibration:
         In the depth camera's axes, normal up.
     sensor_serial, created_utc : str
         Empty where unknown.
+    valid_region : mapping
+        Where the images of the calibration had points; kept, and applied by nothing.
     """
 
     color: CameraCalibration | None = None
@@ -86,9 +96,10 @@ class RgbdCalibration:
     floor: Plane | None = None
     sensor_serial: str = ""
     created_utc: str = ""
+    valid_region: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not self.depth_unit_m > 0:
+        if not 0 < self.depth_unit_m < math.inf:
             raise ValueError(f"depth_unit_m must be positive, got {self.depth_unit_m}")
         if self.covariance is not None:
             n_parameters = len(self.parameter_names)
@@ -96,4 +107,6 @@ class RgbdCalibration:
             read_only(self.covariance)
         if self.gravity is not None:
             check_shape("gravity", self.gravity, (3,))
+            if not abs(np.linalg.norm(self.gravity) - 1.0) < UNIT_TOLERANCE:
+                raise ValueError("gravity must have length 1")
             read_only(self.gravity)

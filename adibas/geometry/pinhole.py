@@ -7,6 +7,7 @@ Source: thesis, equations 3.1-3.4 (read as ``R p + t``); Hartley & Zisserman, Mu
 Geometry, 2nd ed., section 6.1.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,8 @@ class Intrinsics:
     def __post_init__(self) -> None:
         if not (self.fx > 0 and self.fy > 0):
             raise ValueError(f"focal lengths must be positive: fx={self.fx}, fy={self.fy}")
+        if not all(math.isfinite(value) for value in (self.fx, self.fy, self.cx, self.cy)):
+            raise ValueError("focal lengths and principal point must be finite")
 
     def matrix(self) -> FloatArray:
         """Return the (3, 3) matrix K of equation 3.2, without skew."""

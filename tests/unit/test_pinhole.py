@@ -47,7 +47,13 @@ def test_points_not_in_front_of_the_camera_have_no_pixel():
     assert np.isnan(project(points_m, Intrinsics(500, 500, 0, 0))).all()
 
 
-@pytest.mark.parametrize(("fx", "fy"), [(0, 500), (500, -1), (np.nan, 500)])
+@pytest.mark.parametrize(("fx", "fy"), [(0, 500), (500, -1), (np.nan, 500), (np.inf, 500)])
 def test_focal_lengths_must_be_positive(fx, fy):
     with pytest.raises(ValueError, match="focal lengths"):
         Intrinsics(fx=fx, fy=fy, cx=320, cy=240)
+
+
+@pytest.mark.parametrize("cx", [np.nan, np.inf])
+def test_principal_point_must_be_finite(cx):
+    with pytest.raises(ValueError, match="principal point"):
+        Intrinsics(fx=500, fy=500, cx=cx, cy=240)
