@@ -36,7 +36,7 @@ class OniWriter(RecordingWriter):
     """An .oni file in the making.
 
     What the format has no place for (numbers, nanoseconds, dropped frames, the sensor's name)
-    follows after its end record, where OpenNI2 does not look; the calibration stands beside it.
+    follows after its end record, where OpenNI2 does not look; the calibration also beside it.
     """
 
     def __init__(self, path: Path, info: SourceInfo, options: RecordingOptions) -> None:
@@ -50,6 +50,7 @@ class OniWriter(RecordingWriter):
         self._rows: list[tuple[int, ...]] = []
         self._last_us = 0
         self._is_open = True
+        self._refuse_a_foreign_calibration()
         self._file = PartFile(path, self._head(is_whole=False))
 
     @property
@@ -203,11 +204,21 @@ class OniWriter(RecordingWriter):
 
     def _trailer(self, start: int) -> bytes:
         """Return what stands behind the end record, for position `start`."""
-        without = replace(self._info, calibration=None, n_dropped=self.n_dropped)
-        texts = json.dumps(info_to_texts(without)).encode()
+        texts = json.dumps(info_to_texts(replace(self._info, n_dropped=self.n_dropped))).encode()
         table = b"".join(TRAILER_ROW.pack(*row) for row in self._rows)
         sizes = struct.pack("<QQ", len(texts), len(self._rows))
         return texts + table + sizes + struct.pack("<Q", start) + TRAILER_MAGIC
+
+    def _refuse_a_foreign_calibration(self) -> None:
+        """See that readers do not take an old file beside this one for its calibration."""
+        beside = calibration_path(self.path)
+        if calibration_to_keep(self._info) is None and beside.exists():
+            raise RecordingError(
+                "{file} has no calibration, and {beside} would be taken for it. Remove that file, "
+                "or choose another name.",
+                file=self.path.name,
+                beside=beside.name,
+            )
 
     def _write_calibration(self) -> None:
         calibration = calibration_to_keep(self._info)

@@ -7,6 +7,7 @@ renamed when it is whole. A part file that a crash left is never overwritten.
 import errno
 import os
 import time
+from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 
@@ -48,8 +49,9 @@ class PartFile:
             if time.monotonic() - self._synced_at > SECONDS_BETWEEN_SYNCS:
                 self.sync()
         except OSError as error:
-            self._file.truncate(self.size)
-            self._file.seek(self.size)
+            with suppress(OSError):  # the first error is the one to tell
+                self._file.truncate(self.size)
+                self._file.seek(self.size)
             raise cannot_record(self.path, error, kept=self.part_path) from error
         self.size += len(data)
 

@@ -1,6 +1,7 @@
 """Our own .oni reader and writer; tests/end_to_end plays the files with the real OpenNI2."""
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,13 +9,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from adibas.calibration.files import write_calibration
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings import create_recording, open_recording
 from adibas.recordings import oni_records as oni
 from adibas.recordings.oni_codec import decode_16z, decode_16zt, encode_16zt
 from adibas.recordings.reading import DamagedError
-from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames, write_frames
+from tests.unit.recorded_frames import (
+    INFO,
+    assert_same_frame,
+    assert_same_info,
+    make_frames,
+    write_frames,
+)
 
 values = st.sampled_from([0, 1, 500, 501, 900, 65535]) | st.integers(0, 65535)
 images = arrays(np.uint16, st.tuples(st.integers(1, 8), st.integers(1, 40)), elements=values)
@@ -157,3 +165,21 @@ def test_gaps_are_counted_and_numbers_kept(recorded):
     with open_recording(path) as reader:
         assert reader.info.n_dropped == 3
         assert [frame.sequence for frame in reader] == [frame.sequence for frame in frames]
+
+
+def test_the_calibration_survives_without_the_file_beside_it_and_that_file_comes_first(recorded):
+    path, _ = recorded
+    beside = path.with_name("a.calibration.json")
+    other = replace(INFO.calibration, sensor_serial="other")
+    write_calibration(beside, other)
+    with open_recording(path) as reader:
+        assert reader.info.calibration.sensor_serial == "other"
+    beside.unlink()
+    with open_recording(path) as reader:
+        assert_same_info(reader.info, INFO)
+
+
+def test_a_calibration_of_something_else_is_not_taken_for_ours(recorded):
+    path, _ = recorded
+    with pytest.raises(RecordingError, match=r"a.calibration.json would be taken for it"):
+        create_recording(path, SourceInfo())
