@@ -13,6 +13,7 @@ from adibas.sensors.openni2_description import describe_source
 from adibas.sensors.openni2_images import copy_image
 from adibas.sensors.openni2_library import load_openni2, openni2_errors
 from adibas.sensors.openni2_modes import describe_device, text_of
+from adibas.sensors.openni2_playback import Playback
 from adibas.sensors.openni2_streams import (
     OpenStream,
     has_stream,
@@ -35,9 +36,8 @@ WAIT_SLICE_S = 0.1
 """Unplugging and Ctrl-C are noticed this often while waiting."""
 
 FRAME_BY_FRAME = -1.0
+PLAYER_SETTLES_S = 0.05
 ONI_MAGIC = b"NI10"
-UNKNOWN = -1
-"""A file that was cut by a crash does not know how many images it has; counting goes on below."""
 
 
 class OpenNI2Camera(DepthCamera):
@@ -70,7 +70,7 @@ class OpenNI2Camera(DepthCamera):
         self._file = file
         self._unplugged = threading.Event()
         self._streams: dict[StreamName, OpenStream] = {}
-        self._n_left: dict[StreamName, int] = {}
+        self._playback: Playback | None = None
         self._listener: Any = None
         openni2 = load_openni2()
         self._device = _open_file(openni2, file) if file else _open_sensor(openni2, uri)
@@ -114,6 +114,12 @@ class OpenNI2Camera(DepthCamera):
         from openni.utils import OpenNIError
 
         handles = [stream.handle for stream in self._streams.values()]
+        for handle in handles:
+            handle.stop()
+        if self._file is not None and handles:
+            # The player's thread goes through its list of streams without a lock, and crashes
+            # where one is removed meanwhile; now that all are stopped, it soon sleeps.
+            time.sleep(PLAYER_SETTLES_S)
         for thing in (*handles, self._listener, self._device):
             # A device that is gone cannot be told to stop.
             with suppress(OpenNIError):
@@ -126,7 +132,7 @@ class OpenNI2Camera(DepthCamera):
         sensor = describe_device(self._device)
         is_registered = False
         if self._file is not None:
-            self._open_recorded_streams()
+            self._open_recorded_streams(self._file)
         else:
             self._listener = _listen(openni2, sensor.uri, self._unplugged)
             is_registered = set_registration(self._device, is_wanted=options.is_depth_registered)
@@ -140,13 +146,16 @@ class OpenNI2Camera(DepthCamera):
         self._wait_for_any = openni2.wait_for_any_stream
         self._start()
 
-    def _open_recorded_streams(self) -> None:
+    def _open_recorded_streams(self, file: Path) -> None:
         with openni2_errors("OpenNI2 cannot play this file: {reason}. Use its copy."):
-            self._device.playback.set_repeat_enabled(False)
-            self._device.playback.set_speed(FRAME_BY_FRAME)
             for name in _recorded_streams(self._device):
-                self._streams[name] = stream = open_file_stream(self._device, name)
-                self._n_left[name] = stream.handle.get_number_of_frames() or UNKNOWN
+                self._streams[name] = open_file_stream(self._device, name)
+            n_images = {
+                name: stream.handle.get_number_of_frames() for name, stream in self._streams.items()
+            }
+            self._playback = Playback(file.name, n_images)
+            self._device.playback.set_repeat_enabled(self._playback.knows_its_length)
+            self._device.playback.set_speed(FRAME_BY_FRAME)
 
     def _start(self) -> None:
         rates = {stream.mode.frame_rate_hz for stream in self._streams.values()}
@@ -167,7 +176,7 @@ class OpenNI2Camera(DepthCamera):
         return join_images(*pair, is_infrared="infrared" in self._streams)
 
     def _is_at_end(self) -> bool:
-        return self._file is not None and not any(n != 0 for n in self._n_left.values())
+        return self._playback is not None and self._playback.is_over
 
     def _wait(self, deadline_s: float) -> StreamName | None:
         """Return the stream that has an image; in slices, so that Ctrl-C is not kept waiting."""
@@ -199,30 +208,22 @@ class OpenNI2Camera(DepthCamera):
             frame = stream.handle.read_frame()
         with frame:
             image = copy_image(frame, is_color=name == "color", is_mirrored=stream.is_mirrored)
-        if name in self._n_left:
-            self._n_left[name] -= 1
+        if self._playback is not None and not self._playback.accepts(name, image.index):
+            return
         if name == "depth":
             self._pairer.add_depth(image)
         else:
             self._pairer.add_second(image)
 
     def _give_up(self) -> None:
-        """Take silence for the end of a file that does not know its length, else say so."""
-        if self._file is None:
-            raise SensorError(
-                "The sensor {sensor} sends no pictures. Check its cable, plug it into a USB port "
-                "of its own, and try again.",
-                sensor=self._info.sensor_name,
-            )
-        n_missing = sum(n for n in self._n_left.values() if n > 0)
-        if n_missing:
-            raise SensorError(
-                "{file} is damaged: {n_missing} of its images are not found. Convert it with "
-                "adibas convert, which keeps every whole frame.",
-                file=self._file.name,
-                n_missing=n_missing,
-            )
-        self._n_left = dict.fromkeys(self._n_left, 0)
+        if self._playback is not None:
+            self._playback.give_up()
+            return
+        raise SensorError(
+            "The sensor {sensor} sends no pictures. Check its cable, plug it into a USB port of "
+            "its own, and try again.",
+            sensor=self._info.sensor_name,
+        )
 
 
 def _open_sensor(openni2: ModuleType, uri: str | None) -> Any:

@@ -1,0 +1,42 @@
+"""The simulated clinic is a source like any sensor."""
+
+import numpy as np
+import pytest
+
+from adibas.errors import SensorError
+from adibas.pipeline.recording import record
+from adibas.recordings import open_recording
+from adibas.recordings.decoding import to_rgbd
+from adibas.sensors import SensorOptions, open_source
+from adibas.simulation.scenes import open_scene, scene_names
+
+
+def test_it_gives_the_frames_of_the_scene():
+    name = scene_names()[0]
+    scene = open_scene(name, seed=3)
+    with open_source(f"simulator:{name}", SensorOptions(seed=3)) as camera:
+        assert not camera.is_live
+        assert camera.info.depth_unit_m == scene.info.depth_unit_m
+        for index in range(2):
+            frame = camera.read()
+            expected = scene.frame(index).sensor_frame
+            np.testing.assert_array_equal(frame.depth_raw, expected.depth_raw)
+            assert frame.timestamp_ns == expected.timestamp_ns
+
+
+def test_it_is_recorded_for_the_seconds_asked(tmp_path):
+    with open_source("simulator") as camera:
+        summary = record(camera, tmp_path / "a.mcap", seconds=0.1)
+    assert summary.n_dropped == 0
+    with open_recording(summary.path) as recording:
+        assert len(recording) == summary.n_frames >= 3
+        first = to_rgbd(recording.read(0), recording.info)
+        assert recording.info.calibration is not None
+    assert 0.5 < np.nanmedian(first.depth_m) < 8.0
+
+
+def test_an_unknown_scene_lists_those_that_exist():
+    with pytest.raises(SensorError) as told:
+        open_source("simulator:moon")
+    for name in scene_names():
+        assert name in str(told.value)
