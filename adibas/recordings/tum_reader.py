@@ -1,8 +1,9 @@
 """Reads TUM RGB-D folders: our own, those of the benchmark, and others written like them."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,8 +41,7 @@ MAX_IMAGE_BYTES = 1 << 28
 PNG_16_BIT_GREY = (16, 0)
 
 
-@dataclass(frozen=True, slots=True)
-class _Frame:
+class _Frame(NamedTuple):
     sequence: int
     time_ns: int
     depth: ListedImage | None
