@@ -11,9 +11,48 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
-from adibas.geometry.distortion import project_distorted, undistort_pixels
+from adibas.geometry.distortion import undistort_pixels
 from adibas.markers.disparity import BurstDisparity
-from adibas.markers.surface import DisparityNoise, SurfaceFit, fit_surface
+from adibas.markers.position_kernels import (
+    NOTHING,
+    Fit,
+    Lens,
+    Line,
+    Patch,
+    fit_skin,
+    follow,
+    point_on,
+)
+
+N_COEFFICIENTS = 12
+
+
+@dataclass(frozen=True, slots=True)
+class DisparityNoise:
+    """How the depth sensor errs, in 1/z.
+
+    Attributes
+    ----------
+    frame_sd_per_m : float
+        Standard deviation of one pixel in one frame, 1/m. Default: sigma_z = 1.425e-3 z^2 (z in
+        metres), Khoshelham & Elberink 2012.
+    quantum_per_m : float
+        Quantisation step, 1/m. Default: 1/8 pixel at 75 mm baseline and 580 px, so 2.87e-3.
+    static_sd_per_m : float
+        Of the fixed pattern, which no averaging over frames removes, 1/m. Default: 2 mm at 2 m
+        ("a few mm", Boehm 2014).
+    window_px : (float, float)
+        Width and height of the matching window, whose pixels share their errors: 9 x 7, Konolige
+        & Mihelich.
+    frames_per_sample : float
+        Neighbouring frames are not independent; so many count as one. Assumed: 2.
+    """
+
+    frame_sd_per_m: float = 1.425e-3
+    quantum_per_m: float = 2.87e-3
+    static_sd_per_m: float = 5.0e-4
+    window_px: tuple[float, float] = (9.0, 7.0)
+    frames_per_sample: float = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +102,11 @@ class Position:
 class PositionFinder:
     """Measures the markers of one burst.
 
+    The skin is fitted by a quadratic in disparity: robust (Tukey's biweight), then by generalised
+    least squares with the covariance of neighbouring pixels, so that its variance is honest.
+
+    Source: Aitken 1935 (generalised least squares); Beaton & Tukey 1974 (biweight).
+
     Parameters
     ----------
     burst : BurstDisparity
@@ -80,13 +124,14 @@ class PositionFinder:
             raise ValueError("positions need both cameras")
         self._burst = burst
         self._color: CameraCalibration = calibration.color
-        self._depth: CameraCalibration = calibration.depth
         self._color_from_depth = calibration.color_from_depth
         self._depth_from_color = calibration.color_from_depth.inverse()
+        self._lens = _lens(calibration.depth)
         self._params = params
+        self._patch = _patch(params)
 
     def locate(self, pixel_uv: FloatArray, covariance_px2: FloatArray) -> Position | None:
-        """Return where the colour pixel `pixel_uv` (2,) lies in space.
+        """Return where the colour pixel `pixel_uv` lies in space.
 
         Parameters
         ----------
@@ -101,141 +146,73 @@ class PositionFinder:
             None where the depth camera does not see that place: outside its picture, hidden, a
             hole too large, or too far from any measured surface.
         """
-        ray = np.append(
-            undistort_pixels(pixel_uv, self._color.intrinsics, self._color.distortion), 1.0
-        )
+        pixel_uv = np.asarray(pixel_uv, float)
+        bearing = undistort_pixels(pixel_uv, self._color.intrinsics, self._color.distortion)
+        ray = np.append(bearing, 1.0)
         if not np.isfinite(ray).all():
             return None
-        disparity = self._follow(ray)
-        if disparity is None:
-            return None
-        return self._measure(ray, disparity, covariance_px2)
-
-    def _point(self, ray: FloatArray, disparity: float) -> FloatArray:
-        """Return the (3,) depth-camera point of the colour ray whose depth is 1/disparity."""
-        origin = self._depth_from_color.translation_m
-        direction = self._depth_from_color.rotation @ ray
-        return origin + direction * ((1.0 / disparity - origin[2]) / direction[2])
-
-    def _pixel(self, point_m: FloatArray) -> FloatArray:
-        pixel: FloatArray = project_distorted(
-            point_m, self._depth.intrinsics, self._depth.distortion
+        line = Line(
+            np.ascontiguousarray(self._depth_from_color.translation_m),
+            np.ascontiguousarray(self._depth_from_color.rotation @ ray),
         )
-        return pixel
-
-    def _follow(self, ray: FloatArray) -> float | None:
-        """Walk along the ray from the camera to the first surface; return its 1/z."""
-        params = self._params
-        ends = [self._pixel(self._point(ray, 1 / z)) for z in (params.nearest_m, params.farthest_m)]
-        length_px = float(np.linalg.norm(ends[0] - ends[1]))
-        if not np.isfinite(length_px):
+        mean_per_m = self._burst.mean_per_m
+        start_per_m = follow(mean_per_m, line, self._lens, self._patch)
+        if start_per_m == NOTHING:
             return None
-        n_steps = 2 * int(np.ceil(length_px)) + 2
-        tried = np.linspace(1 / params.nearest_m, 1 / params.farthest_m, n_steps)
-        for disparity in tried:
-            seen = self._nearby(self._pixel(self._point(ray, disparity)), disparity)
-            if seen is not None and seen >= disparity:
-                settled = self._settle(ray, disparity)
-                if settled is not None:
-                    return settled
-        return None
-
-    def _settle(self, ray: FloatArray, disparity: float) -> float | None:
-        """Let ray and surface meet; None where the ray passes behind an outline instead."""
-        for _ in range(6):
-            seen = self._nearby(self._pixel(self._point(ray, disparity)), disparity)
-            if seen is None:
-                return None
-            change_m = abs(1 / seen - 1 / disparity)
-            disparity = seen
-            if change_m < self._params.step_m / 8:
-                return disparity
-        return None
-
-    def _nearby(self, pixel: FloatArray, disparity: float) -> float | None:
-        """Return the median 1/z measured close to `pixel`, as near as there is any."""
-        if not np.isfinite(pixel).all():
+        readings = self._burst.n_readings
+        fit = fit_skin(mean_per_m, readings, line, start_per_m, self._lens, self._patch)
+        if not fit.disparity > 0 or _sd_m(fit) > self._params.greatest_sd_m:
             return None
-        radius_px = self._params.patch_radius_m * self._depth.intrinsics.fx * disparity
-        for reach in (1, int(np.clip(radius_px / 2, 2, 12))):
-            values = self._window(pixel, reach)[0]
-            if np.isfinite(values).sum() >= 3:  # noqa: PLR2004  (a median of fewer is one pixel)
-                return float(np.nanmedian(values))
-        return None
-
-    def _window(self, pixel: FloatArray, reach: int) -> tuple[FloatArray, tuple[slice, slice]]:
-        column, row = np.rint(pixel).astype(int)
-        height, width = self._burst.mean_per_m.shape
-        rows = slice(min(max(row - reach, 0), height), max(min(row + reach + 1, height), 0))
-        columns = slice(min(max(column - reach, 0), width), max(min(column + reach + 1, width), 0))
-        return self._burst.mean_per_m[rows, columns].astype(float), (rows, columns)
-
-    def _measure(
-        self, ray: FloatArray, disparity: float, covariance_px2: FloatArray
-    ) -> Position | None:
-        gradient = np.zeros(2)
-        fit: SurfaceFit | None = None
-        for _ in range(4):
-            pixel = self._pixel(self._point(ray, disparity))
-            fit = self._fit(pixel, disparity, gradient)
-            if fit is None or not fit.disparity_per_m > 0:
-                return None
-            disparity, gradient = fit.disparity_per_m, fit.gradient
-        if fit is None or self._sd_m(fit) > self._params.greatest_sd_m:
-            return None
-        point_m = self._color_from_depth.apply(self._point(ray, disparity))
-        return Position(point_m, self._covariance(ray, fit, covariance_px2))
-
-    def _sd_m(self, fit: SurfaceFit) -> float:
-        return float(np.sqrt(fit.variance)) / fit.disparity_per_m**2
-
-    def _fit(self, pixel: FloatArray, disparity: float, gradient: FloatArray) -> SurfaceFit | None:
-        """Fit the skin within the patch radius of the place at `pixel`, and see that it suffices.
-
-        A pixel takes part if the surface fitted last passes it within the radius in space, and its
-        own reading is on that surface.
-        """
-        params, k = self._params, self._depth.intrinsics
-        radius_px = params.patch_radius_m * k.fx * disparity
-        values, (rows, columns) = self._window(pixel, int(np.ceil(radius_px)) + 1)
-        v, u = np.mgrid[rows, columns]
-        du, dv = u - pixel[0], v - pixel[1]
-        expected = np.maximum(disparity + gradient[0] * du + gradient[1] * dv, 0.1)
-        across_m = np.hypot(du / k.fx, dv / k.fy) / expected
-        along_m = 1 / expected - 1 / disparity
-        is_near = across_m**2 + along_m**2 < params.patch_radius_m**2
-        taken = is_near & (np.abs(1 / values - 1 / expected) < params.step_m)
-        if taken.sum() < max(params.least_pixels, params.least_share * is_near.sum()):
-            return None
-        if _greatest_gap_rad(du[taken], dv[taken]) > params.greatest_gap_rad:
-            return None
-        readings = self._burst.n_readings[rows, columns][taken].astype(float)
-        offsets = np.stack([du[taken], dv[taken]], axis=1)
-        return fit_surface(offsets, values[taken], readings, params.noise)
+        point_m = np.array(point_on(line, fit.disparity))
+        return Position(
+            self._color_from_depth.apply(point_m),
+            self._covariance(ray, point_m, fit, covariance_px2),
+        )
 
     def _covariance(
-        self, ray: FloatArray, fit: SurfaceFit, covariance_px2: FloatArray
+        self, ray: FloatArray, point_m: FloatArray, fit: Fit, covariance_px2: FloatArray
     ) -> FloatArray:
-        """Return the (3, 3) covariance of ray meets surface, colour axes.
+        """Return the (3, 3) covariance of where the ray meets the skin, colour axes.
 
-        A wrong pixel moves the point within the surface; a wrong depth moves it along the ray.
+        A wrong pixel moves the point within the skin; a wrong depth moves it along the ray.
         """
-        k, depth_k = self._color.intrinsics, self._depth.intrinsics
-        point_m = self._point(ray, fit.disparity_per_m)
-        # The plane w = w0 + g . d, written as n . p = 1 in space: n = (gu f, gv f, c).
-        n_x, n_y = fit.gradient[0] * depth_k.fx, fit.gradient[1] * depth_k.fy
+        k = self._color.intrinsics
+        # The plane w = w0 + g . d of the pixels is n . p = 1 in space, n = (gu f, gv f, rest).
+        n_x, n_y = fit.slope_u * self._lens.fx, fit.slope_v * self._lens.fy
         n_z = (1.0 - n_x * point_m[0] - n_y * point_m[1]) / point_m[2]
         normal = self._color_from_depth.rotation @ np.array([n_x, n_y, n_z])
-        point_color_m = self._color_from_depth.apply(point_m)
-        z_m = point_color_m[2]
+        z_m = self._color_from_depth.apply(point_m)[2]
         moved = np.array([[z_m / k.fx, 0.0], [0.0, z_m / k.fy], [0.0, 0.0]])
         within = moved - np.outer(ray, normal @ moved) / (normal @ ray)
         covariance: FloatArray = within @ covariance_px2 @ within.T
-        return covariance + np.outer(ray, ray) * self._sd_m(fit) ** 2
+        return covariance + np.outer(ray, ray) * _sd_m(fit) ** 2
 
 
-def _greatest_gap_rad(du: FloatArray, dv: FloatArray) -> float:
-    """Return the widest angle, seen from the origin, without any of the offsets."""
-    angles = np.sort(np.arctan2(dv, du))
-    gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
-    return float(gaps.max())
+def _sd_m(fit: Fit) -> float:
+    return float(np.sqrt(fit.variance)) / fit.disparity**2
+
+
+def _lens(camera: CameraCalibration) -> Lens:
+    k = camera.intrinsics
+    coefficients = np.zeros(N_COEFFICIENTS)
+    coefficients[: len(camera.distortion)] = camera.distortion
+    return Lens(float(k.fx), float(k.fy), float(k.cx), float(k.cy), coefficients)
+
+
+def _patch(params: PositionParams) -> Patch:
+    noise = params.noise
+    return Patch(
+        radius_m=float(params.patch_radius_m),
+        least_pixels=int(params.least_pixels),
+        least_share=float(params.least_share),
+        greatest_gap_rad=float(params.greatest_gap_rad),
+        nearest_m=float(params.nearest_m),
+        farthest_m=float(params.farthest_m),
+        step_m=float(params.step_m),
+        frame_sd_per_m=float(noise.frame_sd_per_m),
+        quantum_per_m=float(noise.quantum_per_m),
+        static_sd_per_m=float(noise.static_sd_per_m),
+        across_px=float(noise.window_px[0]),
+        down_px=float(noise.window_px[1]),
+        frames_per_sample=float(noise.frames_per_sample),
+    )

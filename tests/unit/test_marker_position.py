@@ -1,0 +1,199 @@
+"""A marker's place in space comes from the skin around it, with an honest covariance."""
+
+import cv2
+import numpy as np
+import pytest
+
+from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
+from adibas.geometry.distortion import project_distorted
+from adibas.geometry.pinhole import Intrinsics
+from adibas.geometry.rigid import RigidTransform
+from adibas.markers.disparity import BurstDisparity, DisparitySum, fuse_depth
+from adibas.markers.position import DisparityNoise, PositionFinder, PositionParams
+
+HEIGHT, WIDTH = 240, 320
+TURN = cv2.Rodrigues(np.array([0.004, -0.003, 0.005]))[0]
+CALIBRATION = RgbdCalibration(
+    color=CameraCalibration(640, 480, Intrinsics(530.0, 531.0, 322.0, 238.0), (0.05, -0.1, 0, 0)),
+    depth=CameraCalibration(WIDTH, HEIGHT, Intrinsics(580.0, 580.0, 160.5, 119.5)),
+    color_from_depth=RigidTransform(TURN, np.array([-0.025, 0.001, 0.0])),
+)
+NO_NOISE = DisparityNoise(frame_sd_per_m=1e-5, quantum_per_m=1e-5, static_sd_per_m=0.0)
+PIXEL_SD2 = np.eye(2) * 0.05**2
+
+
+def rays():
+    k = CALIBRATION.depth.intrinsics
+    v, u = np.mgrid[:HEIGHT, :WIDTH]
+    return np.stack([(u - k.cx) / k.fx, (v - k.cy) / k.fy, np.ones_like(u)], axis=-1)
+
+
+def plane_depth_m(normal, distance_m):
+    """Depth of the plane normal . p = distance."""
+    return distance_m / (rays() @ np.asarray(normal, float))
+
+
+def cylinder_depth_m(axis_z_m, radius_m):
+    """Depth of an upright limb's front: (x, z - axis)^2 = radius^2, NaN beside it."""
+    x = rays()[..., 0]
+    a, b, c = x**2 + 1, -2 * axis_z_m, axis_z_m**2 - radius_m**2
+    root = b**2 - 4 * a * c
+    return np.where(root > 0, (-b - np.sqrt(np.maximum(root, 0))) / (2 * a), np.nan)
+
+
+def point_of_pixel(depth_m, u, v):
+    return rays()[v, u] * depth_m[v, u]
+
+
+def locate(depth_m, point_m, noise=NO_NOISE, **params):
+    burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=noise, **params))
+    truth_m = CALIBRATION.color_from_depth.apply(point_m)
+    color = CALIBRATION.color
+    pixel = project_distorted(truth_m, color.intrinsics, color.distortion)
+    return finder.locate(pixel, PIXEL_SD2), truth_m
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.6, 0.1, 0.8), (-0.3, 0.8, 0.7)])
+def test_a_point_on_a_plane_is_found_where_it_is(normal):
+    depth_m = plane_depth_m(normal, 1.4)
+    found, truth_m = locate(depth_m, point_of_pixel(depth_m, 150, 110))
+    np.testing.assert_allclose(found.position_m, truth_m, atol=1e-5)
+
+
+def test_a_point_on_a_thin_limb_is_found_to_half_a_millimetre():
+    depth_m = cylinder_depth_m(2.0, 0.04)
+    found, truth_m = locate(depth_m, point_of_pixel(depth_m, 163, 120))
+    np.testing.assert_allclose(found.position_m, truth_m, atol=5e-4)
+
+
+def test_a_marker_without_depth_of_its_own_is_measured_by_what_surrounds_it():
+    depth_m = plane_depth_m((0.3, 0.1, 0.95), 1.5)
+    point_m = point_of_pixel(depth_m, 150, 110)
+    depth_m[108:113, 148:153] = np.nan
+    found, truth_m = locate(depth_m, point_m)
+    np.testing.assert_allclose(found.position_m, truth_m, atol=1e-5)
+
+
+def test_the_surface_behind_takes_no_part():
+    depth_m = plane_depth_m((0, 0, 1), 2.0)
+    near_m = plane_depth_m((0.2, 0, 1), 1.5)
+    depth_m[:, :160] = near_m[:, :160]
+    point_m = point_of_pixel(depth_m, 154, 110)
+    found, truth_m = locate(depth_m, point_m)
+    np.testing.assert_allclose(found.position_m, truth_m, atol=1e-4)
+
+
+def test_flying_pixels_do_not_move_it():
+    depth_m = plane_depth_m((0.2, 0, 1), 1.5)
+    point_m = point_of_pixel(depth_m, 154, 110)
+    depth_m[104:116:3, 150:160:3] += 0.025
+    found, truth_m = locate(depth_m, point_m)
+    np.testing.assert_allclose(found.position_m, truth_m, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda depth_m: depth_m.fill(np.nan),
+        lambda depth_m: depth_m[:, 151:].fill(np.nan),
+        lambda depth_m: depth_m[90:131, 130:171].fill(np.nan),
+    ],
+)
+def test_no_position_is_better_than_a_wrong_one(spoil):
+    depth_m = plane_depth_m((0, 0, 1), 1.5)
+    point_m = point_of_pixel(depth_m, 150, 110)
+    spoil(depth_m)
+    assert locate(depth_m, point_m)[0] is None
+
+
+def test_a_marker_outside_the_depth_camera_s_picture_has_no_position():
+    depth_m = plane_depth_m((0, 0, 1), 1.5)
+    assert locate(depth_m, np.array([0.6, 0.0, 1.5]))[0] is None
+    just_outside_m = 1.5 * np.array([(-1.0 - 160.5) / 580.0, -0.02, 1.0])
+    assert locate(depth_m, just_outside_m)[0] is None
+
+
+def test_noise_beyond_the_limit_is_no_position():
+    depth_m = plane_depth_m((0, 0, 1), 1.5)
+    point_m = point_of_pixel(depth_m, 150, 110)
+    assert locate(depth_m, point_m, noise=DisparityNoise(frame_sd_per_m=0.05))[0] is None
+
+
+def noisy_frames(depth_m, rng, n_frames):
+    """Frames with the published noise: correlated over 9 x 7 pixels, and rounded."""
+    noise = DisparityNoise()
+    for _ in range(n_frames):
+        white = rng.standard_normal(depth_m.shape)
+        correlated = cv2.blur(white, (9, 7), borderType=cv2.BORDER_REFLECT) * np.sqrt(63)
+        disparity = 1 / depth_m + noise.frame_sd_per_m * correlated
+        yield (1 / (np.round(disparity / noise.quantum_per_m) * noise.quantum_per_m)).astype(
+            np.float32
+        )
+
+
+@pytest.mark.parametrize("n_frames", [1, 8])
+def test_the_interval_holds_the_truth_in_95_percent_of_cases(n_frames):
+    rng = np.random.default_rng(11)
+    depth_m = plane_depth_m((0.3, 0.1, 0.95), 2.0)
+    noise = DisparityNoise(static_sd_per_m=0.0, frames_per_sample=1.0)
+    misses, cases = 0, 0
+    for _ in range(12):
+        burst = fuse_depth(noisy_frames(depth_m, rng, n_frames), DepthBias())
+        finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=noise))
+        for u in range(30, 300, 30):
+            for v in range(30, 220, 30):
+                truth_m = CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, u, v))
+                color = CALIBRATION.color
+                pixel = project_distorted(truth_m, color.intrinsics, color.distortion)
+                found = finder.locate(pixel, np.eye(2) * 1e-6)
+                error_m = found.position_m - truth_m
+                sd_m = np.sqrt(found.covariance_m2[2, 2])
+                misses += abs(error_m[2]) > 1.96 * sd_m
+                cases += 1
+    assert cases > 500
+    assert 0.92 < 1 - misses / cases < 0.98
+
+
+def test_an_unsure_pixel_is_unsure_within_the_skin_not_across_it():
+    normal = np.array([0.6, 0.0, 0.8])
+    depth_m = plane_depth_m(normal, 1.4)
+    burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=NO_NOISE))
+    truth_m = CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, 150, 110))
+    color = CALIBRATION.color
+    pixel = project_distorted(truth_m, color.intrinsics, color.distortion)
+    moved = [
+        finder.locate(pixel + np.array(step), PIXEL_SD2).position_m
+        for step in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    ]
+    jacobian = np.stack([moved[0] - moved[1], moved[2] - moved[3]], axis=1) / 2
+    covariance_m2 = finder.locate(pixel, PIXEL_SD2).covariance_m2
+    np.testing.assert_allclose(
+        covariance_m2, jacobian @ PIXEL_SD2 @ jacobian.T, rtol=0.05, atol=2e-10
+    )
+
+
+def test_a_burst_is_the_mean_of_what_was_measured():
+    frames = np.full((4, 2, 2), 2.0, np.float32)
+    frames[1, 0, 0] = np.nan
+    frames[:3, 0, 1] = np.nan
+    frames[2, 1, 0] = 4.0
+    frames[:, 1, 1] = [1.0, 3.0, 1.0, 3.0]
+    burst = fuse_depth(frames, DepthBias(), least_share=0.5, greatest_sd_per_m=0.2)
+    assert burst.n_frames == 4
+    np.testing.assert_array_equal(burst.n_readings, [[3, 1], [4, 4]])
+    np.testing.assert_allclose(burst.mean_per_m, [[0.5, np.nan], [0.4375, np.nan]], rtol=1e-6)
+
+
+def test_the_device_s_bias_is_taken_out_before_the_mean():
+    burst = fuse_depth([np.full((1, 1), 2.0, np.float32)], DepthBias(a=0.1, b=1.2))
+    np.testing.assert_allclose(burst.mean_per_m, 1 / 2.5, rtol=1e-6)
+
+
+def test_what_cannot_be_is_a_programming_error():
+    with pytest.raises(ValueError, match="one frame"):
+        DisparitySum(DepthBias()).result(0.3, 0.1)
+    burst = BurstDisparity(np.ones((2, 2), np.float32), np.ones((2, 2), np.int64), 1)
+    with pytest.raises(ValueError, match="both cameras"):
+        PositionFinder(burst, RgbdCalibration(depth=CALIBRATION.depth), PositionParams())
