@@ -55,17 +55,21 @@ def read_calibration(path: Path) -> RgbdCalibration:
 
 
 def check_fits(
-    calibration: RgbdCalibration, color_size: tuple[int, int], depth_size: tuple[int, int]
+    calibration: RgbdCalibration,
+    color_size: tuple[int, int] | None,
+    depth_size: tuple[int, int] | None,
 ) -> None:
-    """See that `calibration` has both cameras, for images of these (height, width).
+    """See that `calibration` has the cameras of images of these (height, width); None: no image.
 
     Raises
     ------
     CalibrationError
         A camera is missing, or it was calibrated at another resolution.
     """
-    _check_camera("colour", calibration.color, color_size)
-    _check_camera("depth", calibration.depth, depth_size)
+    if color_size is not None:
+        _check_camera("colour", calibration.color, color_size)
+    if depth_size is not None:
+        _check_camera("depth", calibration.depth, depth_size)
 
 
 def _check_camera(name: str, camera: CameraCalibration | None, size: tuple[int, int]) -> None:

@@ -1,7 +1,7 @@
 """`calibration.json`: a calibration as a JSON document, and back without any loss."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from adibas.geometry.rigid import IDENTITY, RigidTransform
 FORMAT = "adibas-calibration"
 VERSION = 1
 RMS_CONVENTION = "points"
+LONGEST_SHOWN = 40
+MOST_BITS = 1000
 
 Document = Mapping[str, Any]
 
@@ -50,6 +52,8 @@ def calibration_to_json(calibration: RgbdCalibration) -> dict[str, Any]:
             "normal": calibration.floor.normal.tolist(),
             "offset_m": calibration.floor.offset_m,
         }
+    if calibration.valid_region:
+        document["valid_region"] = dict(calibration.valid_region)
     return document
 
 
@@ -81,39 +85,36 @@ def calibration_from_json(document: object, file: str) -> RgbdCalibration:
         )
     try:
         return _from_document(document)
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+    except ValueError as error:
         raise CalibrationError(
             "{file} is damaged: {reason}. Restore it from a copy, or calibrate again.",
             file=file,
-            reason=f"{error.args[0]} is missing" if isinstance(error, KeyError) else str(error),
+            reason=str(error),
         ) from error
 
 
 def _from_document(document: Document) -> RgbdCalibration:
-    color, depth = (
-        _camera_from_json(document[name]) if document.get(name) else None
-        for name in ("color", "depth")
-    )
-    if color is None and depth is None:
+    cameras = {name: _camera_from_json(name, document.get(name)) for name in ("color", "depth")}
+    if cameras["color"] is None and cameras["depth"] is None:
         raise ValueError("it has neither a color nor a depth camera")
-    names = tuple(str(name) for name in document.get("parameter_names", ()))
-    covariance = document.get("covariance")
-    rms_px = document.get("rms_px")
+    names, covariance = _covariance(document)
     gravity = document.get("gravity")
-    floor = document.get("floor")
+    floor = _part("floor", document.get("floor"))
+    valid_region = _part("valid_region", document.get("valid_region"))
     return RgbdCalibration(
-        color=color,
-        depth=depth,
+        color=cameras["color"],
+        depth=cameras["depth"],
         color_from_depth=_transform(document.get("color_from_depth")),
         depth_unit_m=number(document.get("depth_unit_m", 0.001)),
-        depth_bias=_depth_bias(document.get("depth_bias", {})),
-        rms_px=None if rms_px is None else number(rms_px),
+        depth_bias=_depth_bias(document.get("depth_bias")),
+        rms_px=_rms_px(document),
         parameter_names=names,
-        covariance=_numbers(covariance) if names and covariance is not None else None,
-        gravity=None if gravity is None else _numbers(gravity),
+        covariance=covariance,
+        gravity=None if gravity is None else numbers("gravity", gravity),
         floor=None if floor is None else _plane(floor),
-        sensor_serial=str(document.get("sensor_serial", "")),
-        created_utc=str(document.get("created_utc", "")),
+        sensor_serial=str(document.get("sensor_serial") or ""),
+        created_utc=str(document.get("created_utc") or ""),
+        valid_region=valid_region or {},
     )
 
 
@@ -130,51 +131,109 @@ def _camera_to_json(camera: CameraCalibration) -> dict[str, Any]:
     }
 
 
-def _camera_from_json(part: Document) -> CameraCalibration:
-    fx, fy, cx, cy = (number(part[name]) for name in ("fx", "fy", "cx", "cy"))
+def _camera_from_json(name: str, value: object) -> CameraCalibration | None:
+    part = _part(name, value)
+    if part is None:
+        return None
+    fx, fy, cx, cy = (number(_needed(name, part, key)) for key in ("fx", "fy", "cx", "cy"))
     return CameraCalibration(
-        width=whole_number(part["width"]),
-        height=whole_number(part["height"]),
+        width=whole_number(_needed(name, part, "width")),
+        height=whole_number(_needed(name, part, "height")),
         intrinsics=Intrinsics(fx, fy, cx, cy),
-        distortion=tuple(number(value) for value in part.get("distortion", ())),
+        distortion=tuple(numbers("distortion", part.get("distortion") or []).tolist()),
     )
 
 
-def _transform(part: Document | None) -> RigidTransform:
+def _transform(value: object) -> RigidTransform:
+    name = "color_from_depth"
+    part = _part(name, value)
     if part is None:
         return IDENTITY
-    return RigidTransform(_numbers(part["rotation"]), _numbers(part["translation_m"]))
+    return RigidTransform(
+        numbers("rotation", _needed(name, part, "rotation")),
+        numbers("translation_m", _needed(name, part, "translation_m")),
+    )
 
 
-def _depth_bias(part: Document) -> DepthBias:
+def _depth_bias(value: object) -> DepthBias:
+    part = _part("depth_bias", value) or {}
     if part.get("image_term"):
         raise ValueError("its depth_bias.image_term is of a kind that this version cannot apply")
-    defaults = {"a": 0.0, "b": 1.0, "c": 0.0}
-    return DepthBias(**{name: number(part.get(name, defaults[name])) for name in defaults})
+    a, b, c = (number(part.get(name, default)) for name, default in (("a", 0), ("b", 1), ("c", 0)))
+    return DepthBias(a, b, c)
+
+
+def _rms_px(document: Document) -> float | None:
+    if document.get("rms_px") is None:
+        return None
+    if document.get("rms_convention", RMS_CONVENTION) != RMS_CONVENTION:
+        raise ValueError(f"its rms_convention is not {RMS_CONVENTION!r}")
+    return number(document["rms_px"])
+
+
+def _covariance(document: Document) -> tuple[tuple[str, ...], FloatArray | None]:
+    names, values = document.get("parameter_names") or [], document.get("covariance") or []
+    if not isinstance(names, list):
+        raise ValueError("parameter_names is no list")  # noqa: TRY004  (the file's fault)
+    covariance = numbers("covariance", values)
+    if covariance.size == 0:
+        return tuple(str(name) for name in names), None
+    if covariance.shape != (len(names), len(names)):
+        raise ValueError(
+            f"covariance must have shape {(len(names), len(names))}, one row for each of "
+            f"parameter_names, got {covariance.shape}"
+        )
+    return tuple(str(name) for name in names), covariance
 
 
 def _plane(part: Document) -> Plane:
-    return Plane(_numbers(part["normal"]), number(part["offset_m"]))
+    return Plane(
+        numbers("normal", _needed("floor", part, "normal")),
+        number(_needed("floor", part, "offset_m")),
+    )
+
+
+def _part(name: str, value: object) -> Document | None:
+    """Return a group of values, None where it is missing or null."""
+    if value is None:
+        return None
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name} is no group of values")  # noqa: TRY004  (the file's fault)
+    return value
+
+
+def _needed(name: str, part: Document, key: str) -> object:
+    if key not in part:
+        raise ValueError(f"{name}.{key} is missing")
+    return part[key]
 
 
 def number(value: object) -> float:
-    """Return a finite number, or raise ValueError or TypeError."""
+    """Return a finite number, or raise ValueError."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{value!r} is no number")
+        shown = repr(value)[:LONGEST_SHOWN] if isinstance(value, str | bool) else "a value"
+        raise ValueError(f"{shown} is no number")  # noqa: TRY004  (the file's fault)
+    # An integer too large for a float is not finite either.
+    if isinstance(value, int) and value.bit_length() > MOST_BITS:
+        raise ValueError("a number is not finite")
     if not math.isfinite(value):
         raise ValueError(f"{value!r} is not finite")
     return float(value)
 
 
 def whole_number(value: object) -> int:
-    """Return a whole number, or raise ValueError or TypeError."""
+    """Return a whole number, or raise ValueError."""
     if number(value) != int(number(value)):
         raise ValueError(f"{value!r} is no whole number")
     return int(number(value))
 
 
-def _numbers(values: Sequence[Any]) -> FloatArray:
-    array = np.array(values, dtype=np.float64)
-    if not np.isfinite(array).all():
-        raise ValueError("a matrix has a value that is not finite")
-    return array
+def numbers(name: str, values: object) -> FloatArray:
+    """Return a list of numbers, or of rows of them, as an array; ValueError if it is none."""
+    if not isinstance(values, list):
+        raise ValueError(f"{name} is no list")  # noqa: TRY004  (the file's fault)
+    if not all(isinstance(row, list) for row in values):
+        return np.array([number(value) for value in values], float)
+    if len({len(row) for row in values}) > 1:
+        raise ValueError(f"{name} has rows of different lengths")
+    return np.array([[number(value) for value in row] for row in values], float)

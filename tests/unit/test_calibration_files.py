@@ -39,6 +39,7 @@ def whole_calibration(fx=1050.1):
         floor=Plane(np.array([0.0, -1.0, 0.0]), 1.1),
         sensor_serial="A1",
         created_utc="2026-11-21T10:00:00+00:00",
+        valid_region={"color": [[10, 10], [1270, 1010]]},
     )
 
 
@@ -86,6 +87,19 @@ def test_everything_after_the_unit_may_be_missing_and_a_camera_may_stand_alone()
         ({"gravity": [0, float("inf"), 0]}, "not finite"),
         ({"gravity": [0, 1]}, "shape"),
         ({"covariance": [[1.0]]}, "shape"),
+        ({"covariance": [[1.0], [1.0, 2.0]]}, "rows of different lengths"),
+        ({"covariance": [[1.0, "2"], [1.0, 2.0]]}, "no number"),
+        ({"parameter_names": []}, "shape"),
+        ({"parameter_names": "color.fx"}, "no list"),
+        ({"rms_convention": "coordinates"}, "rms_convention"),
+        ({"gravity": [0, 9.81, 0]}, "gravity must have length 1"),
+        ({"gravity": "down"}, "gravity is no list"),
+        ({"gravity": [[0, 1, 0]]}, "shape"),
+        ({"gravity": [0, 10**400, 0]}, "not finite"),
+        ({"color": "x"}, "color is no group"),
+        ({"color": {"width": [1] * 1000, "fx": 1, "fy": 1, "cx": 0, "cy": 0}}, "a value is no"),
+        ({"depth_bias": {"a": None}}, "no number"),
+        ({"floor": {"normal": [0, -1, 0]}}, r"floor\.offset_m is missing"),
         ({"color_from_depth": {"rotation": [[1, 0], [0, 1]], "translation_m": [0, 0, 0]}}, "shape"),
         ({"color_from_depth": []}, "damaged"),
         ({"depth_bias": {"image_term": [1.0]}}, "image_term"),
@@ -98,6 +112,25 @@ def test_what_makes_no_sense_is_refused_with_its_reason(change, words):
         calibration_from_json(document, "c.json")
 
 
+def test_calibration_of_the_depth_camera_alone_comes_back():
+    depth_alone = RgbdCalibration(depth=whole_calibration().depth)
+    document = calibration_to_json(depth_alone)
+    assert "color" not in document
+    assert calibration_to_json(calibration_from_json(document, "c.json")) == document
+
+
+def test_null_is_the_same_as_missing():
+    document = calibration_to_json(whole_calibration())
+    needed = {"format", "version", "color", "depth_unit_m"}
+    nulls = dict.fromkeys(key for key in document if key not in needed)
+    calibration = calibration_from_json(document | nulls, "c.json")
+    assert calibration.depth is None
+    assert calibration.covariance is None
+    assert calibration.depth_bias == DepthBias()
+    assert calibration.rms_px is None
+    assert calibration.sensor_serial == ""
+
+
 def test_an_image_size_is_whole_numbers():
     document = calibration_to_json(whole_calibration())
     document["color"]["width"] = 1280.5
@@ -105,10 +138,20 @@ def test_an_image_size_is_whole_numbers():
         calibration_from_json(document, "c.json")
 
 
-@pytest.mark.parametrize(
-    "content",
-    [b"{", b"[" * 100_000, b"\xff\xfe\x00", b"", b"just words", b"%YAML:1.0\n---\n{{{", b"<?xml"],
-)
+BROKEN = [
+    b"{",
+    b"[" * 30_000,
+    b"x" * 70_000,
+    b"%YAML:1.0\n---\nA: " + b"[" * 200_000,
+    b"\xff\xfe\x00",
+    b"",
+    b"just words",
+    b"%YAML:1.0\n---\n{{{",
+    b"<?xml",
+]
+
+
+@pytest.mark.parametrize("content", BROKEN, ids=range(len(BROKEN)))
 def test_a_broken_file_is_one_sentence(tmp_path, content):
     (tmp_path / "c.json").write_bytes(content)
     with pytest.raises(CalibrationError, match=r"^c\.json"):
@@ -157,9 +200,90 @@ def test_a_ros_camera_info_is_read(tmp_path):
     assert camera.distortion == (0.1, -0.2, 0.0, 0.0, 0.0)
 
 
+def test_a_ros_message_with_short_names_is_read(tmp_path):
+    (tmp_path / "c.yaml").write_text(
+        "height: 480\nwidth: 640\ndistortion_model: rational_polynomial\n"
+        "D: [0.1, -0.2, 0.0, 0.0, 0.3, 0.01, 0.02, 0.03]\n"
+        "K: [500.0, 0.0, 320.0, 0.0, 501.0, 240.0, 0.0, 0.0, 1.0]\n"
+    )
+    camera = read_calibration(tmp_path / "c.yaml").color
+    assert camera.intrinsics == Intrinsics(500.0, 501.0, 320.0, 240.0)
+    assert camera.distortion == (0.1, -0.2, 0.0, 0.0, 0.3, 0.01, 0.02, 0.03)
+
+
+OPENCV = """%YAML:1.0
+---
+image_size: [ 640, 480 ]
+M1: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]
+D1: !!opencv-matrix
+   rows: 1
+   cols: 14
+   dt: d
+   data: [ 0.1, 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.2, 0., 0. ]
+"""
+
+
+def test_stereo_names_and_zero_tilt_are_read(tmp_path):
+    (tmp_path / "c.yml").write_text(OPENCV)
+    camera = read_calibration(tmp_path / "c.yml").color
+    assert (camera.width, camera.height) == (640, 480)
+    assert camera.distortion == (0.1, *(0.0,) * 10, 0.2)
+
+
+def mutated(content, rng):
+    """A few bytes changed, cut, doubled, or replaced by what parsers stumble over."""
+    content = bytearray(content)
+    for _ in range(rng.integers(1, 6)):
+        place = int(rng.integers(len(content)))
+        kind = rng.integers(4)
+        if kind == 0:
+            content[place] = rng.integers(256)
+        elif kind == 1 and len(content) > 60:
+            del content[place : place + 40]
+        elif kind == 2:
+            content[place:place] = content[place : place + 60]
+        else:
+            content[place:place] = rng.choice(
+                [b"-", b"1e999", b"null", b"[", b"{", b".Nan", b"<a>"]
+            )
+    return bytes(content)
+
+
+def test_mutated_files_are_read_or_refused_in_words(tmp_path):
+    rng = np.random.default_rng(1)
+    whole = json.dumps(calibration_to_json(whole_calibration()))
+    seeds = [text.encode() for text in (whole, OPENCV, ROS.replace("MODEL", "plumb_bob"))]
+    path = tmp_path / "c.json"
+    refusals = []
+    for i in range(150):
+        path.write_bytes(mutated(seeds[i % 3], rng))
+        try:
+            camera = read_calibration(path).color
+        except CalibrationError as error:
+            refusals.append(str(error))
+        else:
+            assert camera is None or np.isfinite(camera.intrinsics.matrix()).all()
+    assert len(refusals) > 50
+    assert all(refusal.startswith("c.json") for refusal in refusals)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (OPENCV.replace("240.", ".Nan"), "finite"),
+        (OPENCV.replace("0.2, 0., 0.", "0.2, 0.1, 0."), "distortion must have"),
+        (OPENCV.replace("0., 0., 1. ]", "0., 1., 1. ]"), "matrix is none"),
+        (OPENCV.replace("640", "999999"), "image size"),
+        (OPENCV.replace("M1: !!opencv-matrix", "M1: 5\nX:"), "no 3x3 camera matrix"),
+        (OPENCV.replace("rows: 3", "rows: 100000"), "not what OpenCV writes"),
+        (OPENCV.replace("image_size: [ 640, 480 ]", "image_size: 640"), "no image size"),
+        ("a: &a [1, 2]\nimage_width: *a\n", "no YAML"),
+        ("image_width: 2001-99-99\n", "no YAML"),
+        ("- 1\n", "no camera_info"),
         (ROS.replace("MODEL", "equidistant"), "lens model"),
         (ROS.replace("MODEL", "plumb_bob").replace("image_width: 640\n", ""), "damaged"),
         (ROS.replace("MODEL", "plumb_bob").replace("[500.0, 0,", "[500.0, 3,"), "skew"),
@@ -197,5 +321,7 @@ def test_a_calibration_must_fit_the_images():
         check_fits(calibration, (480, 640), (480, 640))
     with pytest.raises(CalibrationError, match="depth images"):
         check_fits(calibration, (1024, 1280), (240, 320))
+    check_fits(RgbdCalibration(color=calibration.color), (1024, 1280), None)
+    check_fits(RgbdCalibration(depth=calibration.depth), None, (480, 640))
     with pytest.raises(CalibrationError, match="no depth camera"):
         check_fits(RgbdCalibration(color=calibration.color), (1024, 1280), (480, 640))
