@@ -59,8 +59,9 @@ class ColorSensor:
         red, blue = illumination.white_balance_error
         # Automatic white balance goes half of the way.
         gains = np.sqrt(lamp_rgb) * (1.0 + red, 1.0, 1.0 + blue) / lamp_rgb
-        self._light = PAPER * illumination.level * lamp_rgb
-        self._gains = gains
+        # No gain is under 1, so that full pixels are white.
+        self._gains = gains / gains.min()
+        self._light = PAPER * illumination.level * gains.min() * lamp_rgb
         self._curve = _srgb_curve()
         bank = np.random.Generator(np.random.SFC64([seed, 0xC0]))
         self._bank = bank.standard_normal(_BANK_SIZE, np.float32)

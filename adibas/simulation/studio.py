@@ -190,7 +190,8 @@ class ColorStudio:
         pixels = project_distorted(points, self._camera.intrinsics, self._camera.distortion)
         reach = 1.3 * self._camera.intrinsics.fx * markers.radius_m / points[:, 2:] + 2.0
         low, high = np.floor(pixels - reach), np.ceil(pixels + reach) + 1
-        boxes = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1)
+        # What the lens cannot show has no pixels.
+        boxes = np.nan_to_num(np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1))
         shapes = np.column_stack([points, normals, np.full(len(points), markers.radius_m)])
         looks = np.array([*markers.albedo, _GLOSS, 0.003 + 0.25 * markers.radius_m])
         fractions = paint_markers(
