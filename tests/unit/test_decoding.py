@@ -89,6 +89,13 @@ def test_a_part_that_claims_gigabytes_is_refused_before_memory_is_taken():
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000
 
 
+def test_an_animation_is_refused():
+    part = b"acTL" + struct.pack(">II", 2, 0)
+    part = struct.pack(">I", 8) + part + zlib.crc32(part).to_bytes(4, "big")
+    with pytest.raises(RecordingError, match="damaged or too large"):
+        decode_color(EncodedImage("png", PNG[:33] + part + PNG[33:]), 3)
+
+
 def test_a_few_bytes_cannot_ask_for_millions_of_pixels():
     head = struct.pack(">IIBBBBB", 7000, 7000, 8, 2, 0, 0, 0)
     crc = zlib.crc32(b"IHDR" + head).to_bytes(4, "big")
