@@ -7,11 +7,10 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from adibas.arrays import UInt16Array
 from adibas.calibration.files import write_calibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
-from adibas.recordings.decoding import PNG_LEVEL, encode_color
+from adibas.recordings.decoding import encode_color, encode_png
 from adibas.recordings.part_file import cannot_record
 from adibas.recordings.ports import DropCount, RecordingOptions, RecordingWriter, check_frame
 from adibas.recordings.source_info import calibration_to_keep, info_to_texts
@@ -70,14 +69,14 @@ class TumWriter(RecordingWriter):
         number = f"{self.n_frames:06d}"
         names: list[str | None] = [None, None, None]
         if frame.depth_raw is not None:
-            payload = encode_png16(frame.depth_raw)
+            payload = encode_png(frame.depth_raw)
             names[0] = self._add(DEPTH_LIST, f"depth/{number}.png", frame.timestamp_ns, payload)
         if frame.color is not None and frame.color_timestamp_ns is not None:
             image = encode_color(frame.color, self.options)
             name = f"rgb/{number}.{_suffix(image)}"
             names[1] = self._add(COLOR_LIST, name, frame.color_timestamp_ns, image.payload)
         if frame.infrared_raw is not None:
-            payload = encode_png16(frame.infrared_raw)
+            payload = encode_png(frame.infrared_raw)
             name = f"infrared/{number}.png"
             names[2] = self._add(INFRARED_LIST, name, frame.timestamp_ns, payload)
         self._frames.append((frame.sequence, frame.timestamp_ns, *names))
@@ -129,14 +128,6 @@ class TumWriter(RecordingWriter):
         """Remove everything that was written."""
         self._is_open = False
         shutil.rmtree(self._part, ignore_errors=True)
-
-
-def encode_png16(image: UInt16Array) -> bytes:
-    """Return the (H, W) image as a 16-bit PNG file."""
-    import cv2
-
-    encoded = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, PNG_LEVEL])[1]
-    return encoded.tobytes()
 
 
 def _suffix(image: EncodedImage) -> str:
