@@ -257,6 +257,19 @@ def test_a_file_of_the_library_plays_bit_by_bit_to_its_end(file, moments):
     )
 
 
+def test_a_slow_reader_of_a_file_loses_nothing(sensor, moments, tmp_path):
+    n_frames = 30
+    many = [moments[i % len(moments)] for i in range(n_frames)]
+    record_file(sensor, many, tmp_path / "long.db3")
+    with open_source(f"realsense:{tmp_path / 'long.db3'}") as camera:
+        sequences = []
+        while (frame := camera.read(5.0)) is not None:
+            sequences.append(frame.sequence)
+            if frame.sequence == 2:
+                threading.Event().wait(1.2)
+    assert sequences == list(range(1, n_frames + 1))
+
+
 def test_a_file_that_is_closed_in_the_middle_does_not_hang(file):
     with open_source(f"realsense:{file}") as camera:
         assert camera.read(5.0).sequence == 1
