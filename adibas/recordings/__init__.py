@@ -7,6 +7,7 @@ from pathlib import Path
 
 from adibas.data.frames import SourceInfo
 from adibas.errors import RecordingError
+from adibas.recordings.part_file import part_path_of
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.recordings.reading import cannot_read
 
@@ -27,13 +28,7 @@ def open_recording(path: Path) -> RecordingReader:
         from adibas.recordings.tum_reader import TumReader
 
         return TumReader(path)
-    head = b""
-    try:
-        if not path.is_dir():
-            with path.open("rb") as file:
-                head = file.read(len(MCAP_MAGIC))
-    except OSError as error:
-        raise cannot_read(path.name, error) from error
+    head = _first_bytes(path)
     if head == MCAP_MAGIC:
         from adibas.recordings.mcap_reader import McapReader
 
@@ -47,6 +42,24 @@ def open_recording(path: Path) -> RecordingReader:
         "depth.txt.",
         file=path.name,
     )
+
+
+def _first_bytes(path: Path) -> bytes:
+    """Return the beginning of a file, nothing of a folder."""
+    part_path = part_path_of(path)
+    if not path.exists() and part_path.exists():
+        raise RecordingError(
+            "{file} was never finished. What was recorded of it is in {part}: open that file.",
+            file=path.name,
+            part=part_path.name,
+        )
+    try:
+        if path.is_dir():
+            return b""
+        with path.open("rb") as file:
+            return file.read(len(MCAP_MAGIC))
+    except OSError as error:
+        raise cannot_read(path.name, error) from error
 
 
 def create_recording(

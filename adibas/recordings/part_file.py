@@ -93,10 +93,15 @@ class PartFile:
         self.part_path.unlink(missing_ok=True)
 
 
+def part_path_of(path: Path, number: int = 1) -> Path:
+    """Return the name under which `path` grows; a higher `number` where that one is taken."""
+    return path.with_name(f"{path.stem}.part{'' if number == 1 else number}{path.suffix}")
+
+
 def _open_part(path: Path) -> tuple[Path, FileIO]:
     number = 1
     while True:
-        part_path = path.with_name(f"{path.stem}.part{'' if number == 1 else number}{path.suffix}")
+        part_path = part_path_of(path, number)
         try:
             return part_path, part_path.open("xb", buffering=0)
         except FileExistsError:

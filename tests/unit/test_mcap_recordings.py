@@ -192,6 +192,12 @@ def test_a_killed_recording_keeps_every_frame_that_was_written(tmp_path):
         assert reader.read(29).sequence == int(last)
 
 
+def test_who_asks_for_an_unfinished_recording_is_told_where_its_frames_are(tmp_path):
+    (tmp_path / "a.part.mcap").write_bytes(b"frames of yesterday")
+    with pytest.raises(RecordingError, match=r"a.mcap was never finished.*a.part.mcap"):
+        open_recording(tmp_path / "a.mcap")
+
+
 def test_the_part_file_of_a_crash_is_never_overwritten(tmp_path):
     (tmp_path / "a.part.mcap").write_bytes(b"frames of yesterday")
     write_frames(create_recording(tmp_path / "a.mcap", INFO), make_frames(1))
