@@ -16,7 +16,7 @@ from adibas.texts import translate as _
 
 GIGABYTE = 1_000_000_000
 ENOUGH_DISK_BYTES = 10 * GIGABYTE
-"""About half an hour of depth and lossless colour at 640 x 480."""
+"""Ten minutes of depth and lossless colour."""
 
 ENOUGH_CORES = 2
 

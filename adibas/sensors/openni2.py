@@ -1,4 +1,4 @@
-"""Sensors of the PrimeSense family (Carmine, Xtion, Astra, ...), and .oni files, by OpenNI2."""
+"""Sensors of the PrimeSense family (Carmine, Xtion, ...), and .oni files, by OpenNI2."""
 
 import threading
 import time
