@@ -315,7 +315,8 @@ def expose(
             channel = (v & 1) + (u & 1)
             across = (u - 0.5 * width) * (u - 0.5 * width)
             signal = linear[v, u, channel] * camera[channel] * (1.0 - loss * (across + down))
-            electrons = full_well * min(max(signal, 0.0), 1.0)
+            # The converter is full before the pixel is: what is too bright has no noise.
+            electrons = full_well * min(max(signal, 0.0), 1.2)
             noisy = electrons + math.sqrt(electrons + read * read) * noise[start + u]
             value = noisy * camera[3 + channel] * (4095.0 / full_well)
             raw[v, u] = np.uint16(min(max(value + 0.5, 0.0), 4095.0))

@@ -164,6 +164,9 @@ class SimulatedScene:
         As a real sensor's, with the calibration.
     n_frames : int or None
         None: without end.
+    depth_from_world : RigidTransform
+        World axes: x to the image's right, y down, z away from the sensor; the patient stands
+        at the origin on the floor y = 0.
     """
 
     def __init__(self, settings: SceneSettings) -> None:
@@ -173,7 +176,7 @@ class SimulatedScene:
         device_seed = seed if settings.device_seed is None else settings.device_seed
         self.device = draw_device(device_seed, settings.color_size)
         self.n_frames = settings.n_frames
-        depth_from_world = _sensor_pose(settings)
+        self.depth_from_world = depth_from_world = _sensor_pose(settings)
         color_from_depth = self.device.calibration.color_from_depth
         room = settings.room or draw_room(rng)
         illumination = settings.illumination or draw_illumination(rng)
@@ -182,7 +185,6 @@ class SimulatedScene:
         self._patient = _patient(shape, look) if settings.has_patient else None
         self._sway = random_sway(rng) if settings.is_swaying else None
         self._gesture = perform(settings.gesture, seed) if settings.gesture else None
-        self._depth_from_world = depth_from_world
         self._depth_studio = DepthStudio(room, depth_from_world, self.device.depth)
         self._depth_sensor = DepthSensor(self.device, settings.depth_noise, seed)
         self._color_studio = self._color_sensor = None
@@ -251,6 +253,19 @@ class SimulatedScene:
         _, payload = cv2.imencode(".jpg", picture[..., ::-1], flags)
         return EncodedImage("jpeg", payload.tobytes()), markers
 
+    def person(self, index: int) -> tuple[Patient, PosedBody]:
+        """Return the patient and how the body stands in frame `index`, in world axes.
+
+        Raises
+        ------
+        ValueError
+            The room is empty.
+        """
+        posed = self._posed(self._timestamp_ns(index))
+        if self._patient is None or posed is None:
+            raise ValueError("the room is empty")
+        return self._patient, posed
+
     def _timestamp_ns(self, index: int) -> int:
         rng = np.random.default_rng([self.settings.seed, 0x71, index])
         jitter = int(rng.normal(0.0, CLOCK_JITTER_NS))
@@ -268,7 +283,7 @@ class SimulatedScene:
     def _joints_m(self, posed: PosedBody | None) -> FloatArray:
         if posed is None:
             return np.full((15, 3), np.nan)
-        return self._depth_from_world.apply(posed.joints_m)
+        return self.depth_from_world.apply(posed.joints_m)
 
     def _holes(self, posed: PosedBody | None) -> FloatArray | None:
         """Return u, v and radius in the depth image of markers that reflect no pattern."""
@@ -276,8 +291,8 @@ class SimulatedScene:
         if self._patient is None or posed is None or markers.hole_radius_m == 0.0:
             return None
         points, normals = self._patient.places(posed, markers)
-        points = self._depth_from_world.apply(points)
-        normals = normals @ self._depth_from_world.rotation.T
+        points = self.depth_from_world.apply(points)
+        normals = normals @ self.depth_from_world.rotation.T
         points = points[np.einsum("ij,ij->i", points, normals) < 0]
         k = self.device.depth.intrinsics
         z_m = points[:, 2]
