@@ -1,0 +1,174 @@
+"""Markers in one colour image.
+
+The thesis compares every pixel inside the body with the learned centroids. Here that distance is
+also compared with its surroundings, since shadow and changed light move marker and skin together;
+lightness counts less than colour for the same reason. What is left is unmixed from the surround,
+which gives sub-pixel centres of stickers that are only some pixels wide.
+
+Source: thesis, section 6.1.1 (distance to the centroids, morphology, blob centres, 6.4).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
+from adibas.data.markers import RejectedBlob
+from adibas.markers.blobs import Blob, BlobParams, Pixels, judge, measure_blob
+from adibas.markers.color_model import ColorModel
+from adibas.markers.lab import rgb_to_lab
+from adibas.markers.likeness_kernels import unlikeness
+
+
+@dataclass(frozen=True, slots=True)
+class DetectionParams:
+    """How markers are found.
+
+    Attributes
+    ----------
+    lightness_weight : float
+        Of a difference in L against one in a and b: 0.15, since light changes L first.
+    surround_px : tuple of int
+        Widths of the surroundings, smallest first: for stickers of some pixels, and for large
+        ones. Odd, in pixels of a 1280 wide image.
+    surround_share : float
+        A marker's distance to the centroids is below this share of its surroundings': 0.62.
+    least_contrast : float
+        And smaller than theirs by this, CIELAB units: 9.
+    threshold_factor : float
+        No pixel farther than this times the model's threshold takes part: 2.2 (a sticker of four
+        pixels is mixed with skin almost everywhere).
+    blobs : BlobParams
+        What a blob must look like.
+    """
+
+    lightness_weight: float = 0.15
+    surround_px: tuple[int, ...] = (31, 121)
+    surround_share: float = 0.62
+    least_contrast: float = 9.0
+    threshold_factor: float = 2.2
+    blobs: BlobParams = field(default_factory=BlobParams)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detections:
+    """What was found in one image.
+
+    Attributes
+    ----------
+    blobs : tuple of Blob
+        Markers.
+    rejected : tuple of RejectedBlob
+        Of the marker's colour, but no marker.
+    matched_share : float
+        Of the body's pixels that match the model by themselves; near 1 the model fits everything.
+    """
+
+    blobs: tuple[Blob, ...]
+    rejected: tuple[RejectedBlob, ...]
+    matched_share: float
+
+
+def find_color_markers(
+    color_rgb: UInt8Array,
+    body: BoolArray,
+    depth_m: Float32Array,
+    focal_px: float,
+    model: ColorModel,
+    params: DetectionParams,
+) -> Detections:
+    """Find the blobs of the learned colour on the body.
+
+    Parameters
+    ----------
+    color_rgb : (H, W, 3) array
+        The image.
+    body : (H, W) bool array
+        The person in it.
+    depth_m : (H, W) array
+        Depth registered to it, NaN = unknown: for the size of things.
+    focal_px : float
+        Of the colour camera.
+    """
+    check_shape("body", body, color_rgb.shape[:2])
+    window = _bounding_box(body)
+    if window is None:
+        return Detections((), (), 0.0)
+    inside = body[window]
+    lab = rgb_to_lab(color_rgb[window])
+    distance = unlikeness(
+        lab, inside, model.centroids_lab.astype(np.float32), params.lightness_weight
+    )
+    offset_uv = np.array([window[1].start, window[0].start], float)
+    limit = params.threshold_factor * model.threshold
+    blobs: list[Blob] = []
+    rejected: list[RejectedBlob] = []
+    taken = np.zeros(inside.shape, np.bool_)
+    for width_px in _odd_widths(params.surround_px, color_rgb.shape[1]):
+        seeds = _stands_out(distance, inside, width_px, limit, params)
+        for pixels in _components(seeds, taken):
+            blob = measure_blob(lab, distance, inside, pixels)
+            found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
+            if isinstance(found, RejectedBlob):
+                rejected.append(found)
+            else:
+                blobs.append(found)
+                taken[pixels] = True
+    matched = float((distance[inside] < model.threshold).mean())
+    return Detections(tuple(blobs), _without_taken(rejected, blobs), matched)
+
+
+def _odd_widths(widths_px: tuple[int, ...], image_width: int) -> list[int]:
+    """Scale the surroundings to the image; they are odd and at least 15 pixels wide."""
+    return [max(15, round(width * image_width / 1280) | 1) for width in widths_px]
+
+
+def _stands_out(
+    distance: Float32Array, inside: BoolArray, width_px: int, limit: float, params: DetectionParams
+) -> BoolArray:
+    """Return the pixels that are nearer to the model than their surroundings."""
+    size = (width_px, width_px)
+    weight = inside.astype(np.float32)
+    total = cv2.boxFilter(distance * weight, -1, size, normalize=False)
+    count = cv2.boxFilter(weight, -1, size, normalize=False)
+    surround = total / np.maximum(count, 1.0)
+    stands_out: BoolArray = (
+        inside
+        & (distance < limit)
+        & (distance < params.surround_share * surround)
+        & (surround - distance > params.least_contrast)
+    )
+    return stands_out
+
+
+def _components(seeds: BoolArray, taken: BoolArray) -> Iterator[Pixels]:
+    """Yield the (rows, columns) of every connected group of seeds that is not taken yet."""
+    n_labels, labels, stats, _ = cv2.connectedComponentsWithStats(
+        seeds.astype(np.uint8), None, None, None, 8
+    )
+    for label in range(1, n_labels):
+        left, top, width, height, _ = stats[label]
+        part = (slice(top, top + height), slice(left, left + width))
+        rows, columns = np.nonzero(labels[part] == label)
+        if not taken[rows + top, columns + left].any():
+            yield rows + top, columns + left
+
+
+def _bounding_box(body: BoolArray) -> tuple[slice, slice] | None:
+    rows, columns = np.flatnonzero(body.any(axis=1)), np.flatnonzero(body.any(axis=0))
+    if len(rows) == 0:
+        return None
+    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+
+
+def _without_taken(rejected: list[RejectedBlob], blobs: list[Blob]) -> tuple[RejectedBlob, ...]:
+    """Leave out what was refused in one surrounding but is a marker in the other."""
+    return tuple(
+        blob
+        for blob in rejected
+        if all(
+            np.hypot(blob.u - found.u, blob.v - found.v) > 2 * found.radius_px for found in blobs
+        )
+    )
