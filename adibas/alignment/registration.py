@@ -36,9 +36,12 @@ class RegistrationParams:
         Neighbouring depth pixels whose inverse depths (1/m) differ by more belong to two surfaces.
         Default 0.012: four steps of an eighth of a pixel of disparity (PrimeSense: 0.0029 each),
         48 mm at 2 m, more than noise or a surface at 75 degrees makes.
+    step_m : float
+        But never less than that in depth, 0.025: close by, slant counts for more than noise.
     """
 
     step_per_m: float = 0.012
+    step_m: float = 0.025
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +111,7 @@ def register_pixels(
         np.float32,
     )
     shape = (color_camera.height, color_camera.width)
-    return Registration(*draw_footprints(seen, spacing, params.step_per_m, shape))
+    return Registration(*draw_footprints(seen, spacing, (params.step_per_m, params.step_m), shape))
 
 
 def register_depth_nearest(depth_m: Float32Array, calibration: RgbdCalibration) -> Float32Array:

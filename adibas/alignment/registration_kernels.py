@@ -89,7 +89,7 @@ def nearest_pixels(
 
 @compiled
 def draw_footprints(
-    seen: Float32Array, spacing: Float32Array, step_per_m: float, shape: tuple[int, int]
+    seen: Float32Array, spacing: Float32Array, steps: tuple[float, float], shape: tuple[int, int]
 ) -> tuple[Float32Array, Int32Array]:
     """Draw every depth pixel as a rectangle that meets those of its neighbours on one surface.
 
@@ -99,8 +99,9 @@ def draw_footprints(
         From `project_pixels`.
     spacing : (2,) array
         Colour pixels from one depth pixel to the next where both look at the same depth.
-    step_per_m : float
-        Neighbours whose inverse depths (1/m) differ by more lie on two surfaces.
+    steps : tuple
+        Neighbours on two surfaces differ by more than the first in inverse depth (1/m), and by
+        more than the second in depth (m).
     shape : tuple
         Of the colour image.
 
@@ -119,8 +120,8 @@ def draw_footprints(
             u, v, z = seen[row, column]
             if not z > 0:
                 continue
-            left, right, slope_u = _extent(seen, row, column, 0, spacing[0], step_per_m)
-            top, bottom, slope_v = _extent(seen, row, column, 1, spacing[1], step_per_m)
+            left, right, slope_u = _extent(seen, row, column, 0, spacing[0], steps)
+            top, bottom, slope_v = _extent(seen, row, column, 1, spacing[1], steps)
             rows = max(int(np.ceil(top)), 0), min(int(np.floor(bottom)), shape[0] - 1)
             columns = max(int(np.ceil(left)), 0), min(int(np.floor(right)), shape[1] - 1)
             for i in range(rows[0], rows[1] + 1):
@@ -134,10 +135,11 @@ def draw_footprints(
 
 @compiled
 def _extent(
-    seen: Float32Array, row: int, column: int, axis: int, spacing: float, step_per_m: float
+    seen: Float32Array, row: int, column: int, axis: int, spacing: float, steps: tuple[float, float]
 ) -> tuple[float, float, float]:
     """Return where the footprint begins and ends along one axis, and the depth's slope there."""
     slack = np.float32(0.03)
+    step_per_m, step_m = steps
     half = np.float32(0.5)
     down, across = (0, 1) if axis == 0 else (1, 0)
     z, here = seen[row, column, 2], seen[row, column, axis]
@@ -146,13 +148,13 @@ def _extent(
     if row - down >= 0 and column - across >= 0:
         other = seen[row - down, column - across, 2]
         at = seen[row - down, column - across, axis]
-        if abs(other - z) < step_per_m * z * other and at < here:
+        if abs(other - z) < max(step_per_m * z * other, step_m) and at < here:
             begin = half * (here + at)
             z_first, at_first = other, at
     if row + down < seen.shape[0] and column + across < seen.shape[1]:
         other = seen[row + down, column + across, 2]
         at = seen[row + down, column + across, axis]
-        if abs(other - z) < step_per_m * z * other and at > here:
+        if abs(other - z) < max(step_per_m * z * other, step_m) and at > here:
             end = half * (here + at)
             z_last, at_last = other, at
     slope = (z_last - z_first) / (at_last - at_first) if at_last > at_first else z * 0

@@ -1,0 +1,164 @@
+"""Loops of the body mask: surfaces without a step, and what is known of each.
+
+Compiled for float32 inverse depth (1/m, 0 where there is none) and int32 labels.
+"""
+
+import numpy as np
+
+from adibas.arrays import Float32Array, FloatArray, Int32Array
+from adibas.kernels import compiled
+
+N_MOMENTS = 10
+"""Columns of `moments`: weight, x, y, z, then xx, yy, zz, xy, xz, yz (metres)."""
+
+
+@compiled
+def _root(parent: Int32Array, label: int) -> int:
+    while parent[label] != label:
+        parent[label] = parent[parent[label]]
+        label = parent[label]
+    return label
+
+
+@compiled
+def _joined(parent: Int32Array, first: int, second: int) -> int:
+    if first == second:
+        return first
+    a, b = _root(parent, first), _root(parent, second)
+    low, high = min(a, b), max(a, b)
+    parent[high] = low
+    return low
+
+
+@compiled
+def label_surfaces(
+    inverse_depth: Float32Array, step_per_m: float, step_m: float
+) -> tuple[Int32Array, int]:
+    """Label the 4-connected regions whose neighbours differ by less than a step.
+
+    A step is `step_per_m` in 1/z or `step_m` in z, whichever is more.
+
+    Returns
+    -------
+    labels : (H, W) int32 array
+        1, 2, ...; 0 where there is no depth.
+    n_labels : int
+        The highest label.
+    """
+    height, width = inverse_depth.shape
+    labels = np.zeros((height, width), np.int32)
+    parent = np.zeros(height * width + 1, np.int32)
+    n_provisional = 0
+    for row in range(height):
+        for column in range(width):
+            here = inverse_depth[row, column]
+            if not here > 0:
+                continue
+            label = 0
+            limit = max(step_per_m, step_m * here * here)
+            for row_before, column_before in ((row, column - 1), (row - 1, column)):
+                if row_before < 0 or column_before < 0:
+                    continue
+                step = inverse_depth[row_before, column_before] - here
+                before = labels[row_before, column_before]
+                if before > 0 and abs(step) < limit:
+                    label = _joined(parent, label, before) if label > 0 else before
+            if label == 0:
+                n_provisional += 1
+                parent[n_provisional] = n_provisional
+                label = n_provisional
+            labels[row, column] = label
+    return _renumbered(labels, parent, n_provisional)
+
+
+@compiled
+def _renumbered(
+    labels: Int32Array, parent: Int32Array, n_provisional: int
+) -> tuple[Int32Array, int]:
+    final = np.zeros(n_provisional + 1, np.int32)
+    n_labels = 0
+    for label in range(1, n_provisional + 1):
+        if parent[label] == label:
+            n_labels += 1
+            final[label] = n_labels
+        else:
+            final[label] = final[_root(parent, label)]
+    flat = labels.ravel()
+    for index in range(flat.size):
+        flat[index] = final[flat[index]]
+    return labels, n_labels
+
+
+@compiled
+def surface_moments(
+    labels: Int32Array, n_labels: int, inverse_depth: Float32Array, rays: Float32Array
+) -> FloatArray:
+    """Return (n_labels + 1, 10): area (m^2, facing the camera) and moments of each surface."""
+    moments = np.zeros((n_labels + 1, N_MOMENTS))
+    pixel_area = abs((rays[0, 1, 0] - rays[0, 0, 0]) * (rays[1, 0, 1] - rays[0, 0, 1]))
+    for row in range(labels.shape[0]):
+        for column in range(labels.shape[1]):
+            label = labels[row, column]
+            if label == 0:
+                continue
+            z = 1.0 / inverse_depth[row, column]
+            x, y = rays[row, column, 0] * z, rays[row, column, 1] * z
+            area = pixel_area * z * z
+            of = moments[label]
+            of[0] += area
+            of[1] += area * x
+            of[2] += area * y
+            of[3] += area * z
+            of[4] += area * x * x
+            of[5] += area * y * y
+            of[6] += area * z * z
+            of[7] += area * x * y
+            of[8] += area * x * z
+            of[9] += area * y * z
+    return moments
+
+
+@compiled
+def gaps_to_body(
+    labels: Int32Array, n_labels: int, body: int, inverse_depth: Float32Array, reach_px: int
+) -> FloatArray:
+    """Return (n_labels + 1, 2): how every surface borders on the one called `body`.
+
+    Columns: length of the common border in pixels (a stretch without depth of up to `reach_px`
+    counts as touching), and the mean distance in depth there (m, positive behind the body).
+    """
+    height, width = labels.shape
+    border = np.zeros((n_labels + 1, 2))
+    last_row = np.full(width, -reach_px - 1, np.int64)
+    for row in range(height):
+        last_column = -reach_px - 1
+        for column in range(width):
+            if labels[row, column] == 0:
+                continue
+            if column - last_column <= reach_px:
+                _note(border, labels, inverse_depth, body, (row, last_column, row, column))
+            if row - last_row[column] <= reach_px:
+                _note(border, labels, inverse_depth, body, (last_row[column], column, row, column))
+            last_column = column
+            last_row[column] = row
+    border[:, 1] /= np.maximum(border[:, 0], 1.0)
+    return border
+
+
+@compiled
+def _note(
+    border: FloatArray,
+    labels: Int32Array,
+    inverse_depth: Float32Array,
+    body: int,
+    pair: tuple[int, int, int, int],
+) -> None:
+    first, second = labels[pair[0], pair[1]], labels[pair[2], pair[3]]
+    if first == second or (first - body) * (second - body) != 0:
+        return
+    distance_m = 1.0 / inverse_depth[pair[2], pair[3]] - 1.0 / inverse_depth[pair[0], pair[1]]
+    other = second
+    if second == body:
+        other, distance_m = first, -distance_m
+    border[other, 0] += 1
+    border[other, 1] += distance_m
