@@ -3,6 +3,7 @@
 import struct
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -183,3 +184,44 @@ def test_a_calibration_of_something_else_is_not_taken_for_ours(recorded):
     path, _ = recorded
     with pytest.raises(RecordingError, match=r"a.calibration.json would be taken for it"):
         create_recording(path, SourceInfo())
+
+
+@pytest.mark.parametrize(
+    ("pixel_format", "width", "to_rgb"),
+    [
+        (oni.GRAY8, 192, lambda raw: np.repeat(raw.reshape(48, 192, 1), 3, axis=2)),
+        (
+            oni.YUV422,
+            96,
+            lambda raw: cv2.cvtColor(raw.reshape(48, 96, 2), cv2.COLOR_YUV2RGB_UYVY),
+        ),
+        (oni.YUYV, 96, lambda raw: cv2.cvtColor(raw.reshape(48, 96, 2), cv2.COLOR_YUV2RGB_YUYV)),
+    ],
+)
+def test_colour_of_other_recorders_becomes_rgb(tmp_path, pixel_format, width, to_rgb):
+    path = tmp_path / "a.oni"
+    frames = make_frames(2, "array")
+    write_frames(create_recording(path, INFO), frames)
+    ours = oni.int_property(2, "oniPixelFormat", oni.RGB888)
+    size, new_size = (struct.pack("<III", w, 48, 30) for w in (64, width))
+    data = path.read_bytes().replace(ours, oni.int_property(2, "oniPixelFormat", pixel_format))
+    path.write_bytes(data.replace(size, new_size))
+    with open_recording(path) as reader:
+        for got, want in zip(reader, frames, strict=True):
+            np.testing.assert_array_equal(got.color, to_rgb(want.color.ravel()))
+
+
+def test_a_stream_of_an_unknown_codec_is_refused_frame_by_frame(recorded):
+    path, _ = recorded
+    path.write_bytes(path.read_bytes().replace(b"16zT", b"17zT").replace(b"JPEG", b"JPG2"))
+    with open_recording(path) as reader, pytest.raises(RecordingError, match="Frame 0"):
+        reader.read(0)
+
+
+def test_a_file_of_an_older_layout_is_refused_in_words(recorded):
+    path, _ = recorded
+    data = bytearray(path.read_bytes())
+    data[6] = 0
+    path.write_bytes(data)
+    with pytest.raises(RecordingError, match="cannot be read"):
+        open_recording(path)
