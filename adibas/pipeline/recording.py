@@ -145,13 +145,17 @@ class _Transfer:
         return (self._last_ns - self._first_ns) / NS_PER_S + period_s
 
     def _watch(self, threads: list[Future[None]], progress: Progress) -> None:
+        """Return when both threads are done; Ctrl-C, at any moment of it, makes them finish."""
         n_expected = round((self._seconds or 0.0) * self._camera.info.frame_rate_hz)
-        while not all(thread.done() for thread in threads):
+        while True:
             try:
-                wait(threads, timeout=POLL_S)
-                progress(self.n_written, n_expected)
+                while not all(thread.done() for thread in threads):
+                    wait(threads, timeout=POLL_S)
+                    progress(self.n_written, n_expected)
             except KeyboardInterrupt:
                 self._stop.set()
+            else:
+                return
 
     def _read_all(self) -> None:
         try:
