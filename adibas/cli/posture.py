@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Analyse the burst and write the report."""
-    from adibas.markers.files import read_target
+    from adibas.pipeline.learning import read_target
     from adibas.pipeline.session import PostureRequest, analyse_recording
     from adibas.reports import write_posture_report
     from adibas.reports.json_report import posture_to_json

@@ -93,7 +93,7 @@ def find_color_markers(
         Of the colour camera.
     """
     check_shape("body", body, color_rgb.shape[:2])
-    window = _bounding_box(body)
+    window = bounding_box(body)
     if window is None:
         return Detections((), (), 0.0)
     inside = body[window]
@@ -108,7 +108,7 @@ def find_color_markers(
     taken = np.zeros(inside.shape, np.bool_)
     for width_px in _odd_widths(params.surround_px, color_rgb.shape[1]):
         seeds = _stands_out(distance, inside, width_px, limit, params)
-        for pixels in _components(seeds, taken):
+        for pixels in components(seeds, taken):
             blob = measure_blob(lab, distance, inside, pixels)
             found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
             if isinstance(found, RejectedBlob):
@@ -143,7 +143,7 @@ def _stands_out(
     return stands_out
 
 
-def _components(seeds: BoolArray, taken: BoolArray) -> Iterator[Pixels]:
+def components(seeds: BoolArray, taken: BoolArray) -> Iterator[Pixels]:
     """Yield the (rows, columns) of every connected group of seeds that is not taken yet."""
     n_labels, labels, stats, _ = cv2.connectedComponentsWithStats(
         seeds.astype(np.uint8), None, None, None, 8
@@ -156,7 +156,8 @@ def _components(seeds: BoolArray, taken: BoolArray) -> Iterator[Pixels]:
             yield rows + top, columns + left
 
 
-def _bounding_box(body: BoolArray) -> tuple[slice, slice] | None:
+def bounding_box(body: BoolArray) -> tuple[slice, slice] | None:
+    """Return the rows and columns that hold all of the body; None where there is none."""
     rows, columns = np.flatnonzero(body.any(axis=1)), np.flatnonzero(body.any(axis=0))
     if len(rows) == 0:
         return None

@@ -177,9 +177,7 @@ def _calibration(recording: RecordingReader, path: Path | None) -> RgbdCalibrati
     return calibration
 
 
-def _provenance(
-    request: PostureRequest, calibration: RgbdCalibration, now: datetime
-) -> Provenance:
+def _provenance(request: PostureRequest, calibration: RgbdCalibration, now: datetime) -> Provenance:
     canonical = json.dumps(calibration_to_json(calibration), sort_keys=True)
     return Provenance(
         recording_sha256=recording_sha256(request.recording),

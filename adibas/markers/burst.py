@@ -1,0 +1,108 @@
+"""The same markers through the frames of a burst.
+
+Each frame's blobs are matched to the markers followed so far by nearness; a living patient sways by
+a pixel or two in that time. A marker is kept if enough frames show it, which removes what flickers.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from adibas.arrays import FloatArray
+from adibas.markers.blobs import Blob
+
+FAR_PX = 1e3
+"""All distances beyond are alike, so that one stray blob cannot spoil the matching of the rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class BurstParams:
+    """How blobs become markers.
+
+    Attributes
+    ----------
+    gate_px : float
+        Farthest that a marker moves between two sightings, at least; or its diameter if larger.
+    least_share : float
+        A marker is seen in this share of the frames: 0.5.
+    frames_per_sample : float
+        The sway moves all frames alike and shading is the same in all; so many count as one: 3.
+    """
+
+    gate_px: float = 5.0
+    least_share: float = 0.5
+    frames_per_sample: float = 3.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BurstMarker:
+    """One marker of a burst.
+
+    Attributes
+    ----------
+    u, v, radius_px : float
+        Means over the frames that show it, without outliers.
+    covariance_px2 : (2, 2) array
+        Of (u, v).
+    n_sightings : int
+        Frames that show it.
+    """
+
+    u: float
+    v: float
+    radius_px: float
+    covariance_px2: FloatArray
+    n_sightings: int
+
+
+class BurstTracker:
+    """Collects the blobs of one frame after the other."""
+
+    def __init__(self, params: BurstParams) -> None:
+        self._params = params
+        self._tracks: list[list[Blob]] = []
+        self._n_frames = 0
+
+    def add(self, blobs: Sequence[Blob]) -> None:
+        """Add the blobs of the next frame."""
+        self._n_frames += 1
+        known = len(self._tracks)
+        taken: set[int] = set()
+        if known and blobs:
+            last = np.array([[track[-1].u, track[-1].v] for track in self._tracks])
+            here = np.array([[blob.u, blob.v] for blob in blobs])
+            distance_px = np.linalg.norm(last[:, None] - here, axis=2)
+            rows, columns = linear_sum_assignment(np.minimum(distance_px, FAR_PX))
+            for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
+                gate_px = max(self._params.gate_px, 2.0 * blobs[j].radius_px)
+                if distance_px[i, j] <= gate_px:
+                    self._tracks[i].append(blobs[j])
+                    taken.add(j)
+        self._tracks += [[blob] for j, blob in enumerate(blobs) if j not in taken]
+
+    def markers(self) -> tuple[BurstMarker, ...]:
+        """Return what enough frames show, from top to bottom."""
+        least = max(1.0, self._params.least_share * self._n_frames)
+        kept = [track for track in self._tracks if len(track) >= least]
+        found = [_fused(track, self._params.frames_per_sample) for track in kept]
+        return tuple(sorted(found, key=lambda marker: (marker.v, marker.u)))
+
+
+def _fused(track: Sequence[Blob], frames_per_sample: float) -> BurstMarker:
+    """Average a track's centres, leaving out those far from the median."""
+    centres = np.array([[blob.u, blob.v] for blob in track])
+    deviation = np.linalg.norm(centres - np.median(centres, axis=0), axis=1)
+    limit = 3.0 * max(1.4826 * float(np.median(deviation)), 0.1)
+    kept = deviation <= limit
+    mean_covariance = np.mean([blob.covariance_px2 for blob in track], axis=0)
+    n_samples = max(1.0, float(kept.sum()) / frames_per_sample)
+    u, v = centres[kept].mean(axis=0)
+    return BurstMarker(
+        u=float(u),
+        v=float(v),
+        radius_px=float(np.median([blob.radius_px for blob in track])),
+        covariance_px2=mean_covariance / n_samples,
+        n_sightings=len(track),
+    )

@@ -1,0 +1,159 @@
+"""From a click on a picture to learned colours on the disk."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from adibas.arrays import BoolArray, UInt8Array
+from adibas.data.frames import EncodedImage
+from adibas.errors import FileError, RecordingError
+from adibas.files import written_whole
+from adibas.markers.color_files import preview, read_colors, write_colors
+from adibas.markers.color_model import ColorModel, LearningParams, grow_region, learn_colors
+from adibas.markers.lab import rgb_to_lab
+from adibas.markers.led import LedParams
+from adibas.pipeline.posture import MarkerTarget
+from adibas.recordings import open_recording
+from adibas.recordings.decoding import decode_color
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
+LED = "led"
+SEED = 0
+"""Of k-means: the same clicks give the same colours."""
+
+
+@dataclass(frozen=True, slots=True)
+class LearningRequest:
+    """What to learn from.
+
+    Attributes
+    ----------
+    image : Path
+        A picture, or a recording.
+    seeds : tuple of (u, v)
+        Clicked pixels.
+    frame : int
+        Of a recording.
+    sensitivity, n_clusters : float, int or None
+        None: the defaults of `LearningParams`.
+    """
+
+    image: Path
+    seeds: tuple[tuple[float, float], ...]
+    frame: int = 0
+    sensitivity: float | None = None
+    n_clusters: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Learned:
+    """The colours, the (H, W) pixels they come from, and the picture that shows these."""
+
+    model: ColorModel
+    taken: BoolArray
+    preview_path: Path
+
+    @property
+    def n_pixels(self) -> int:
+        """Return how many pixels were taken."""
+        return int(self.taken.sum())
+
+
+def read_target(text: str) -> MarkerTarget:
+    """Return what ``--markers`` names: ``led``, or a file of learned colours.
+
+    Raises
+    ------
+    MarkerError
+        The file is missing or holds no colours.
+    """
+    return LedParams() if text == LED else read_colors(Path(text))
+
+
+def learn_from_file(request: LearningRequest, out: Path) -> Learned:
+    """Learn the colours of the clicked regions, and write them and a preview beside them.
+
+    Raises
+    ------
+    FileError, RecordingError
+        The picture cannot be read, or the colours cannot be written.
+    MarkerError
+        A click lies outside the picture.
+    """
+    color_rgb = _read_picture(request)
+    model, taken = learn_from_picture(color_rgb, request)
+    preview_path = out.with_suffix(".preview.png")
+    _write_png(preview_path, preview(color_rgb, taken))
+    write_colors(out, model)
+    return Learned(model, taken, preview_path)
+
+
+def learn_from_picture(
+    color_rgb: UInt8Array, request: LearningRequest
+) -> tuple[ColorModel, BoolArray]:
+    """Grow a region from every click and learn their colours; also the (H, W) pixels taken."""
+    params = LearningParams()
+    if request.sensitivity is not None:
+        params = replace(params, sensitivity=request.sensitivity)
+    if request.n_clusters is not None:
+        params = replace(params, n_clusters=request.n_clusters)
+    lab = rgb_to_lab(color_rgb)
+    taken = np.zeros(lab.shape[:2], np.bool_)
+    for seed_uv in request.seeds:
+        taken |= grow_region(lab, seed_uv, params.sensitivity)
+    source = {
+        "seeds": [list(seed_uv) for seed_uv in request.seeds],
+        "sensitivity": params.sensitivity,
+        "n_pixels": int(taken.sum()),
+    }
+    pixels_lab = lab[taken].astype(np.float64)
+    return learn_colors(pixels_lab, np.random.default_rng(SEED), params, source), taken
+
+
+def _read_picture(request: LearningRequest) -> UInt8Array:
+    if request.image.suffix.lower() not in PICTURE_SUFFIXES:
+        return _read_frame(request)
+    try:
+        payload = request.image.read_bytes()
+    except OSError as error:
+        raise FileError(
+            "{file} cannot be read: {reason}. Check the name of the picture.",
+            file=request.image.name,
+            reason=error.strerror or str(error),
+        ) from error
+    encoding: Literal["png", "jpeg"] = "png" if request.image.suffix.lower() == ".png" else "jpeg"
+    try:
+        return decode_color(EncodedImage(encoding, payload), sequence=0)
+    except RecordingError as error:
+        raise FileError(
+            "{file} is no whole PNG or JPEG picture. Choose another one.", file=request.image.name
+        ) from error
+
+
+def _read_frame(request: LearningRequest) -> UInt8Array:
+    with open_recording(request.image) as recording:
+        if not 0 <= request.frame < len(recording):
+            raise RecordingError(
+                "{file} has {n_frames} frames, and none with the number {frame}. Choose another "
+                "with --frame.",
+                file=request.image.name,
+                n_frames=len(recording),
+                frame=request.frame,
+            )
+        frame = recording.read(request.frame)
+    if frame.color is None:
+        raise RecordingError(
+            "{file} has no colour in frame {frame}. Choose another frame.",
+            file=request.image.name,
+            frame=request.frame,
+        )
+    return decode_color(frame.color, frame.sequence)
+
+
+def _write_png(path: Path, picture_rgb: UInt8Array) -> None:
+    payload = cv2.imencode(".png", cv2.cvtColor(picture_rgb, cv2.COLOR_RGB2BGR))[1].tobytes()
+    with written_whole(path) as unfinished:
+        unfinished.write_bytes(payload)

@@ -1,0 +1,176 @@
+"""One burst of frames to markers in space: the order of the stages."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+
+from adibas.alignment.registration import Registration, register_pixels
+from adibas.arrays import BoolArray, Float32Array
+from adibas.body.mask import find_body
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.frames import RgbdFrame
+from adibas.data.markers import Marker, RejectedBlob
+from adibas.errors import MarkerError
+from adibas.markers.burst import BurstMarker, BurstParams, BurstTracker
+from adibas.markers.color_model import ColorModel
+from adibas.markers.detection import DetectionParams, Detections, find_color_markers
+from adibas.markers.disparity import DisparitySum
+from adibas.markers.led import LedParams, find_led_markers
+from adibas.markers.position import PositionFinder, PositionParams
+
+MarkerTarget: TypeAlias = ColorModel | LedParams
+"""What to look for: learned colours, or LEDs in a dark image."""
+
+
+@dataclass(frozen=True, slots=True)
+class PostureParams:
+    """Settings of all stages.
+
+    Attributes
+    ----------
+    least_pixel_share : float
+        A depth pixel takes part if this share of the burst's frames measured it: 0.3.
+    greatest_scatter_per_m : float
+        And if its readings scatter less (standard deviation of 1/z, 1/m): 0.02, ten times the
+        sensor's noise; more is an outline that flickers.
+    greatest_matched_share : float
+        Of the body that may have the marker's colour: 0.3. More, and the model fits everything.
+    margin_m : float
+        The body in the colour image is widened by this, so that markers on the outline are inside.
+    """
+
+    detection: DetectionParams = field(default_factory=DetectionParams)
+    burst: BurstParams = field(default_factory=BurstParams)
+    position: PositionParams = field(default_factory=PositionParams)
+    least_pixel_share: float = 0.3
+    greatest_scatter_per_m: float = 0.02
+    greatest_matched_share: float = 0.3
+    margin_m: float = 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MarkerFindings:
+    """Markers of a burst, from top to bottom, and what was refused in its last frame."""
+
+    markers: tuple[Marker, ...]
+    rejected: tuple[RejectedBlob, ...]
+
+
+def analyse_burst(
+    frames: Iterable[RgbdFrame],
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    params: PostureParams,
+) -> MarkerFindings:
+    """Find the markers in every frame, follow them, and measure each in space once.
+
+    Raises
+    ------
+    MarkerError
+        Nobody is seen, or the colour model fits everything.
+    """
+    tracker = BurstTracker(params.burst)
+    depth = DisparitySum(calibration.depth_bias)
+    has_person = False
+    rejected: tuple[RejectedBlob, ...] = ()
+    for frame in frames:
+        depth.add(frame.depth_m)
+        detections = detect(frame, calibration, target, params)
+        if detections is None:
+            tracker.add(())
+            continue
+        has_person = True
+        _check_selective(detections, target, params)
+        tracker.add(detections.blobs)
+        rejected = detections.rejected
+    if not has_person:
+        raise MarkerError(
+            "Nobody is seen in the depth image. The patient stands alone, 0.8 to 4 m in front of "
+            "the sensor."
+        )
+    disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
+    finder = PositionFinder(disparity, calibration, params.position)
+    markers = tuple(
+        _measured(f"m{number:02d}", found, finder)
+        for number, found in enumerate(tracker.markers(), 1)
+    )
+    return MarkerFindings(markers, rejected)
+
+
+def detect(
+    frame: RgbdFrame,
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    params: PostureParams,
+) -> Detections | None:
+    """Return the blobs of one frame; None where nobody is seen."""
+    color, depth = _cameras(calibration)
+    depth_m = calibration.depth_bias.correct(frame.depth_m)
+    body = find_body(depth_m, depth, calibration.floor)
+    if body is None:
+        return None
+    registration = register_pixels(depth_m, calibration)
+    body_color = body_in_color(body.pixels, registration, color, params.margin_m)
+    focal_px = color.intrinsics.fx
+    if isinstance(target, LedParams):
+        return find_led_markers(frame.color_rgb, body_color, registration.depth_m, focal_px, target)
+    return find_color_markers(
+        frame.color_rgb, body_color, registration.depth_m, focal_px, target, params.detection
+    )
+
+
+def body_in_color(
+    body: BoolArray, registration: Registration, color: CameraCalibration, margin_m: float
+) -> BoolArray:
+    """Move a body mask into the colour image, closed over holes and wider by `margin_m`."""
+    moved = registration.moved(body)
+    distance_m = _median_depth(registration.depth_m, moved)
+    reach = max(1, round(margin_m * color.intrinsics.fx / distance_m))
+    element = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (4 * reach + 1, 4 * reach + 1))
+    closed = cv2.morphologyEx(moved.astype(np.uint8), cv2.MORPH_CLOSE, element)
+    element = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    widened: BoolArray = cv2.dilate(closed, element) > 0
+    return widened
+
+
+def _median_depth(depth_m: Float32Array, pixels: BoolArray) -> float:
+    known = depth_m[pixels]
+    known = known[np.isfinite(known)]
+    return float(np.median(known)) if known.size else 2.0
+
+
+def _check_selective(detections: Detections, target: MarkerTarget, params: PostureParams) -> None:
+    if isinstance(target, LedParams):
+        if detections.matched_share > target.greatest_share:
+            raise MarkerError(
+                "The picture is too bright for LED markers. Put the infrared filter on, or darken "
+                "the room."
+            )
+    elif detections.matched_share > params.greatest_matched_share:
+        raise MarkerError(
+            "The learned colour fits {percent} % of the body. Learn it again with a lower "
+            "sensitivity, or take markers of a colour that neither skin nor clothes have.",
+            percent=round(100 * detections.matched_share),
+        )
+
+
+def _cameras(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraCalibration]:
+    if calibration.color is None or calibration.depth is None:
+        raise ValueError("posture needs both cameras")
+    return calibration.color, calibration.depth
+
+
+def _measured(label: str, found: BurstMarker, finder: PositionFinder) -> Marker:
+    position = finder.locate(np.array([found.u, found.v]), found.covariance_px2)
+    return Marker(
+        label=label,
+        u=found.u,
+        v=found.v,
+        radius_px=found.radius_px,
+        covariance_px2=found.covariance_px2,
+        position_m=None if position is None else position.position_m,
+        covariance_m2=None if position is None else position.covariance_m2,
+    )
