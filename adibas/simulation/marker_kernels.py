@@ -75,7 +75,8 @@ def _sample(
         return 0.0, 0.0
     if kind == BALL:
         length = math.sqrt(total[0] ** 2 + total[1] ** 2 + total[2] ** 2)
-        normal[:] = total / length
+        for axis in range(3):
+            normal[axis] = total[axis] / length
     return hits / (N_SAMPLES * N_SAMPLES), total_z / hits
 
 
@@ -100,8 +101,11 @@ def paint_markers(
     normal = np.empty(3)
     for m in range(markers.shape[0]):
         whole, shown = 0.0, 0.0
-        normal[:] = markers[m, 3:6]
-        if kind == DISC and (normal * markers[m, :3]).sum() >= 0.0:
+        away = 0.0
+        for axis in range(3):
+            normal[axis] = markers[m, 3 + axis]
+            away += normal[axis] * markers[m, axis]
+        if kind == DISC and away >= 0.0:
             continue
         for v in range(boxes[m, 2], boxes[m, 3]):
             for u in range(boxes[m, 0], boxes[m, 1]):
@@ -129,7 +133,8 @@ def place_balls(
     shape = np.zeros(7)
     shape[6] = radius
     for m in range(centers.shape[0]):
-        shape[:3] = centers[m]
+        for axis in range(3):
+            shape[axis] = centers[m, axis]
         reach = 1.1 * radius / shape[2]
         x0, y0 = shape[0] / shape[2], shape[1] / shape[2]
         for v in range(rays.shape[0]):

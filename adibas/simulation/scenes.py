@@ -45,11 +45,16 @@ VIEW_MARKERS: dict[str, tuple[str, ...]] = {
         "sternal_notch",
         *(
             side + name
-            for name in ("acromion", "asis", "wrist", "patella", "tibial_tuberosity")
+            for name in (
+                "shoulder",
+                "elbow",
+                "wrist",
+                "asis",
+                "patella",
+                "tibial_tuberosity",
+            )
             for side in _BOTH
         ),
-        "left_medial_epicondyle",
-        "right_medial_epicondyle",
     ),
     "posterior": (
         "c7",

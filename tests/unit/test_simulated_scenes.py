@@ -50,7 +50,7 @@ def plain_frame(plain):
 
 def visible(frame):
     found = [marker for marker in frame.truth.markers if marker.is_visible]
-    assert len(found) >= 8
+    assert len(found) >= 9
     return found
 
 
