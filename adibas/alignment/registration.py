@@ -111,7 +111,8 @@ def register_pixels(
         np.float32,
     )
     shape = (color_camera.height, color_camera.width)
-    return Registration(*draw_footprints(seen, spacing, (params.step_per_m, params.step_m), shape))
+    steps = np.array([params.step_per_m, params.step_m], np.float32)
+    return Registration(*draw_footprints(seen, spacing, steps, shape))
 
 
 def register_depth_nearest(depth_m: Float32Array, calibration: RgbdCalibration) -> Float32Array:

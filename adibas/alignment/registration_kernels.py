@@ -5,6 +5,8 @@ colour camera's axes (x, y, z for one metre of depth), `camera` the numbers fx, 
 colour camera, and `distortion` its twelve coefficients (all 0 where it has none).
 """
 
+import math
+
 import numpy as np
 
 from adibas.arrays import Float32Array, Int32Array
@@ -33,24 +35,24 @@ def project_pixels(
     camera: Float32Array,
     distortion: Float32Array,
 ) -> Float32Array:
-    """Return (H, W, 3): colour pixel u, v and depth of every depth pixel; NaN where it has none."""
+    """Return (3, H, W): colour pixel u, v and depth of every depth pixel; NaN where it has none."""
     height, width = depth_m.shape
-    seen = np.empty((height, width, 3), np.float32)
+    seen = np.empty((3, height, width), np.float32)
     is_bent = np.any(distortion != 0)
     for row in range(height):
         for column in range(width):
             z_m = depth_m[row, column]
             z_color_m = z_m * table[row, column, 2] + shift_m[2]
             if not (z_m > 0 and z_color_m > 0):
-                seen[row, column] = np.nan
+                seen[2, row, column] = np.nan
                 continue
             x = (z_m * table[row, column, 0] + shift_m[0]) / z_color_m
             y = (z_m * table[row, column, 1] + shift_m[1]) / z_color_m
             if is_bent:
                 x, y = distorted(x, y, distortion)
-            seen[row, column, 0] = camera[0] * x + camera[2]
-            seen[row, column, 1] = camera[1] * y + camera[3]
-            seen[row, column, 2] = z_color_m
+            seen[0, row, column] = camera[0] * x + camera[2]
+            seen[1, row, column] = camera[1] * y + camera[3]
+            seen[2, row, column] = z_color_m
     return seen
 
 
@@ -80,26 +82,23 @@ def nearest_pixels(
             if 0 <= u < shape[1] and 0 <= v < shape[0]:
                 i, j = int(v), int(u)
                 registered[i, j] = min(registered[i, j], z_color_m)
-    for i in range(shape[0]):
-        for j in range(shape[1]):
-            if registered[i, j] == NO_DEPTH:
-                registered[i, j] = np.nan
+    _mark_missing(registered)
     return registered
 
 
 @compiled
 def draw_footprints(
-    seen: Float32Array, spacing: Float32Array, steps: tuple[float, float], shape: tuple[int, int]
+    seen: Float32Array, spacing: Float32Array, steps: Float32Array, shape: tuple[int, int]
 ) -> tuple[Float32Array, Int32Array]:
     """Draw every depth pixel as a rectangle that meets those of its neighbours on one surface.
 
     Parameters
     ----------
-    seen : (H, W, 3) array
+    seen : (3, H, W) array
         From `project_pixels`.
     spacing : (2,) array
         Colour pixels from one depth pixel to the next where both look at the same depth.
-    steps : tuple
+    steps : (2,) array
         Neighbours on two surfaces differ by more than the first in inverse depth (1/m), and by
         more than the second in depth (m).
     shape : tuple
@@ -112,50 +111,64 @@ def draw_footprints(
     source : int32 array of `shape`
         row * W + column of the depth pixel that was drawn; -1 for none.
     """
-    height, width = seen.shape[:2]
-    depth = np.full(shape, np.nan, np.float32)
+    us, vs, zs = seen
+    height, width = zs.shape
+    depth = np.full(shape, NO_DEPTH, np.float32)
     source = np.full(shape, np.int32(-1), np.int32)
     for row in range(height):
+        above, below = max(row - 1, 0), min(row + 1, height - 1)
         for column in range(width):
-            u, v, z = seen[row, column]
+            u, v, z = us[row, column], vs[row, column], zs[row, column]
             if not z > 0:
                 continue
-            left, right, slope_u = _extent(seen, row, column, 0, spacing[0], steps)
-            top, bottom, slope_v = _extent(seen, row, column, 1, spacing[1], steps)
-            rows = max(int(np.ceil(top)), 0), min(int(np.floor(bottom)), shape[0] - 1)
-            columns = max(int(np.ceil(left)), 0), min(int(np.floor(right)), shape[1] - 1)
-            for i in range(rows[0], rows[1] + 1):
-                for j in range(columns[0], columns[1] + 1):
-                    here = z + slope_u * (j - u) + slope_v * (i - v)
-                    if not here >= depth[i, j]:
+            before, after = max(column - 1, 0), min(column + 1, width - 1)
+            limit = max(steps[0] * z * z, steps[1])
+            left, right, slope_u = _footprint(
+                (us[row, before], u, us[row, after]),
+                (zs[row, before], z, zs[row, after]),
+                (spacing[0], limit),
+            )
+            top, bottom, slope_v = _footprint(
+                (vs[above, column], v, vs[below, column]),
+                (zs[above, column], z, zs[below, column]),
+                (spacing[1], limit),
+            )
+            first, last = max(math.ceil(left), 0), min(math.floor(right), shape[1] - 1)
+            at_origin = z - slope_u * u - slope_v * v
+            for i in range(max(math.ceil(top), 0), min(math.floor(bottom), shape[0] - 1) + 1):
+                at_row = at_origin + slope_v * np.float32(i)
+                for j in range(first, last + 1):
+                    here = at_row + slope_u * np.float32(j)
+                    if here < depth[i, j]:
                         depth[i, j] = here
                         source[i, j] = row * width + column
+    _mark_missing(depth)
     return depth, source
 
 
 @compiled
-def _extent(
-    seen: Float32Array, row: int, column: int, axis: int, spacing: float, steps: tuple[float, float]
+def _footprint(
+    at: tuple[float, float, float], z: tuple[float, float, float], limits: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """Return where the footprint begins and ends along one axis, and the depth's slope there."""
-    slack = np.float32(0.03)
-    step_per_m, step_m = steps
-    half = np.float32(0.5)
-    down, across = (0, 1) if axis == 0 else (1, 0)
-    z, here = seen[row, column, 2], seen[row, column, axis]
-    begin, end = here - half * spacing, here + half * spacing
-    z_first, at_first, z_last, at_last = z, here, z, here
-    if row - down >= 0 and column - across >= 0:
-        other = seen[row - down, column - across, 2]
-        at = seen[row - down, column - across, axis]
-        if abs(other - z) < max(step_per_m * z * other, step_m) and at < here:
-            begin = half * (here + at)
-            z_first, at_first = other, at
-    if row + down < seen.shape[0] and column + across < seen.shape[1]:
-        other = seen[row + down, column + across, 2]
-        at = seen[row + down, column + across, axis]
-        if abs(other - z) < max(step_per_m * z * other, step_m) and at > here:
-            end = half * (here + at)
-            z_last, at_last = other, at
-    slope = (z_last - z_first) / (at_last - at_first) if at_last > at_first else z * 0
+    """Return where the footprint begins and ends along one axis, and the depth's slope there.
+
+    `at` and `z` are pixel and depth of the neighbour before, the pixel itself and the one after.
+    """
+    slack = 0.03
+    spacing, limit = limits
+    begin, end = at[1] - 0.5 * spacing, at[1] + 0.5 * spacing
+    at_first, z_first, at_last, z_last = at[1], z[1], at[1], z[1]
+    if abs(z[0] - z[1]) < limit and at[0] < at[1]:
+        begin, at_first, z_first = 0.5 * (at[0] + at[1]), at[0], z[0]
+    if abs(z[2] - z[1]) < limit and at[2] > at[1]:
+        end, at_last, z_last = 0.5 * (at[2] + at[1]), at[2], z[2]
+    slope = (z_last - z_first) / max(at_last - at_first, 0.1)
     return begin - slack, end + slack, slope
+
+
+@compiled
+def _mark_missing(depth: Float32Array) -> None:
+    for i in range(depth.shape[0]):
+        for j in range(depth.shape[1]):
+            if depth[i, j] == NO_DEPTH:
+                depth[i, j] = np.nan
