@@ -129,18 +129,22 @@ def gaps_to_body(
     """
     height, width = labels.shape
     border = np.zeros((n_labels + 1, 2))
-    last_row = np.full(width, -reach_px - 1, np.int64)
+    last_row = np.zeros(width, np.int64)
+    label_above = np.zeros(width, np.int32)
     for row in range(height):
-        last_column = -reach_px - 1
+        last_column, label_before = 0, np.int32(0)
         for column in range(width):
-            if labels[row, column] == 0:
+            label = labels[row, column]
+            if label == 0:
                 continue
-            if column - last_column <= reach_px:
+            # Nearly all neighbours are of one label: only the rest is looked at.
+            if label != label_before and label_before > 0 and column - last_column <= reach_px:
                 _note(border, labels, inverse_depth, body, (row, last_column, row, column))
-            if row - last_row[column] <= reach_px:
+            above = label_above[column]
+            if label != above and above > 0 and row - last_row[column] <= reach_px:
                 _note(border, labels, inverse_depth, body, (last_row[column], column, row, column))
-            last_column = column
-            last_row[column] = row
+            last_column, label_before = column, label
+            last_row[column], label_above[column] = row, label
     border[:, 1] /= np.maximum(border[:, 0], 1.0)
     return border
 
