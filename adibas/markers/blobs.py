@@ -1,12 +1,12 @@
 """A group of pixels becomes a marker's centre and size, or is refused with a reason."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
+from adibas.arrays import Float32Array, FloatArray, IntArray
 from adibas.data.markers import RejectedBlob
 
 Pixels = tuple[IntArray, IntArray]
@@ -16,6 +16,8 @@ TOO_LARGE = "too large for a marker at that distance"
 TOO_SMALL = "too small for a marker at that distance"
 TOO_LONG = "too long and thin for a marker"
 TOO_WEAK = "too faint against its surroundings"
+NOT_ALONE = "part of a larger area of that colour"
+SURROUND_PERCENTILE = 20.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,9 @@ class BlobParams:
         Taken where no depth is known near the blob.
     least_separation : float
         Contrast of the core against the surround, in standard deviations of the surround: 3.5.
+    least_prominence : float
+        By how much the core is nearer to the model than the nearest fifth of its surround, as a
+        share of theirs: 0.3. On the border of two garments one side is as near as the core.
     centre_sd_px : float
         What remains of the centre's error besides noise (shading, foreshortening): 0.08.
     """
@@ -44,6 +49,7 @@ class BlobParams:
     least_axis_ratio: float = 0.3
     unknown_distance_m: float = 2.0
     least_separation: float = 3.5
+    least_prominence: float = 0.3
     centre_sd_px: float = 0.08
 
 
@@ -61,6 +67,8 @@ class Blob:
         Short over long axis.
     separation : float
         Contrast in standard deviations of the surround.
+    prominence : float
+        1 - core's distance to the model / that of the nearest fifth of the surround.
     covariance_px2 : (2, 2) array
         Of (u, v), from noise alone.
     """
@@ -70,12 +78,11 @@ class Blob:
     radius_px: float
     axis_ratio: float
     separation: float
+    prominence: float
     covariance_px2: FloatArray
 
 
-def measure_blob(
-    values: Float32Array, distance: Float32Array, inside: BoolArray, pixels: Pixels
-) -> Blob:
+def measure_blob(values: Float32Array, distance: Float32Array, pixels: Pixels) -> Blob:
     """Unmix a group of pixels from its surround.
 
     Every pixel near it is taken as a mixture of the surround's colour and of the core's; the share
@@ -87,8 +94,6 @@ def measure_blob(
         CIELAB.
     distance : (H, W) array
         To the model: the core is where it is least.
-    inside : (H, W) bool array
-        The body; the surround is taken from it.
     pixels : tuple
         Rows and columns of the group.
     """
@@ -100,9 +105,7 @@ def measure_blob(
     near = cv2.dilate(group, np.ones((5, 5), np.uint8)) > 0
     far = cv2.dilate(near.astype(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)) > 0
     local = values[part].astype(float)
-    ring = far & ~near & inside[part]
-    if not ring.any():
-        ring = far & ~near
+    ring = far & ~near
     surround = np.median(local[ring], axis=0)
     in_group = group > 0
     best = np.argsort(distance[part][in_group])[: max(1, in_group.sum() // 3)]
@@ -112,10 +115,14 @@ def measure_blob(
     shares = (local - surround) @ axis / contrast
     noise = 1.4826 * float(np.median(np.abs(shares[ring])))
     weights = np.where(near & (shares > max(0.12, noise)), np.minimum(shares, 1.2), 0.0)
-    return _moments(weights, part, noise)
+    around = max(float(np.percentile(distance[part][ring], SURROUND_PERCENTILE)), 1e-6)
+    prominence = 1.0 - float(distance[part][in_group][best].mean()) / around
+    return _moments(weights, part, noise, prominence)
 
 
-def _moments(weights: FloatArray, part: tuple[slice, slice], noise: float) -> Blob:
+def _moments(
+    weights: FloatArray, part: tuple[slice, slice], noise: float, prominence: float
+) -> Blob:
     v, u = np.mgrid[part].astype(float)
     area = max(float(weights.sum()), 1e-6)
     centre_u, centre_v = (float((weights * axis).sum()) / area for axis in (u, v))
@@ -131,6 +138,7 @@ def _moments(weights: FloatArray, part: tuple[slice, slice], noise: float) -> Bl
         radius_px=math.sqrt(area / math.pi),
         axis_ratio=math.sqrt(short / long),
         separation=1.0 / max(noise, 1e-3),
+        prominence=prominence,
         covariance_px2=covariance,
     )
 
@@ -150,7 +158,7 @@ def judge(
     if reason is not None:
         return RejectedBlob(u, v, reason)
     covariance_px2 = blob.covariance_px2 + np.eye(2) * params.centre_sd_px**2
-    return Blob(u, v, blob.radius_px, blob.axis_ratio, blob.separation, covariance_px2)
+    return replace(blob, u=u, v=v, covariance_px2=covariance_px2)
 
 
 def _refusal(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
@@ -158,6 +166,8 @@ def _refusal(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
         return TOO_LARGE
     if diameter_m < params.least_diameter_m or math.pi * blob.radius_px**2 < params.least_area_px:
         return TOO_SMALL
+    if blob.prominence < params.least_prominence:
+        return NOT_ALONE
     if blob.axis_ratio < params.least_axis_ratio:
         return TOO_LONG
     return TOO_WEAK if blob.separation < params.least_separation else None

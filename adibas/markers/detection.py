@@ -21,6 +21,9 @@ from adibas.markers.color_model import ColorModel
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
 
+MARGIN_PX = 24
+"""About the body: what a marker on the outline is compared with."""
+
 
 @dataclass(frozen=True, slots=True)
 class DetectionParams:
@@ -98,9 +101,8 @@ def find_color_markers(
         return Detections((), (), 0.0)
     inside = body[window]
     lab = rgb_to_lab(color_rgb[window])
-    distance = unlikeness(
-        lab, inside, model.centroids_lab.astype(np.float32), params.lightness_weight
-    )
+    centroids_lab = model.centroids_lab.astype(np.float32)
+    distance = unlikeness(lab, centroids_lab, params.lightness_weight)
     offset_uv = np.array([window[1].start, window[0].start], float)
     limit = params.threshold_factor * model.threshold
     blobs: list[Blob] = []
@@ -109,7 +111,7 @@ def find_color_markers(
     for width_px in _odd_widths(params.surround_px, color_rgb.shape[1]):
         seeds = _stands_out(distance, inside, width_px, limit, params)
         for pixels in components(seeds, taken):
-            blob = measure_blob(lab, distance, inside, pixels)
+            blob = measure_blob(lab, distance, pixels)
             found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
             if isinstance(found, RejectedBlob):
                 rejected.append(found)
@@ -157,11 +159,12 @@ def components(seeds: BoolArray, taken: BoolArray) -> Iterator[Pixels]:
 
 
 def bounding_box(body: BoolArray) -> tuple[slice, slice] | None:
-    """Return the rows and columns that hold all of the body; None where there is none."""
+    """Return the rows and columns of the body and a margin; None where there is no body."""
     rows, columns = np.flatnonzero(body.any(axis=1)), np.flatnonzero(body.any(axis=0))
     if len(rows) == 0:
         return None
-    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    top, left = max(int(rows[0]) - MARGIN_PX, 0), max(int(columns[0]) - MARGIN_PX, 0)
+    return slice(top, int(rows[-1]) + MARGIN_PX), slice(left, int(columns[-1]) + MARGIN_PX)
 
 
 def _without_taken(rejected: list[RejectedBlob], blobs: list[Blob]) -> tuple[RejectedBlob, ...]:

@@ -88,7 +88,7 @@ def _judged(
     blobs: list[Blob] = []
     rejected: list[RejectedBlob] = []
     for pixels in components(bright, np.zeros(bright.shape, np.bool_)):
-        blob = measure_blob(smooth, -smooth[..., 0], inside, pixels)
+        blob = measure_blob(smooth, 256.0 - smooth[..., 0], pixels)
         found = judge(blob, offset_uv, *size, params.blobs)
         if isinstance(found, RejectedBlob):
             rejected.append(found)

@@ -4,22 +4,20 @@ import math
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array
+from adibas.arrays import Float32Array
 from adibas.kernels import compiled
 
 
 @compiled
 def unlikeness(
-    lab: Float32Array, inside: BoolArray, centroids_lab: Float32Array, lightness_weight: float
+    lab: Float32Array, centroids_lab: Float32Array, lightness_weight: float
 ) -> Float32Array:
-    """Return the (H, W) distance to the nearest centroid, with lightness weighted; 0 outside."""
+    """Return the (H, W) distance to the nearest centroid, with lightness weighted."""
     height, width, _ = lab.shape
-    distance = np.zeros((height, width), np.float32)
+    distance = np.empty((height, width), np.float32)
     weight = np.float32(lightness_weight)
     for row in range(height):
         for column in range(width):
-            if not inside[row, column]:
-                continue
             nearest = np.float32(np.inf)
             for i in range(centroids_lab.shape[0]):
                 dl = lab[row, column, 0] - centroids_lab[i, 0]
