@@ -79,7 +79,7 @@ def test_a_clock_that_stands_still_does_not_record_for_ever(tmp_path):
         return SensorFrame(index, 5, np.ones((4, 4), np.uint16))
 
     camera = ListedCamera((lambda i=i: still(i)) for i in range(1000))
-    assert 5 < record(camera, tmp_path / "a.mcap", seconds=0.1).n_frames < 200
+    assert 1 <= record(camera, tmp_path / "a.mcap", seconds=0.1).n_frames < 200
 
 
 def test_frames_that_the_sensor_lost_are_counted(tmp_path):
