@@ -35,10 +35,13 @@ class BlobParams:
     unknown_distance_m : float
         Taken where no depth is known near the blob.
     least_separation : float
-        Contrast of the core against the surround, in standard deviations of the surround: 3.5.
+        Contrast of the core against the surround, in standard deviations of the surround: 5.
     least_prominence : float
         By how much the core is nearer to the model than the nearest fifth of its surround, as a
-        share of theirs: 0.3. On the border of two garments one side is as near as the core.
+        share of theirs: 0.4. On the border of two garments one side is as near as the core.
+    least_filling : float
+        Share of the unmixed area that stands out by itself: 0.42. What goes on beyond its core,
+        such as wall seen between arm and trunk, has less.
     centre_sd_px : float
         What remains of the centre's error besides noise (shading, foreshortening): 0.08.
     """
@@ -46,10 +49,11 @@ class BlobParams:
     least_diameter_m: float = 0.004
     greatest_diameter_m: float = 0.060
     least_area_px: float = 1.5
-    least_axis_ratio: float = 0.3
+    least_axis_ratio: float = 0.38
     unknown_distance_m: float = 2.0
-    least_separation: float = 3.5
-    least_prominence: float = 0.3
+    least_separation: float = 5.0
+    least_prominence: float = 0.4
+    least_filling: float = 0.42
     centre_sd_px: float = 0.08
 
 
@@ -69,6 +73,8 @@ class Blob:
         Contrast in standard deviations of the surround.
     prominence : float
         1 - core's distance to the model / that of the nearest fifth of the surround.
+    filling : float
+        Pixels that stand out / unmixed area.
     covariance_px2 : (2, 2) array
         Of (u, v), from noise alone.
     """
@@ -79,6 +85,7 @@ class Blob:
     axis_ratio: float
     separation: float
     prominence: float
+    filling: float
     covariance_px2: FloatArray
 
 
@@ -117,11 +124,12 @@ def measure_blob(values: Float32Array, distance: Float32Array, pixels: Pixels) -
     weights = np.where(near & (shares > max(0.12, noise)), np.minimum(shares, 1.2), 0.0)
     around = max(float(np.percentile(distance[part][ring], SURROUND_PERCENTILE)), 1e-6)
     prominence = 1.0 - float(distance[part][in_group][best].mean()) / around
-    return _moments(weights, part, noise, prominence)
+    filling = len(rows) / max(float(weights.sum()), 1e-6)
+    return _moments(weights, part, noise, (prominence, filling))
 
 
 def _moments(
-    weights: FloatArray, part: tuple[slice, slice], noise: float, prominence: float
+    weights: FloatArray, part: tuple[slice, slice], noise: float, shape: tuple[float, float]
 ) -> Blob:
     v, u = np.mgrid[part].astype(float)
     area = max(float(weights.sum()), 1e-6)
@@ -138,7 +146,8 @@ def _moments(
         radius_px=math.sqrt(area / math.pi),
         axis_ratio=math.sqrt(short / long),
         separation=1.0 / max(noise, 1e-3),
-        prominence=prominence,
+        prominence=shape[0],
+        filling=shape[1],
         covariance_px2=covariance,
     )
 
@@ -166,7 +175,7 @@ def _refusal(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
         return TOO_LARGE
     if diameter_m < params.least_diameter_m or math.pi * blob.radius_px**2 < params.least_area_px:
         return TOO_SMALL
-    if blob.prominence < params.least_prominence:
+    if blob.prominence < params.least_prominence or blob.filling < params.least_filling:
         return NOT_ALONE
     if blob.axis_ratio < params.least_axis_ratio:
         return TOO_LONG

@@ -41,7 +41,7 @@ class DetectionParams:
     least_contrast : float
         And smaller than theirs by this, CIELAB units: 9.
     threshold_factor : float
-        No pixel farther than this times the model's threshold takes part: 2.2 (a sticker of four
+        No pixel farther than this times the model's threshold takes part: 1.8 (a sticker of four
         pixels is mixed with skin almost everywhere).
     blobs : BlobParams
         What a blob must look like.
@@ -51,7 +51,7 @@ class DetectionParams:
     surround_px: tuple[int, ...] = (31, 121)
     surround_share: float = 0.62
     least_contrast: float = 9.0
-    threshold_factor: float = 2.2
+    threshold_factor: float = 1.8
     blobs: BlobParams = field(default_factory=BlobParams)
 
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from adibas.alignment.registration import Registration, register_pixels
-from adibas.arrays import BoolArray, Float32Array
+from adibas.arrays import BoolArray, UInt8Array
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import RgbdFrame
@@ -39,7 +39,8 @@ class PostureParams:
     greatest_matched_share : float
         Of the body that may have the marker's colour: 0.3. More, and the model fits everything.
     margin_m : float
-        The body in the colour image is widened by this, so that markers on the outline are inside.
+        The body in the colour image is closed and widened by this, so that LEDs (holes in the
+        depth) and markers on the outline are inside: 10 mm.
     """
 
     detection: DetectionParams = field(default_factory=DetectionParams)
@@ -125,19 +126,28 @@ def detect(
 def body_in_color(
     body: BoolArray, registration: Registration, color: CameraCalibration, margin_m: float
 ) -> BoolArray:
-    """Move a body mask into the colour image, closed over holes and wider by `margin_m`."""
+    """Move a body mask into the colour image, closed over holes in the depth.
+
+    Holes up to `margin_m` in radius (an LED's, the outline's) belong to the body; what is known
+    to lie behind it does not, but for half that margin, by which outlines of depth are unsure.
+    """
     moved = registration.moved(body)
-    distance_m = _median_depth(registration.depth_m, moved)
-    reach = max(1, round(margin_m * color.intrinsics.fx / distance_m))
-    element = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (4 * reach + 1, 4 * reach + 1))
-    closed = cv2.morphologyEx(moved.astype(np.uint8), cv2.MORPH_CLOSE, element)
-    element = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
-    widened: BoolArray = cv2.dilate(closed, element) > 0
-    return widened
+    known = np.isfinite(registration.depth_m)
+    reach = max(2, round(margin_m * color.intrinsics.fx / _median_depth(registration, moved)))
+    closed = cv2.morphologyEx(moved.astype(np.uint8), cv2.MORPH_CLOSE, _disc(reach))
+    widened = cv2.dilate(closed, _disc(reach))
+    behind = cv2.erode((known & ~moved).astype(np.uint8), _disc((reach + 1) // 2))
+    in_color: BoolArray = (widened > 0) & (behind == 0)
+    return in_color
 
 
-def _median_depth(depth_m: Float32Array, pixels: BoolArray) -> float:
-    known = depth_m[pixels]
+def _disc(radius_px: int) -> UInt8Array:
+    size = (2 * radius_px + 1, 2 * radius_px + 1)
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, size), np.uint8)
+
+
+def _median_depth(registration: Registration, pixels: BoolArray) -> float:
+    known = registration.depth_m[pixels]
     known = known[np.isfinite(known)]
     return float(np.median(known)) if known.size else 2.0
 
