@@ -48,7 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Analyse the burst and write the report."""
-    from adibas.pipeline.learning import read_target
     from adibas.pipeline.session import PostureRequest, analyse_recording
     from adibas.reports import write_posture_report
     from adibas.reports.json_report import posture_to_json
@@ -60,7 +59,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         )
     request = PostureRequest(
         recording=arguments.recording,
-        target=read_target(arguments.markers),
+        markers=arguments.markers,
         calibration=arguments.calibration,
         frames=arguments.frames,
         view=arguments.view,

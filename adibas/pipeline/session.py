@@ -14,7 +14,9 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.posture import PostureAnalysis, Provenance
 from adibas.errors import CalibrationError, MarkerError, RecordingError
+from adibas.markers.color_model import ColorModel
 from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.learning import read_target
 from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -40,8 +42,8 @@ class PostureRequest:
     ----------
     recording : Path
         MCAP, .oni or TUM folder.
-    target : MarkerTarget
-        Learned colours, or LEDs.
+    markers : str
+        A file of learned colours, or ``led``.
     calibration : Path or None
         A file that takes the place of the recording's own calibration.
     frames : tuple
@@ -51,7 +53,7 @@ class PostureRequest:
     """
 
     recording: Path
-    target: MarkerTarget
+    markers: str
     calibration: Path | None = None
     frames: tuple[int, int | None] = (0, None)
     view: str = ""
@@ -73,11 +75,12 @@ def analyse_recording(
     MarkerError
         Fewer than two markers have a position, or the colour model fits everything.
     """
+    target = read_target(request.markers)
     with open_recording(request.recording) as recording:
         begin, end = _burst_range(recording, request.frames)
         calibration = _calibration(recording, request.calibration)
         burst = _Burst(recording, calibration, begin, end, progress)
-        findings = analyse_burst(burst, calibration, request.target, request.params)
+        findings = analyse_burst(burst, calibration, target, request.params)
         notices = tuple(notice for notice in (recording.notice,) if notice)
     check_findings(findings)
     return PostureAnalysis(
@@ -91,7 +94,7 @@ def analyse_recording(
         angles=all_angles(findings.markers),
         picture_rgb=burst.picture_rgb(),
         calibration=calibration,
-        provenance=_provenance(request, calibration, clock()),
+        provenance=_provenance(request, target, calibration, clock()),
         notices=notices,
     )
 
@@ -177,12 +180,21 @@ def _calibration(recording: RecordingReader, path: Path | None) -> RgbdCalibrati
     return calibration
 
 
-def _provenance(request: PostureRequest, calibration: RgbdCalibration, now: datetime) -> Provenance:
+def _provenance(
+    request: PostureRequest, target: MarkerTarget, calibration: RgbdCalibration, now: datetime
+) -> Provenance:
     canonical = json.dumps(calibration_to_json(calibration), sort_keys=True)
     return Provenance(
         recording_sha256=recording_sha256(request.recording),
         calibration=f"sha256:{hashlib.sha256(canonical.encode()).hexdigest()}",
         version=__version__,
         created_utc=now.isoformat(timespec="seconds"),
-        parameters={**asdict(request.params), "frames": list(request.frames)},
+        parameters={**asdict(request.params), "markers": _described(target)},
     )
+
+
+def _described(target: MarkerTarget) -> dict[str, object]:
+    """Return what was looked for, as plain values."""
+    if isinstance(target, ColorModel):
+        return {"centroids_lab": target.centroids_lab.tolist(), "threshold": target.threshold}
+    return asdict(target)
