@@ -18,6 +18,7 @@ TOO_LONG = "too long and thin for a marker"
 TOO_WEAK = "too faint against its surroundings"
 NOT_ALONE = "part of a larger area of that colour"
 SURROUND_PERCENTILE = 20.0
+LEAST_TOLD_PX = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +181,11 @@ def _refusal(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
     if blob.axis_ratio < params.least_axis_ratio:
         return TOO_LONG
     return TOO_WEAK if blob.separation < params.least_separation else None
+
+
+def is_worth_telling(blob: RejectedBlob, n_pixels: int) -> bool:
+    """Say whether a user would ask why this is no marker; specks of noise nobody sees."""
+    return n_pixels >= LEAST_TOLD_PX and blob.reason != NOT_ALONE
 
 
 def depth_near(depth_m: Float32Array, u: float, v: float, reach_px: float) -> float | None:

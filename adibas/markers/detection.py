@@ -16,7 +16,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blobs import Blob, BlobParams, Pixels, judge, measure_blob
+from adibas.markers.blobs import Blob, BlobParams, Pixels, is_worth_telling, judge, measure_blob
 from adibas.markers.color_model import ColorModel
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
@@ -114,7 +114,8 @@ def find_color_markers(
             blob = measure_blob(lab, distance, pixels)
             found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
             if isinstance(found, RejectedBlob):
-                rejected.append(found)
+                if is_worth_telling(found, len(pixels[0])):
+                    rejected.append(found)
             else:
                 blobs.append(found)
                 taken[pixels] = True

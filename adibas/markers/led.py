@@ -10,7 +10,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blobs import Blob, BlobParams, judge, measure_blob
+from adibas.markers.blobs import Blob, BlobParams, is_worth_telling, judge, measure_blob
 from adibas.markers.detection import Detections, bounding_box, components
 
 
@@ -91,7 +91,8 @@ def _judged(
         blob = measure_blob(smooth, 256.0 - smooth[..., 0], pixels)
         found = judge(blob, offset_uv, *size, params.blobs)
         if isinstance(found, RejectedBlob):
-            rejected.append(found)
+            if is_worth_telling(found, len(pixels[0])):
+                rejected.append(found)
         else:
             blobs.append(found)
     return Detections(tuple(blobs), tuple(rejected), float(bright[inside].mean()))

@@ -82,8 +82,12 @@ def encode_color(image: UInt8Array | EncodedImage, options: RecordingOptions) ->
 
     bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
     if options.color == "jpeg":
-        quality = [cv2.IMWRITE_JPEG_QUALITY, options.jpeg_quality]
-        return EncodedImage("jpeg", cv2.imencode(".jpg", bgr, quality)[1].tobytes())
+        # A sticker is some pixels wide: at half the colour resolution its colour is gone.
+        flags = [
+            *(cv2.IMWRITE_JPEG_QUALITY, options.jpeg_quality),
+            *(cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444),
+        ]
+        return EncodedImage("jpeg", cv2.imencode(".jpg", bgr, flags)[1].tobytes())
     return EncodedImage("png", encode_png(np.ascontiguousarray(bgr, np.uint8)))
 
 

@@ -21,6 +21,8 @@ NAME_FONT = Font(bold=True)
 LINE = Border(bottom=Side(style="hair", color="A6A6A6"))
 NAME_WIDTH = 30
 VALUE_WIDTH = 84
+HEADER_HEIGHT = 32
+"""Points: two lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,7 @@ def add_table(sheet: Worksheet, columns: Sequence[Column], rows: Sequence[Sequen
         cell.font, cell.fill = HEADER_FONT, HEADER_FILL
         cell.alignment = Alignment(wrap_text=True, vertical="center")
         sheet.column_dimensions[get_column_letter(index)].width = column.width
+    sheet.row_dimensions[1].height = HEADER_HEIGHT
     for row_number, row in enumerate(rows, 2):
         for index, (column, value) in enumerate(zip(columns, row, strict=True), 1):
             _put(sheet, row_number, index, value).number_format = column.number_format

@@ -125,7 +125,7 @@ class SceneSettings:
     knows_bias : bool
         Whether the calibration handed out corrects the device's depth error.
     jpeg_quality : int or None
-        Colour as JPEG of that quality; None: as it is.
+        Colour as JPEG of that quality, with colour at full resolution; None: as it is.
     color_delay_s : float
         By how much the colour is taken after the depth (PEERS: up to one frame).
     n_frames : int or None
@@ -254,7 +254,10 @@ class SimulatedScene:
         quality = self.settings.jpeg_quality
         if quality is None:
             return picture, markers
-        flags = [int(cv2.IMWRITE_JPEG_QUALITY), quality]
+        flags = [
+            *(cv2.IMWRITE_JPEG_QUALITY, quality),
+            *(cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444),
+        ]
         _, payload = cv2.imencode(".jpg", picture[..., ::-1], flags)
         return EncodedImage("jpeg", payload.tobytes()), markers
 
