@@ -19,8 +19,9 @@ HEADER_FILL = PatternFill("solid", fgColor="1F4E79")
 TITLE_FONT = Font(bold=True, size=16, color="1F4E79")
 NAME_FONT = Font(bold=True)
 LINE = Border(bottom=Side(style="hair", color="A6A6A6"))
-NAME_WIDTH = 30
+NAME_WIDTH = 44
 VALUE_WIDTH = 84
+MOST_PORTRAIT_COLUMNS = 8
 HEADER_HEIGHT = 32
 """Points: two lines."""
 
@@ -68,7 +69,8 @@ def add_pairs(sheet: Worksheet, title: str, pairs: Sequence[tuple[str, Value]]) 
 def prepare_page(sheet: Worksheet, footer: str) -> None:
     """Print on A4, as wide as the page, with page numbers."""
     sheet.page_setup.paperSize = sheet.PAPERSIZE_A4
-    sheet.page_setup.orientation = "landscape" if sheet.max_column > 6 else "portrait"  # noqa: PLR2004
+    is_wide = sheet.max_column > MOST_PORTRAIT_COLUMNS
+    sheet.page_setup.orientation = "landscape" if is_wide else "portrait"
     sheet.page_setup.fitToWidth = 1
     sheet.page_setup.fitToHeight = 0
     sheet.sheet_properties.pageSetUpPr = PageSetupProperties(fitToPage=True)
