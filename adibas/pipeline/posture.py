@@ -4,11 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-import cv2
 import numpy as np
 
-from adibas.alignment.registration import Registration, register_pixels
-from adibas.arrays import BoolArray, UInt8Array
+from adibas.alignment.registration import register_pixels
+from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import RgbdFrame
@@ -20,6 +19,7 @@ from adibas.markers.detection import DetectionParams, Detections, find_color_mar
 from adibas.markers.disparity import DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
+from adibas.pipeline.outline import body_in_color
 
 MarkerTarget: TypeAlias = ColorModel | LedParams
 """What to look for: learned colours, or LEDs in a dark image."""
@@ -110,7 +110,8 @@ def detect(
     """Return the blobs of one frame; None where nobody is seen."""
     color, depth = _cameras(calibration)
     depth_m = calibration.depth_bias.correct(frame.depth_m)
-    body = find_body(depth_m, depth, calibration.floor)
+    floor = calibration.floor or find_floor(depth_m, depth)
+    body = find_body(depth_m, depth, floor)
     if body is None:
         return None
     registration = register_pixels(depth_m, calibration)
@@ -121,35 +122,6 @@ def detect(
     return find_color_markers(
         frame.color_rgb, body_color, registration.depth_m, focal_px, target, params.detection
     )
-
-
-def body_in_color(
-    body: BoolArray, registration: Registration, color: CameraCalibration, margin_m: float
-) -> BoolArray:
-    """Move a body mask into the colour image, closed over holes in the depth.
-
-    Holes up to `margin_m` in radius (an LED's, the outline's) belong to the body; what is known
-    to lie behind it does not, but for half that margin, by which outlines of depth are unsure.
-    """
-    moved = registration.moved(body)
-    known = np.isfinite(registration.depth_m)
-    reach = max(2, round(margin_m * color.intrinsics.fx / _median_depth(registration, moved)))
-    closed = cv2.morphologyEx(moved.astype(np.uint8), cv2.MORPH_CLOSE, _disc(reach))
-    widened = cv2.dilate(closed, _disc(reach))
-    behind = cv2.erode((known & ~moved).astype(np.uint8), _disc((reach + 1) // 2))
-    in_color: BoolArray = (widened > 0) & (behind == 0)
-    return in_color
-
-
-def _disc(radius_px: int) -> UInt8Array:
-    size = (2 * radius_px + 1, 2 * radius_px + 1)
-    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, size), np.uint8)
-
-
-def _median_depth(registration: Registration, pixels: BoolArray) -> float:
-    known = registration.depth_m[pixels]
-    known = known[np.isfinite(known)]
-    return float(np.median(known)) if known.size else 2.0
 
 
 def _check_selective(detections: Detections, target: MarkerTarget, params: PostureParams) -> None:

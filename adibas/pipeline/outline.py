@@ -1,0 +1,75 @@
+"""The person in the colour image, also where the depth camera's picture ends.
+
+The colour camera of a PrimeSense sees some 4 degrees more at the top and at the bottom than its
+depth camera: there feet and head go on, and so do their markers.
+"""
+
+import cv2
+import numpy as np
+
+from adibas.alignment.registration import Registration
+from adibas.arrays import BoolArray, UInt8Array
+from adibas.data.calibration import CameraCalibration
+
+BORDER_PX = 12
+"""Depth pixels at the edge of the picture that may be without depth."""
+DEFAULT_DISTANCE_M = 2.0
+FOOT_M = 0.03
+"""By so much a leg or a head grows wider on either side where it is carried on."""
+
+
+def body_in_color(
+    body: BoolArray, registration: Registration, color: CameraCalibration, margin_m: float
+) -> BoolArray:
+    """Move a body mask into the colour image.
+
+    Parameters
+    ----------
+    body : (H, W) bool array
+        Of the depth image.
+    registration : Registration
+        Of that depth image.
+    color : CameraCalibration
+        Of the colour camera.
+    margin_m : float
+        By how much the outline is widened.
+
+    Returns
+    -------
+    outline : (H', W') bool array
+        Closed over holes of up to `margin_m` in radius (an LED's, the outline's). What is known to
+        lie behind the body is left out, but for half that margin, by which outlines of depth are
+        unsure. Carried on to the edge of the colour image where the depth camera's picture cuts
+        the body off.
+    """
+    moved = registration.moved(body).astype(np.uint8)
+    depths_m = registration.depth_m[moved > 0]
+    depths_m = depths_m[np.isfinite(depths_m)]
+    distance_m = float(np.median(depths_m)) if depths_m.size else DEFAULT_DISTANCE_M
+    reach = max(2, round(margin_m * color.intrinsics.fx / distance_m))
+    _carry_on(moved, body, round(FOOT_M * color.intrinsics.fx / distance_m))
+    widened = cv2.dilate(cv2.morphologyEx(moved, cv2.MORPH_CLOSE, _disc(reach)), _disc(reach))
+    other = np.isfinite(registration.depth_m) & (moved == 0)
+    behind = cv2.erode(other.astype(np.uint8), _disc((reach + 1) // 2))
+    return np.asarray((widened > 0) & (behind == 0))
+
+
+def _disc(radius_px: int) -> UInt8Array:
+    size = 2 * radius_px + 1
+    disc: UInt8Array = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size)).astype(np.uint8)
+    return disc
+
+
+def _carry_on(moved: UInt8Array, body: BoolArray, widening_px: int) -> None:
+    """Carry the body on to those edges of the colour image at which the depth image cut it."""
+    for turns in range(4):
+        if np.rot90(body, turns)[-BORDER_PX:].any():
+            _carry_down(np.rot90(moved, turns), widening_px)
+
+
+def _carry_down(moved: UInt8Array, widening_px: int) -> None:
+    """Repeat the lowest stretch of the body down to the last row, a little wider, in place."""
+    last_row = int(np.flatnonzero(moved.any(axis=1))[-1])
+    lowest = moved[max(last_row - widening_px, 0) : last_row + 1].max(axis=0)
+    wide = np.ones((1, 2 * widening_px + 1), np.uint8)
+    moved[last_row:] |= cv2.dilate(lowest[None, :], wide)[0]
