@@ -11,19 +11,19 @@ Source: thesis, equations 3.1-3.4 and section 5.2.
 from dataclasses import dataclass
 from functools import lru_cache
 
-import cv2
 import numpy as np
 
 from adibas.alignment.registration_kernels import (
+    Coefficients,
     draw_footprints,
     nearest_pixels,
     project_pixels,
 )
-from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, check_shape, read_only
+from adibas.arrays import BoolArray, Float32Array, Int32Array, check_shape, read_only
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.geometry.distortion import pixel_rays
 
 N_COEFFICIENTS = 12
-UNDISTORT_STEPS = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,23 +151,20 @@ def _geometry(calibration: RgbdCalibration) -> tuple[Float32Array, Float32Array,
     return table, shift_m, np.array([lens.fx, lens.fy, lens.cx, lens.cy], np.float32)
 
 
-def _distortion(camera: CameraCalibration) -> Float32Array:
-    padded = np.zeros(N_COEFFICIENTS, np.float32)
+def _distortion(camera: CameraCalibration) -> Coefficients:
+    """Return twelve coefficients, with zeros for those that are left out."""
+    padded = np.zeros(N_COEFFICIENTS)
     padded[: len(camera.distortion)] = camera.distortion
-    return padded
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = padded.tolist()
+    return k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4
 
 
 @lru_cache(maxsize=4)
 def _turned_rays(camera: CameraCalibration, rotation: tuple[float, ...]) -> Float32Array:
     """Return (H, W, 3) rays of one metre of depth, turned by the nine numbers of `rotation`."""
-    v, u = np.indices((camera.height, camera.width), dtype=float)
-    pixels = np.stack([u, v], axis=-1).reshape(-1, 1, 2)
-    coefficients = np.array(camera.distortion or (0.0, 0.0, 0.0, 0.0))
-    normalised = cv2.undistortPoints(
-        pixels, camera.intrinsics.matrix(), coefficients, criteria=UNDISTORT_STEPS
-    )
-    rays: FloatArray = np.concatenate([normalised[:, 0], np.ones((len(pixels), 1))], axis=1)
+    rays = np.ones((camera.height, camera.width, 3))
+    rays[..., :2] = pixel_rays((camera.height, camera.width), camera.intrinsics, camera.distortion)
     turned = rays @ np.reshape(rotation, (3, 3)).T
-    table = np.ascontiguousarray(turned.reshape(camera.height, camera.width, 3), np.float32)
+    table = np.ascontiguousarray(turned, np.float32)
     read_only(table)
     return table

@@ -6,17 +6,22 @@ colour camera, and `distortion` its twelve coefficients (all 0 where it has none
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
 from adibas.arrays import Float32Array, Int32Array
 from adibas.kernels import compiled
 
+Coefficients: TypeAlias = tuple[
+    float, float, float, float, float, float, float, float, float, float, float, float
+]
+
 NO_DEPTH = np.float32(np.inf)
 
 
 @compiled
-def distorted(x: float, y: float, k: Float32Array) -> tuple[float, float]:
+def distorted(x: float, y: float, k: Coefficients) -> tuple[float, float]:
     """Bend one normalised point by twelve coefficients in OpenCV's order (equations 4.1-4.5)."""
     r2 = x * x + y * y
     radial = (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (
@@ -33,12 +38,14 @@ def project_pixels(
     table: Float32Array,
     shift_m: Float32Array,
     camera: Float32Array,
-    distortion: Float32Array,
+    distortion: Coefficients,
 ) -> Float32Array:
     """Return (3, H, W): colour pixel u, v and depth of every depth pixel; NaN where it has none."""
     height, width = depth_m.shape
     seen = np.empty((3, height, width), np.float32)
-    is_bent = np.any(distortion != 0)
+    is_bent = False
+    for coefficient in distortion:
+        is_bent = is_bent or coefficient != 0.0
     for row in range(height):
         for column in range(width):
             z_m = depth_m[row, column]

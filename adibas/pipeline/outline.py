@@ -48,10 +48,26 @@ def body_in_color(
     distance_m = float(np.median(depths_m)) if depths_m.size else DEFAULT_DISTANCE_M
     reach = max(2, round(margin_m * color.intrinsics.fx / distance_m))
     _carry_on(moved, body, round(FOOT_M * color.intrinsics.fx / distance_m))
-    widened = cv2.dilate(cv2.morphologyEx(moved, cv2.MORPH_CLOSE, _disc(reach)), _disc(reach))
-    other = np.isfinite(registration.depth_m) & (moved == 0)
+    outline = np.zeros(moved.shape, np.bool_)
+    if not moved.any():
+        return outline
+    window = _window(moved, 2 * reach)
+    near = moved[window]
+    widened = cv2.dilate(cv2.morphologyEx(near, cv2.MORPH_CLOSE, _disc(reach)), _disc(reach))
+    other = np.isfinite(registration.depth_m[window]) & (near == 0)
     behind = cv2.erode(other.astype(np.uint8), _disc((reach + 1) // 2))
-    return np.asarray((widened > 0) & (behind == 0))
+    outline[window] = (widened > 0) & (behind == 0)
+    return outline
+
+
+def _window(image: UInt8Array, margin_px: int) -> tuple[slice, slice]:
+    """Return the rows and columns about what is not 0."""
+    used = [np.flatnonzero(image.any(axis=axis)) for axis in (1, 0)]
+    first, last = ([int(lines[end]) for lines in used] for end in (0, -1))
+    return (
+        slice(max(first[0] - margin_px, 0), last[0] + margin_px + 1),
+        slice(max(first[1] - margin_px, 0), last[1] + margin_px + 1),
+    )
 
 
 def _disc(radius_px: int) -> UInt8Array:
@@ -63,7 +79,7 @@ def _disc(radius_px: int) -> UInt8Array:
 def _carry_on(moved: UInt8Array, body: BoolArray, widening_px: int) -> None:
     """Carry the body on to those edges of the colour image at which the depth image cut it."""
     for turns in range(4):
-        if np.rot90(body, turns)[-BORDER_PX:].any():
+        if moved.any() and np.rot90(body, turns)[-BORDER_PX:].any():
             _carry_down(np.rot90(moved, turns), widening_px)
 
 

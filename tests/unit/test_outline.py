@@ -66,3 +66,11 @@ def test_two_legs_go_on_apart():
     assert last_row[540]
     assert last_row[700]
     assert not last_row[620]
+
+
+def test_a_body_beside_the_colour_picture_has_no_outline_in_it():
+    narrow = CameraCalibration(200, 1024, Intrinsics(1050, 1050, 99.5, 511.5))
+    body = box(slice(100, 480), slice(0, 60))
+    depth_m = np.where(body, 2.0, 3.0).astype(np.float32)
+    registration = register_pixels(depth_m, RgbdCalibration(narrow, DEPTH))
+    assert not body_in_color(body, registration, narrow, MARGIN_M).any()
