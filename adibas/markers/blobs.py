@@ -2,15 +2,17 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import cv2
 import numpy as np
 
-from adibas.arrays import Float32Array, FloatArray, IntArray
+from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from adibas.data.markers import RejectedBlob
+from adibas.markers.blob_kernels import group_pixels, median_depth, unmix_groups
 
-Pixels = tuple[IntArray, IntArray]
-"""Rows and columns."""
+Groups: TypeAlias = tuple[IntArray, IntArray, IntArray]
+"""Rows and columns of the pixels, group after group, and where each group begins and ends."""
 
 TOO_LARGE = "too large for a marker at that distance"
 TOO_SMALL = "too small for a marker at that distance"
@@ -66,6 +68,8 @@ class Blob:
     ----------
     u, v : float
         Sub-pixel centre.
+    n_pixels : int
+        That stand out by themselves.
     radius_px : float
         Of the disc with its area.
     axis_ratio : float
@@ -82,6 +86,7 @@ class Blob:
 
     u: float
     v: float
+    n_pixels: int
     radius_px: float
     axis_ratio: float
     separation: float
@@ -90,66 +95,53 @@ class Blob:
     covariance_px2: FloatArray
 
 
-def measure_blob(values: Float32Array, distance: Float32Array, pixels: Pixels) -> Blob:
-    """Unmix a group of pixels from its surround.
+def connected_groups(seeds: BoolArray, taken: BoolArray) -> Groups:
+    """Return the 8-connected groups of seeds that hold no taken pixel, from top to bottom."""
+    n_labels, labels = cv2.connectedComponents(seeds.astype(np.uint8), None, 8, cv2.CV_32S)
+    return group_pixels(np.asarray(labels, np.int32), n_labels, taken)
 
-    Every pixel near it is taken as a mixture of the surround's colour and of the core's; the share
-    of the core is its weight in the centre (6.4 with soft membership) and in the area.
+
+def pixels_of(groups: Groups, index: int) -> tuple[IntArray, IntArray]:
+    """Return the rows and columns of one group."""
+    rows, columns, starts = groups
+    part = slice(starts[index], starts[index + 1])
+    return rows[part], columns[part]
+
+
+def measure_blobs(values: Float32Array, distance: Float32Array, groups: Groups) -> tuple[Blob, ...]:
+    """Unmix every group of pixels from its surround.
+
+    Every pixel near a group is taken as a mixture of the surround's colour and of the core's; the
+    share of the core is its weight in the centre (6.4 with soft membership) and in the area.
 
     Parameters
     ----------
-    values : (H, W, 3) array
-        CIELAB.
+    values : (H, W, C) array
+        CIELAB, or brightness alone.
     distance : (H, W) array
         To the model: the core is where it is least.
-    pixels : tuple
-        Rows and columns of the group.
+    groups : tuple
+        From `connected_groups`.
     """
-    rows, columns = pixels
-    reach = max(3, round(0.8 * math.sqrt(len(rows))))
-    part = _around(rows, columns, 2 * reach + 2, distance.shape)
-    group = np.zeros(distance.shape, np.uint8)[part]
-    group[rows - part[0].start, columns - part[1].start] = 1
-    near = cv2.dilate(group, np.ones((5, 5), np.uint8)) > 0
-    far = cv2.dilate(near.astype(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)) > 0
-    local = values[part].astype(float)
-    ring = far & ~near
-    surround = np.median(local[ring], axis=0)
-    in_group = group > 0
-    best = np.argsort(distance[part][in_group])[: max(1, in_group.sum() // 3)]
-    core = local[in_group][best].mean(axis=0)
-    axis = core - surround
-    contrast = max(float(axis @ axis), 1e-6)
-    shares = (local - surround) @ axis / contrast
-    noise = 1.4826 * float(np.median(np.abs(shares[ring])))
-    weights = np.where(near & (shares > max(0.12, noise)), np.minimum(shares, 1.2), 0.0)
-    around = max(float(np.percentile(distance[part][ring], SURROUND_PERCENTILE)), 1e-6)
-    prominence = 1.0 - float(distance[part][in_group][best].mean()) / around
-    filling = len(rows) / max(float(weights.sum()), 1e-6)
-    return _moments(weights, part, noise, (prominence, filling))
-
-
-def _moments(
-    weights: FloatArray, part: tuple[slice, slice], noise: float, shape: tuple[float, float]
-) -> Blob:
-    v, u = np.mgrid[part].astype(float)
-    area = max(float(weights.sum()), 1e-6)
-    centre_u, centre_v = (float((weights * axis).sum()) / area for axis in (u, v))
-    offsets = np.stack([(u - centre_u).ravel(), (v - centre_v).ravel()])
-    spread = (offsets * weights.ravel()) @ offsets.T / area
-    # One pixel spreads by 1/12: without it a few pixels in a row look like a line.
-    short, long = np.linalg.eigvalsh(spread + np.eye(2) / 12.0)
-    support = offsets[:, weights.ravel() > 0]
-    covariance = noise**2 * support @ support.T / area**2
-    return Blob(
-        u=centre_u,
-        v=centre_v,
-        radius_px=math.sqrt(area / math.pi),
-        axis_ratio=math.sqrt(short / long),
-        separation=1.0 / max(noise, 1e-3),
-        prominence=shape[0],
-        filling=shape[1],
-        covariance_px2=covariance,
+    values, distance = np.ascontiguousarray(values), np.ascontiguousarray(distance)
+    numbers = unmix_groups(values, distance, groups, SURROUND_PERCENTILE)
+    covariances_px2 = numbers[:, [7, 8, 8, 9]].reshape(-1, 2, 2)
+    sizes = np.diff(groups[2]).tolist()
+    return tuple(
+        Blob(
+            u=u,
+            v=v,
+            n_pixels=n_pixels,
+            radius_px=math.sqrt(area / math.pi),
+            axis_ratio=math.sqrt(short / long),
+            separation=1.0 / max(noise, 1e-3),
+            prominence=prominence,
+            filling=n_pixels / area,
+            covariance_px2=covariance_px2,
+        )
+        for (u, v, area, short, long, noise, prominence, *_), covariance_px2, n_pixels in zip(
+            numbers.tolist(), covariances_px2, sizes, strict=True
+        )
     )
 
 
@@ -159,23 +151,34 @@ def judge(
     depth_m: Float32Array,
     focal_px: float,
     params: BlobParams,
-) -> Blob | RejectedBlob:
-    """Return the blob in image pixels if it can be a marker at its depth, else why not."""
+) -> Blob | RejectedBlob | None:
+    """Return the blob in image pixels if it can be a marker at its depth, else why not.
+
+    None if it cannot, and no user would ask why: specks of noise, and parts of larger areas.
+    """
+    is_speck = blob.n_pixels < LEAST_TOLD_PX
+    reason = _refusal_of_form(blob, params)
+    if is_speck and reason is not None:
+        return None
     u, v = blob.u + float(offset_uv[0]), blob.v + float(offset_uv[1])
     distance_m = depth_near(depth_m, u, v, 2.0 * blob.radius_px + 4.0)
     diameter_m = 2.0 * blob.radius_px * (distance_m or params.unknown_distance_m) / focal_px
-    reason = _refusal(blob, diameter_m, params)
+    reason = _refusal_of_size(blob, diameter_m, params) or reason
     if reason is not None:
-        return RejectedBlob(u, v, reason)
+        return None if is_speck or reason == NOT_ALONE else RejectedBlob(u, v, reason)
     covariance_px2 = blob.covariance_px2 + np.eye(2) * params.centre_sd_px**2
     return replace(blob, u=u, v=v, covariance_px2=covariance_px2)
 
 
-def _refusal(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
+def _refusal_of_size(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
     if diameter_m > params.greatest_diameter_m:
         return TOO_LARGE
     if diameter_m < params.least_diameter_m or math.pi * blob.radius_px**2 < params.least_area_px:
         return TOO_SMALL
+    return None
+
+
+def _refusal_of_form(blob: Blob, params: BlobParams) -> str | None:
     if blob.prominence < params.least_prominence or blob.filling < params.least_filling:
         return NOT_ALONE
     if blob.axis_ratio < params.least_axis_ratio:
@@ -183,23 +186,7 @@ def _refusal(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:
     return TOO_WEAK if blob.separation < params.least_separation else None
 
 
-def is_worth_telling(blob: RejectedBlob, n_pixels: int) -> bool:
-    """Say whether a user would ask why this is no marker; specks of noise nobody sees."""
-    return n_pixels >= LEAST_TOLD_PX and blob.reason != NOT_ALONE
-
-
 def depth_near(depth_m: Float32Array, u: float, v: float, reach_px: float) -> float | None:
     """Return the median depth within `reach_px` of a pixel, metres; None where there is none."""
-    reach = math.ceil(reach_px)
-    part = _around(np.array([round(v)]), np.array([round(u)]), reach, depth_m.shape)
-    near = depth_m[part]
-    return float(np.nanmedian(near)) if np.isfinite(near).any() else None
-
-
-def _around(
-    rows: IntArray, columns: IntArray, reach: int, shape: tuple[int, ...]
-) -> tuple[slice, slice]:
-    """Return the window `reach` pixels about a group, inside the image."""
-    top, left = max(int(rows.min()) - reach, 0), max(int(columns.min()) - reach, 0)
-    bottom = min(int(rows.max()) + reach + 1, shape[0])
-    return slice(top, bottom), slice(left, min(int(columns.max()) + reach + 1, shape[1]))
+    near_m = median_depth(depth_m, round(v), round(u), math.ceil(reach_px))
+    return None if math.isnan(near_m) else near_m

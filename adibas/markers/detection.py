@@ -8,7 +8,6 @@ which gives sub-pixel centres of stickers that are only some pixels wide.
 Source: thesis, section 6.1.1 (distance to the centroids, morphology, blob centres, 6.4).
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import cv2
@@ -16,7 +15,14 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blobs import Blob, BlobParams, Pixels, is_worth_telling, judge, measure_blob
+from adibas.markers.blobs import (
+    Blob,
+    BlobParams,
+    connected_groups,
+    judge,
+    measure_blobs,
+    pixels_of,
+)
 from adibas.markers.color_model import ColorModel
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
@@ -110,15 +116,14 @@ def find_color_markers(
     taken = np.zeros(inside.shape, np.bool_)
     for width_px in _odd_widths(params.surround_px, color_rgb.shape[1]):
         seeds = _stands_out(distance, inside, width_px, limit, params)
-        for pixels in components(seeds, taken):
-            blob = measure_blob(lab, distance, pixels)
+        groups = connected_groups(seeds, taken)
+        for index, blob in enumerate(measure_blobs(lab, distance, groups)):
             found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
-            if isinstance(found, RejectedBlob):
-                if is_worth_telling(found, len(pixels[0])):
-                    rejected.append(found)
-            else:
+            if isinstance(found, Blob):
                 blobs.append(found)
-                taken[pixels] = True
+                taken[pixels_of(groups, index)] = True
+            elif found is not None:
+                rejected.append(found)
     matched = float((distance[inside] < model.threshold).mean())
     return Detections(tuple(blobs), _without_taken(rejected, blobs), matched)
 
@@ -144,19 +149,6 @@ def _stands_out(
         & (surround - distance > params.least_contrast)
     )
     return stands_out
-
-
-def components(seeds: BoolArray, taken: BoolArray) -> Iterator[Pixels]:
-    """Yield the (rows, columns) of every connected group of seeds that is not taken yet."""
-    n_labels, labels, stats, _ = cv2.connectedComponentsWithStats(
-        seeds.astype(np.uint8), None, None, None, 8
-    )
-    for label in range(1, n_labels):
-        left, top, width, height, _ = stats[label]
-        part = (slice(top, top + height), slice(left, left + width))
-        rows, columns = np.nonzero(labels[part] == label)
-        if not taken[rows + top, columns + left].any():
-            yield rows + top, columns + left
 
 
 def bounding_box(body: BoolArray) -> tuple[slice, slice] | None:

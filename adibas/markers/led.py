@@ -10,8 +10,8 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blobs import Blob, BlobParams, is_worth_telling, judge, measure_blob
-from adibas.markers.detection import Detections, bounding_box, components
+from adibas.markers.blobs import Blob, BlobParams, connected_groups, judge, measure_blobs
+from adibas.markers.detection import Detections, bounding_box
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +87,11 @@ def _judged(
     smooth = cv2.GaussianBlur(brightness, (0, 0), 1.0).astype(np.float32)[..., None]
     blobs: list[Blob] = []
     rejected: list[RejectedBlob] = []
-    for pixels in components(bright, np.zeros(bright.shape, np.bool_)):
-        blob = measure_blob(smooth, 256.0 - smooth[..., 0], pixels)
+    groups = connected_groups(bright, np.zeros(bright.shape, np.bool_))
+    for blob in measure_blobs(smooth, 256.0 - smooth[..., 0], groups):
         found = judge(blob, offset_uv, *size, params.blobs)
-        if isinstance(found, RejectedBlob):
-            if is_worth_telling(found, len(pixels[0])):
-                rejected.append(found)
-        else:
+        if isinstance(found, Blob):
             blobs.append(found)
+        elif found is not None:
+            rejected.append(found)
     return Detections(tuple(blobs), tuple(rejected), float(bright[inside].mean()))

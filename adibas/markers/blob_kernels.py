@@ -1,0 +1,233 @@
+"""The loops of blobs: which pixels hang together, and how much of a core each pixel near it holds.
+
+A group is told by its pixels in raster order; `starts` says where in the lists of rows and columns
+each group begins, and where the last one ends.
+"""
+
+import math
+
+import numpy as np
+
+from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntArray, UInt8Array
+from adibas.kernels import compiled
+
+NOTHING, RING, NEAR, GROUP = 0, 1, 2, 3
+NEAR_PX = 2
+"""About the group: pixels that may hold some of the core."""
+LEAST_SHARE = 0.12
+GREATEST_SHARE = 1.2
+LEAST_AREA_PX = 1e-6
+N_NUMBERS = 10
+"""Of a blob: u, v, area, short and long variance, noise, prominence, cov_uu, cov_uv, cov_vv."""
+
+
+@compiled
+def group_pixels(
+    labels: Int32Array, n_labels: int, taken: BoolArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Sort the pixels by label (0 is background); leave out labels that touch a taken pixel."""
+    starts, place = _places(labels, n_labels, taken)
+    rows, columns = np.empty(starts[-1], np.int64), np.empty(starts[-1], np.int64)
+    for row in range(labels.shape[0]):
+        for column in range(labels.shape[1]):
+            label = labels[row, column]
+            if label > 0 and place[label] >= 0:
+                rows[place[label]], columns[place[label]] = row, column
+                place[label] += 1
+    return rows, columns, starts
+
+
+@compiled
+def _places(labels: Int32Array, n_labels: int, taken: BoolArray) -> tuple[IntArray, IntArray]:
+    """Return where the groups begin, and each label's first place (-1: left out)."""
+    sizes = np.zeros(n_labels, np.int64)
+    is_free = np.ones(n_labels, np.bool_)
+    for row in range(labels.shape[0]):
+        for column in range(labels.shape[1]):
+            label = labels[row, column]
+            sizes[label] += 1
+            if taken[row, column]:
+                is_free[label] = False
+    is_free[0] = False
+    starts = np.zeros(is_free.sum() + 1, np.int64)
+    place = np.full(n_labels, -1, np.int64)
+    starts[1:] = np.cumsum(sizes[is_free])
+    place[is_free] = starts[:-1]
+    return starts, place
+
+
+@compiled
+def unmix_groups(
+    values: Float32Array,
+    distance: Float32Array,
+    groups: tuple[IntArray, IntArray, IntArray],
+    percentile: float,
+) -> FloatArray:
+    """Return (N, 10): the numbers of every group of pixels; see `measure_blobs`."""
+    rows, columns, starts = groups
+    numbers = np.empty((len(starts) - 1, N_NUMBERS))
+    for i in range(len(numbers)):
+        part = slice(starts[i], starts[i + 1])
+        _unmix(values, distance, rows[part], columns[part], percentile, numbers[i])
+    return numbers
+
+
+@compiled
+def _unmix(
+    values: Float32Array,
+    distance: Float32Array,
+    rows: IntArray,
+    columns: IntArray,
+    percentile: float,
+    numbers: FloatArray,
+) -> None:
+    reach = max(3, round(0.8 * math.sqrt(len(rows))))
+    top = max(rows.min() - reach - NEAR_PX, 0)
+    left = max(columns.min() - reach - NEAR_PX, 0)
+    bottom = min(rows.max() + reach + NEAR_PX + 1, distance.shape[0])
+    right = min(columns.max() + reach + NEAR_PX + 1, distance.shape[1])
+    local, far = values[top:bottom, left:right], distance[top:bottom, left:right]
+    zones = _zones(rows - top, columns - left, (bottom - top, right - left), reach)
+    surround, around = _surround(local, far, zones, percentile)
+    core, nearest = _core(values, distance, rows, columns)
+    axis = core - surround
+    shares = _shares(local, surround, axis)
+    noise = _noise(shares, zones)
+    _moments(shares, zones, noise, numbers)
+    numbers[0] += left
+    numbers[1] += top
+    if numbers[2] == LEAST_AREA_PX:  # nothing in it stands out from the noise of its surround
+        numbers[0], numbers[1] = columns.mean(), rows.mean()
+    numbers[6] = 1.0 - nearest / max(around, 1e-6)
+
+
+@compiled
+def _zones(rows: IntArray, columns: IntArray, shape: tuple[int, int], reach: int) -> UInt8Array:
+    """Mark the group, what is near it (a square of 5 pixels) and the ring of `reach` about that."""
+    group = np.zeros(shape, np.uint8)
+    for i in range(len(rows)):
+        group[rows[i], columns[i]] = 1
+    near = _widened(group, NEAR_PX)
+    zones = _widened(near, reach)
+    for row in range(shape[0]):
+        for column in range(shape[1]):
+            zones[row, column] += near[row, column] + group[row, column]
+    return zones
+
+
+@compiled
+def _widened(mask: UInt8Array, reach: int) -> UInt8Array:
+    """Dilate by a square: every pixel within `reach` rows and columns of a pixel that is 1."""
+    upright = _widened_across(mask, reach).T.copy()
+    return _widened_across(upright, reach).T.copy()
+
+
+@compiled
+def _widened_across(mask: UInt8Array, reach: int) -> UInt8Array:
+    height, width = mask.shape
+    widened = np.zeros((height, width), np.uint8)
+    for row in range(height):
+        done = 0
+        for column in range(width):
+            if mask[row, column]:
+                end = min(column + reach + 1, width)
+                widened[row, max(done, column - reach) : end] = 1
+                done = end
+    return widened
+
+
+@compiled
+def _surround(
+    local: Float32Array, far: Float32Array, zones: UInt8Array, percentile: float
+) -> tuple[FloatArray, float]:
+    """Return the median colour of the ring, and the percentile of its distance to the model."""
+    ring = zones.ravel() == RING
+    surround = np.full(local.shape[2], np.nan)
+    if not ring.any():
+        return surround, 0.0
+    for channel in range(local.shape[2]):
+        surround[channel] = np.median(local[:, :, channel].copy().ravel()[ring].astype(np.float64))
+    return surround, np.percentile(far.copy().ravel()[ring], percentile)
+
+
+@compiled
+def _core(
+    values: Float32Array, distance: Float32Array, rows: IntArray, columns: IntArray
+) -> tuple[FloatArray, float]:
+    """Return the mean colour of the third nearest to the model, and its mean distance."""
+    distances = np.empty(len(rows), np.float32)
+    for i in range(len(rows)):
+        distances[i] = distance[rows[i], columns[i]]
+    n_core = max(1, len(rows) // 3)
+    core = np.zeros(values.shape[2])
+    nearest = 0.0
+    for i in np.argsort(distances)[:n_core]:
+        nearest += distances[i] / n_core
+        for channel in range(values.shape[2]):
+            core[channel] += values[rows[i], columns[i], channel] / n_core
+    return core, nearest
+
+
+@compiled
+def _shares(local: Float32Array, surround: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return how much of the core every pixel holds: 0 like the surround, 1 like the core."""
+    contrast = 0.0
+    for channel in range(len(axis)):
+        contrast += axis[channel] ** 2
+    contrast = max(contrast, 1e-6)
+    shares = np.zeros(local.shape[:2])
+    for row in range(local.shape[0]):
+        for column in range(local.shape[1]):
+            for channel in range(len(axis)):
+                difference = local[row, column, channel] - surround[channel]
+                shares[row, column] += difference * axis[channel] / contrast
+    return shares
+
+
+@compiled
+def _noise(shares: FloatArray, zones: UInt8Array) -> float:
+    """Return the standard deviation of the ring's shares, from their median."""
+    ring = np.abs(shares.ravel()[zones.ravel() == RING])
+    return 1.4826 * np.median(ring) if len(ring) > 0 else math.nan
+
+
+@compiled
+def _moments(shares: FloatArray, zones: UInt8Array, noise: float, numbers: FloatArray) -> None:
+    """Fill in centre, area, spread and the centre's covariance; the share is the weight."""
+    area, at_u, at_v = 0.0, 0.0, 0.0
+    least = max(LEAST_SHARE, noise)
+    height, width = shares.shape
+    for row in range(height):
+        for column in range(width):
+            share = shares[row, column]
+            weight = min(share, GREATEST_SHARE) if share > least else 0.0
+            weight = weight if zones[row, column] >= NEAR else 0.0
+            shares[row, column] = weight
+            area += weight
+            at_u += weight * column
+            at_v += weight * row
+    area = max(area, LEAST_AREA_PX)
+    centre_u, centre_v = at_u / area, at_v / area
+    spread, support = np.zeros(3), np.zeros(3)
+    for row in range(height):
+        for column in range(width):
+            weight = shares[row, column]
+            if weight > 0.0:
+                u, v = column - centre_u, row - centre_v
+                products = (u * u, u * v, v * v)
+                for i in range(3):
+                    spread[i] += weight * products[i] / area
+                    support[i] += products[i]
+    # One pixel spreads by 1/12: without it a few pixels in a row look like a line.
+    mean = 0.5 * (spread[0] + spread[2]) + 1.0 / 12.0
+    half_range = math.hypot(0.5 * (spread[0] - spread[2]), spread[1])
+    numbers[:6] = (centre_u, centre_v, area, mean - half_range, mean + half_range, noise)
+    numbers[7:] = noise**2 * support / area**2
+
+
+@compiled
+def median_depth(depth_m: Float32Array, row: int, column: int, reach: int) -> float:
+    """Return the median of the known depths within `reach` of a pixel; NaN where none is known."""
+    top, left = max(row - reach, 0), max(column - reach, 0)
+    near = depth_m[top : row + reach + 1, left : column + reach + 1].copy().ravel()
+    return float(np.nanmedian(near))
