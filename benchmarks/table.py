@@ -5,7 +5,6 @@ A module `benchmarks/accuracy_NAME.py` or `benchmarks/speed_NAME.py` offers
 name. `adibas benchmark` finds it by its file name.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -39,17 +38,16 @@ class Row:
         return self.reference / self.ours if self.reference is not None and self.ours else None
 
 
-def format_rows(rows: Iterable[Row]) -> str:
-    """Return the rows as a Markdown table."""
-    lines = [
-        "| What | Ours | Unit | Reference | Whose | Reference / ours |",
-        "|---|---:|---|---:|---|---:|",
-    ]
-    for row in rows:
-        reference = "" if row.reference is None else f"{row.reference:.4g}"
-        ratio = "" if row.ratio is None else f"{row.ratio:.2f}"
-        lines.append(
-            f"| {row.name} | {row.ours:.4g} | {row.unit} | {reference} | "
-            f"{row.reference_name} | {ratio} |"
-        )
-    return "\n".join(lines)
+HEADER = (
+    "| What | Ours | Unit | Reference | Whose | Reference / ours |\n|---|---:|---|---:|---|---:|"
+)
+
+
+def format_row(row: Row) -> str:
+    """Return one line of a Markdown table that begins with `HEADER`."""
+    reference = "" if row.reference is None else f"{row.reference:.4g}"
+    ratio = "" if row.ratio is None else f"{row.ratio:.2f}"
+    return (
+        f"| {row.name} | {row.ours:.4g} | {row.unit} | {reference} | {row.reference_name} | "
+        f"{ratio} |"
+    )

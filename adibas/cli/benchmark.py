@@ -40,8 +40,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     results: dict[str, object] = {}
     for name in arguments.names or available:
         module = importlib.import_module(f"benchmarks.{arguments.kind}_{name}")
-        rows = list(module.rows(quick=arguments.quick))
-        console.say(f"\n{arguments.kind} {name}\n{table.format_rows(rows)}")
+        console.say(f"\n{arguments.kind} {name}\n{table.HEADER}")
+        rows = []
+        for row in module.rows(quick=arguments.quick):
+            console.say(table.format_row(row))
+            rows.append(row)
         results[name] = [
             {
                 "name": row.name,
