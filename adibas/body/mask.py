@@ -18,6 +18,7 @@ from adibas.data.calibration import CameraCalibration
 from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
 
+TOP_PERCENTILE = 98.0
 BOTTOM_ROWS = 8
 """Above the lowest row with depth: dips of an outline that the image cuts off."""
 
@@ -54,14 +55,13 @@ class BodyParams:
         middle principal axis): a wall has 0.04 of noise, a trunk from the front 0.13. 0.07.
     joint_reach_px : int
         Width of the shadow between an arm and the trunk that still counts as touching, 24.
-    front_gap_m, back_gap_m : float
-        How far a bordering surface may be before and behind the body: an arm's length 0.7, the far
-        leg 0.28.
-    max_part_share : float
-        Of the body's area that one bordering surface may have, 0.3.
-    level_gap_m : float
-        A bordering surface that is no farther before or behind belongs to the person whatever its
-        size: an arm before the trunk parts it in two. 0.13, less than a trunk is thick.
+    front_gap_m, level_gap_m : float
+        How far a bordering surface of any size may be before and behind the body to belong to it:
+        raised forearms part head and chest from the rest. 0.6 (an arm's length), and 0.13 (less
+        than a trunk is thick).
+    back_gap_m, max_part_share : float
+        How far a bordering surface may be behind if it has less than that share of the body's
+        area: the far leg. 0.28 and 0.3.
     bay_px : int
         Radius of the disc that closes bays of the outline without depth, 2.
     max_hole_share : float
@@ -81,10 +81,10 @@ class BodyParams:
     min_cut_m: float = 0.1
     min_relief: float = 0.07
     joint_reach_px: int = 24
-    front_gap_m: float = 0.7
+    front_gap_m: float = 0.6
+    level_gap_m: float = 0.13
     back_gap_m: float = 0.28
     max_part_share: float = 0.3
-    level_gap_m: float = 0.13
     bay_px: int = 2
     max_hole_share: float = 0.03
 
@@ -110,10 +110,12 @@ def find_body(
     params = params or BodyParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
     rays = viewing_rays(depth_camera)
-    inverse_depth = _standing_free(depth_m, rays, floor, params)
+    heights_m = None if floor is None else _heights_m(depth_m, rays, floor)
+    inverse_depth = _standing_free(depth_m, heights_m, params)
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
-    body = _body_label(moments, labels, float(rays[0, 1, 0] - rays[0, 0, 0]), floor, params)
+    pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
+    body = _body_label(moments, labels, pixel_rad, heights_m, params)
     if body is None:
         return None
     belongs = _parts(labels, moments, inverse_depth, body, params)
@@ -124,17 +126,22 @@ def find_body(
     return BodyMask(pixels)
 
 
+def _heights_m(depth_m: Float32Array, rays: Float32Array, floor: Plane) -> Float32Array:
+    """Return the (H, W) height over the floor, metres; NaN where there is no depth."""
+    heights_m = (rays @ floor.normal.astype(np.float32)) * depth_m
+    heights_m += np.float32(floor.offset_m)
+    return heights_m
+
+
 def _standing_free(
-    depth_m: Float32Array, rays: Float32Array, floor: Plane | None, params: BodyParams
+    depth_m: Float32Array, heights_m: Float32Array | None, params: BodyParams
 ) -> Float32Array:
     """Return inverse depth (1/m), 0 where there is none, out of range or on the floor."""
     with np.errstate(invalid="ignore"):
         usable = (depth_m > params.range_m[0]) & (depth_m < params.range_m[1])
-        if floor is not None:
-            height_m = (rays @ floor.normal.astype(np.float32)) * depth_m
-            height_m += np.float32(floor.offset_m)
+        if heights_m is not None:
             band_m = np.float32(params.floor_band_per_m) * depth_m * depth_m
-            usable &= height_m > band_m + np.float32(params.floor_band_m)
+            usable &= heights_m > band_m + np.float32(params.floor_band_m)
     inverse = np.zeros(depth_m.shape, np.float32)
     np.divide(np.float32(1), depth_m, out=inverse, where=usable)
     return inverse
@@ -144,7 +151,7 @@ def _body_label(
     moments: FloatArray,
     labels: Int32Array,
     pixel_rad: float,
-    floor: Plane | None,
+    heights_m: Float32Array | None,
     params: BodyParams,
 ) -> int | None:
     """Return the label of the largest surface that can be a person."""
@@ -156,12 +163,16 @@ def _body_label(
         shape = _Shape(moments[label])
         if not shape.is_solid(params) or shape.length_m < params.min_length_m:
             continue
-        is_tall = shape.length_m > params.standing_length_m
-        if is_tall or shape.top_m(floor) > params.standing_top_m:
+        if shape.length_m > params.standing_length_m:
             return int(label)
+        if heights_m is not None:
+            top_m = float(np.percentile(heights_m[labels == label], TOP_PERCENTILE))
+            if top_m > params.standing_top_m:
+                return int(label)
+            continue
         # Someone seen from the waist up is cut off by the lower edge of the image, across.
         cut_px = (labels[bottom] == label).any(axis=0).sum()
-        if floor is None and cut_px * pixel_rad * shape.mean_m[2] > params.min_cut_m:
+        if cut_px * pixel_rad * shape.mean_m[2] > params.min_cut_m:
             return int(label)
     return None
 
@@ -185,13 +196,6 @@ class _Shape:
         """Say whether it is no plane."""
         return bool(self._variances[0] > params.min_relief**2 * self._variances[1])
 
-    def top_m(self, floor: Plane | None) -> float:
-        """Height over the floor of that bar's upper end, metres; 0 where no floor is known."""
-        if floor is None:
-            return 0.0
-        spread_m = np.sqrt(max(floor.normal @ self._covariance @ floor.normal, 0.0))
-        return float(floor.signed_distance_m(self.mean_m) + np.sqrt(3.0) * spread_m)
-
 
 def _parts(
     labels: Int32Array,
@@ -203,10 +207,10 @@ def _parts(
     """Say of each label whether it belongs to the person."""
     border = gaps_to_body(labels, len(moments) - 1, body, inverse_depth, params.joint_reach_px)
     touches = border[:, 0] > 0
-    near = (border[:, 1] > -params.front_gap_m) & (border[:, 1] < params.back_gap_m)
-    small = moments[:, 0] < params.max_part_share * moments[body, 0]
-    level = (np.abs(border[:, 1]) < params.level_gap_m) & (moments[:, 0] < moments[body, 0])
-    belongs: BoolArray = touches & (near & small | level)
+    gap_m, share = border[:, 1], moments[:, 0] / moments[body, 0]
+    before = (gap_m > -params.front_gap_m) & (gap_m < params.level_gap_m) & (share < 1.0)
+    behind = (gap_m >= 0.0) & (gap_m < params.back_gap_m) & (share < params.max_part_share)
+    belongs: BoolArray = touches & (before | behind)
     belongs[body] = True
     belongs[0] = False
     return belongs

@@ -51,7 +51,7 @@ def with_ball(depth_m, centre_m, radius_m):
 
 
 @pytest.mark.parametrize(
-    ("name", "seed"), [("anterior", 301), ("right_lateral", 103), ("bend", 302)]
+    ("name", "seed"), [("anterior", 301), ("right_lateral", 103), ("bend", 302), ("note", 303)]
 )
 def test_simulated_people_are_found_with_their_outline(name, seed):
     depth_m, calibration, truth = simulated(name, seed)
@@ -62,6 +62,13 @@ def test_simulated_people_are_found_with_their_outline(name, seed):
 def test_a_chair_in_an_empty_room_is_nobody():
     depth_m, calibration, _ = simulated("empty", 110)
     assert find_body(depth_m, calibration.depth, calibration.floor) is None
+
+
+def test_legs_before_a_camera_that_looks_down_are_a_person_and_the_chair_is_not():
+    tilted = {"distance_m": 1.91, "camera_height_m": 0.84, "tilt_rad": 0.24}
+    depth_m, calibration, truth = simulated("left_lateral", 8010, **tilted)
+    body = find_body(depth_m, calibration.depth, calibration.floor)
+    assert (body.pixels & truth.body_mask).sum() > 0.97 * body.pixels.sum()
 
 
 def test_an_image_without_depth_shows_nobody():
