@@ -19,10 +19,14 @@ from adibas.markers.detection import DetectionParams, Detections, find_color_mar
 from adibas.markers.disparity import DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
+from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
 
 MarkerTarget: TypeAlias = ColorModel | LedParams
 """What to look for: learned colours, or LEDs in a dark image."""
+
+N_THREADS = 2
+"""Frames in work side by side: more than two hardly gain, and memory grows with them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,16 +81,20 @@ def analyse_burst(
     depth = DisparitySum(calibration.depth_bias)
     has_person = False
     rejected: tuple[RejectedBlob, ...] = ()
-    for frame in frames:
-        depth.add(frame.depth_m)
-        detections = detect(frame, calibration, target, params)
-        if detections is None:
-            tracker.add(())
-            continue
-        has_person = True
-        _check_selective(detections, target, params)
-        tracker.add(detections.blobs)
-        rejected = detections.rejected
+
+    def work(frame: RgbdFrame) -> tuple[RgbdFrame, Detections | None]:
+        return frame, detect(frame, calibration, target, params)
+
+    with in_order(work, frames, N_THREADS) as results:
+        for frame, detections in results:
+            depth.add(frame.depth_m)
+            if detections is None:
+                tracker.add(())
+                continue
+            has_person = True
+            _check_selective(detections, target, params)
+            tracker.add(detections.blobs)
+            rejected = detections.rejected
     if not has_person:
         raise MarkerError(
             "Nobody is seen in the depth image. The patient stands alone, 0.8 to 4 m in front of "
