@@ -9,6 +9,9 @@ from pathlib import Path
 
 from adibas.errors import FileError
 
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""No space on the disk, in the user's share of it, or in one file."""
+
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
@@ -40,9 +43,41 @@ def written_whole(path: Path) -> Iterator[Path]:
         unfinished.unlink(missing_ok=True)
 
 
+def check_place(path: Path) -> None:
+    """See, before long work, that a file can be written at `path`; nothing is written yet.
+
+    Raises
+    ------
+    FileError
+        A folder has that name, a file stands where a folder must be, or it may not be written.
+    """
+    try:
+        if path.is_dir():
+            raise FileError(
+                "{file} is a folder. Give the name of a file in it.", file=path.name or str(path)
+            )
+        folder = next(parent for parent in path.absolute().parents if parent.exists())
+        if not folder.is_dir():
+            raise FileError(
+                "{file} cannot be written: {folder} is a file and no folder. Choose another "
+                "folder.",
+                file=path.name,
+                folder=folder.name,
+            )
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise FileError(
+            "{file} cannot be written: nothing may be written into {folder}. Choose another "
+            "folder.",
+            file=path.name,
+            folder=folder.name or str(folder),
+        )
+
+
 def cannot_write(path: Path, error: OSError) -> FileError:
     """Say in words why `path` cannot be written."""
-    if error.errno == errno.ENOSPC:
+    if error.errno in FULL:
         return FileError(
             "{file} cannot be written: the disk is full. Free some space and try again.",
             file=path.name,

@@ -39,14 +39,20 @@ def main(argv: Sequence[str]) -> int:
     command = cast(CommandModule, arguments.module)
     signal.signal(signal.SIGTERM, _interrupt)
     try:
-        return command.run(arguments, console)
+        code = command.run(arguments, console)
+        console.flush()
     except AdibasError as error:
         console.warn(describe(error))
     except KeyboardInterrupt:
         console.warn(_("Stopped. No unfinished file was left behind."))
     except BrokenPipeError:
-        # The reader of our output went away; Python must not fail again when it closes stdout.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _forget_stdout()
+    except OSError as error:
+        # Files have sentences of their own; this is what nobody foresaw, such as a full stdout.
+        _forget_stdout()
+        console.warn(_unforeseen(error))
+    else:
+        return code
     return WORLD_FAILED
 
 
@@ -65,6 +71,26 @@ def build_parser() -> argparse.ArgumentParser:
         module.add_arguments(subparser)
         subparser.set_defaults(module=module)
     return parser
+
+
+def _forget_stdout() -> None:
+    """Let nothing more go to a stdout that takes nothing; Python would fail on it at its end."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (AttributeError, OSError, ValueError):  # there is none, or it is no file
+        return
+
+
+def _unforeseen(error: OSError) -> str:
+    reason = error.strerror or str(error)
+    if error.filename is None:
+        return _("The output cannot be written: {reason}. Free some space and try again.").format(
+            reason=reason
+        )
+    return _("{file} cannot be used: {reason}. Check the name, and that the disk is there.").format(
+        file=os.path.basename(os.fsdecode(error.filename)),  # noqa: PTH119  (may be a number)
+        reason=reason,
+    )
 
 
 def _interrupt(_signal: int, _frame: FrameType | None) -> None:

@@ -3,7 +3,7 @@
 import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from tqdm import tqdm
 
@@ -27,11 +27,27 @@ class Console:
 
     def say(self, text: str) -> None:
         """Print a sentence for a reader; on stderr where stdout carries JSON."""
-        print(text, file=sys.stderr if self._is_json else sys.stdout)
+        if self._is_json:
+            self.warn(text)
+        else:
+            print(text)  # noqa: T201
 
     def warn(self, text: str) -> None:
         """Print a sentence on stderr."""
-        print(text, file=sys.stderr)  # noqa: T201
+        if sys.stderr is not None:  # closed: print would take stdout
+            with suppress(OSError):  # nobody reads it, and there is nowhere else to say so
+                print(text, file=sys.stderr)  # noqa: T201
+
+    def flush(self) -> None:
+        """See that everything said has arrived.
+
+        Raises
+        ------
+        OSError
+            Stdout takes nothing any more.
+        """
+        if sys.stdout is not None:
+            sys.stdout.flush()
 
     def give(self, document: Mapping[str, object]) -> None:
         """Print the result as JSON where it was asked for."""
@@ -41,7 +57,7 @@ class Console:
     @contextmanager
     def progress(self, label: str) -> Iterator[Progress]:
         """Give a function that draws a bar on work over one second."""
-        is_hidden = self._is_json or not sys.stderr.isatty()
+        is_hidden = self._is_json or sys.stderr is None or not sys.stderr.isatty()
         with tqdm(
             desc=label, delay=SECONDS_BEFORE_A_BAR, disable=is_hidden, file=sys.stderr, leave=False
         ) as bar:

@@ -4,8 +4,11 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, pixel, positive, positive_count
+from adibas.cli.options import add_json, add_out, cluster_count, pixel, positive
 from adibas.texts import translate as _
+
+LARGE_SHARE = 0.2
+"""Of the picture: stickers, even in a close-up, take less."""
 
 SUMMARY = "learn the colour of the markers from clicked pixels"
 
@@ -35,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("how far (CIELAB distance) a pixel may be from the clicked one"),
     )
     learn.add_argument(
-        "--clusters", type=positive_count, metavar="K", help=_("number of colour centroids")
+        "--clusters", type=cluster_count, metavar="K", help=_("number of colour centroids")
     )
     add_out(learn, "colours.json")
     add_json(learn)
@@ -53,6 +56,13 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         n_clusters=arguments.clusters,
     )
     learned = learn_from_file(request, arguments.out)
+    if learned.taken_share > LARGE_SHARE:
+        console.warn(
+            _(
+                "The clicked regions cover {percent} % of the picture. If that is more than the "
+                "markers, click on their middle or give a lower --sensitivity."
+            ).format(percent=round(100 * learned.taken_share))
+        )
     console.say(
         _("{file}: {n_pixels} pixels in {n_clusters} colours; {preview} shows them.").format(
             file=arguments.out,

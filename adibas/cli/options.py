@@ -1,9 +1,13 @@
 """Options that several commands share, and how their words are read."""
 
 import argparse
+import math
 from pathlib import Path
 
 from adibas.texts import translate as _
+
+LARGEST_SIDE_PX = 65_535
+MOST_CLUSTERS = 64
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -24,11 +28,36 @@ def pixel(text: str) -> tuple[float, float]:
     """Read ``U,V``."""
     try:
         u, v = (float(part) for part in text.split(","))
-    except ValueError as error:
+    except ValueError:
+        u = v = math.nan
+    if not (math.isfinite(u) and math.isfinite(v)):
         raise argparse.ArgumentTypeError(
             _("{text} is no pixel: give U,V such as 320,240").format(text=text)
-        ) from error
+        )
     return u, v
+
+
+def image_size(text: str) -> tuple[int, int]:
+    """Read ``WxH``."""
+    width, cross, height = text.lower().partition("x")
+    sides = [int(side) if side.isdecimal() else 0 for side in (width, height)]
+    if not cross or not all(0 < side <= LARGEST_SIDE_PX for side in sides):
+        raise argparse.ArgumentTypeError(
+            _("{text} is no size of an image: give WxH such as 1280x1024").format(text=text)
+        )
+    return sides[0], sides[1]
+
+
+def cluster_count(text: str) -> int:
+    """Read a whole number of centroids."""
+    count = positive_count(text)
+    if count > MOST_CLUSTERS:
+        raise argparse.ArgumentTypeError(
+            _("{text} is no use: a marker has few colours, give {most} at most").format(
+                text=text, most=MOST_CLUSTERS
+            )
+        )
+    return count
 
 
 def frame_range(text: str) -> tuple[int, int | None]:

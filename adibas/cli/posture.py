@@ -7,6 +7,7 @@ from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, frame_range
 from adibas.data.posture import VIEWS
 from adibas.errors import FileError
+from adibas.files import check_place
 from adibas.texts import translate as _
 
 SUMMARY = "find the markers of a recording and write every distance and angle"
@@ -55,8 +56,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.out.suffix.lower() not in (".xlsx", ".csv"):
         raise FileError(
             "{file} is no report. Give --out a name that ends in .xlsx or .csv.",
-            file=arguments.out.name,
+            file=arguments.out.name or str(arguments.out),
         )
+    check_place(arguments.out)
     request = PostureRequest(
         recording=arguments.recording,
         markers=arguments.markers,

@@ -1,13 +1,22 @@
 """`adibas record`: live frames into a recording."""
 
 import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, positive
-from adibas.errors import RecordingError
+from adibas.cli.options import add_json, add_out, image_size, positive
+from adibas.errors import RecordingError, SensorError
+from adibas.files import check_place
 from adibas.texts import translate as _
 
+if TYPE_CHECKING:
+    from adibas.pipeline.recording import RecordingSummary
+    from adibas.sensors import DepthCamera
+
 SUMMARY = "record a sensor, the simulator or a replayed recording"
+
+INTERRUPTED = 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,23 +29,128 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seconds", type=positive, metavar="N", help=_("how long; until Ctrl-C if not given")
     )
+    parser.add_argument(
+        "--jpeg",
+        action="store_true",
+        help=_("colour as JPEG of quality 95, for long recordings; without loss if not given"),
+    )
+    parser.add_argument(
+        "--overwrite", action="store_true", help=_("replace a recording of that name")
+    )
+    live = parser.add_argument_group(_("live sensors only"))
+    live.add_argument(
+        "--color-size",
+        type=image_size,
+        metavar="WxH",
+        help=_("size of the colour image in pixels; 1280x1024 if not given"),
+    )
+    live.add_argument(
+        "--registered",
+        action="store_true",
+        help=_("let the sensor move the depth into the colour image; not for measuring"),
+    )
+    live.add_argument(
+        "--infrared",
+        action="store_true",
+        help=_("what the depth camera sees in place of colour, for calibration"),
+    )
     add_out(parser, "FILE.mcap")
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Record until the time is over, the source ends, or Ctrl-C."""
+    from adibas.cli.interrupts import stop_by_signals
     from adibas.pipeline.recording import record
-    from adibas.sensors import open_source
+    from adibas.recordings import RecordingOptions
 
-    if arguments.out.suffix.lower() != ".mcap":
+    _check_out(arguments)
+    options = RecordingOptions(color="jpeg" if arguments.jpeg else "png")
+    with (
+        stop_by_signals() as stop,
+        _open(arguments) as camera,
+        console.progress(_("Recording")) as progress,
+    ):
+        summary = record(
+            camera,
+            arguments.out,
+            seconds=arguments.seconds,
+            progress=progress,
+            stop=stop,
+            options=options,
+        )
+        n_missing_before = camera.info.n_dropped
+    is_cut_short = stop.is_set() and arguments.seconds is not None
+    if summary.n_dropped > n_missing_before:
+        console.warn(_dropped(summary, camera))
+    if is_cut_short:
+        console.warn(
+            _("Stopped before the {seconds:g} s were over; what came until then is kept.").format(
+                seconds=arguments.seconds
+            )
+        )
+    _tell(summary, console)
+    return INTERRUPTED if is_cut_short else 0
+
+
+def _check_out(arguments: argparse.Namespace) -> None:
+    """Refuse, before the sensor starts, names that would lose a recording or cannot be written."""
+    out: Path = arguments.out
+    if out.suffix.lower() != ".mcap":
         raise RecordingError(
             "{file} is no name for a new recording. Give --out a name that ends in .mcap; "
             "`adibas convert` makes the other formats of it.",
-            file=arguments.out.name,
+            file=out.name or str(out),
         )
-    with open_source(arguments.source) as camera, console.progress(_("Recording")) as progress:
-        summary = record(camera, arguments.out, seconds=arguments.seconds, progress=progress)
+    check_place(out)
+    if not out.exists():
+        return
+    if not arguments.overwrite:
+        raise RecordingError(
+            "{file} exists already, and a recording is not replaced by mistake. Choose another "
+            "name, or add --overwrite.",
+            file=out.name,
+        )
+    source = Path(arguments.source)
+    if source.exists() and source.samefile(out):
+        raise RecordingError(
+            "{file} cannot be recorded into itself. Choose another name.", file=out.name
+        )
+
+
+def _open(arguments: argparse.Namespace) -> "DepthCamera":
+    from adibas.sensors import SensorOptions, open_source
+
+    default = SensorOptions()
+    options = SensorOptions(
+        color_size=arguments.color_size or default.color_size,
+        is_depth_registered=arguments.registered,
+        is_infrared=arguments.infrared,
+    )
+    camera = open_source(arguments.source, options)
+    is_for_live = arguments.color_size or arguments.registered or arguments.infrared
+    if is_for_live and not camera.is_live:
+        camera.close()
+        raise SensorError(
+            "{source} is no live sensor and gives its images as they are. Leave out --color-size, "
+            "--registered and --infrared.",
+            source=arguments.source,
+        )
+    return camera
+
+
+def _dropped(summary: "RecordingSummary", camera: "DepthCamera") -> str:
+    if not camera.is_live:
+        text = _("{n_dropped} frames that the sensor had counted are missing in the source.")
+        return text.format(n_dropped=summary.n_dropped)
+    return _(
+        "{n_dropped} frames were lost, because the computer, the disk or the cable was too slow. "
+        "Record with --jpeg or a smaller --color-size, and put the sensor into a USB port of its "
+        "own."
+    ).format(n_dropped=summary.n_dropped)
+
+
+def _tell(summary: "RecordingSummary", console: Console) -> None:
     console.say(
         _("{file}: {n_frames} frames in {seconds:.1f} s, {n_dropped} dropped.").format(
             file=summary.path,
@@ -53,4 +167,3 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             "seconds": summary.seconds,
         }
     )
-    return 0

@@ -10,7 +10,7 @@ import numpy as np
 from adibas.arrays import BoolArray, UInt8Array
 from adibas.data.frames import EncodedImage
 from adibas.errors import FileError, RecordingError
-from adibas.files import written_whole
+from adibas.files import check_place, written_whole
 from adibas.markers.color_files import preview, read_colors, write_colors
 from adibas.markers.color_model import ColorModel, LearningParams, grow_region, learn_colors
 from adibas.markers.lab import rgb_to_lab
@@ -23,6 +23,9 @@ PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
 LED = "led"
 SEED = 0
 """Of k-means: the same clicks give the same colours."""
+
+MOST_PIXELS = 20_000
+"""For k-means; of a larger region every n-th pixel is taken, which says the same sooner."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +64,11 @@ class Learned:
         """Return how many pixels were taken."""
         return int(self.taken.sum())
 
+    @property
+    def taken_share(self) -> float:
+        """Return the share of the picture that was taken."""
+        return float(self.taken.mean())
+
 
 def read_target(text: str) -> MarkerTarget:
     """Return what ``--markers`` names: ``led``, or a file of learned colours.
@@ -83,9 +91,10 @@ def learn_from_file(request: LearningRequest, out: Path) -> Learned:
     MarkerError
         A click lies outside the picture.
     """
+    preview_path = out.with_suffix(".preview.png")
+    _check_out(request.image, out, preview_path)
     color_rgb = _read_picture(request)
     model, taken = learn_from_picture(color_rgb, request)
-    preview_path = out.with_suffix(".preview.png")
     _write_png(preview_path, preview(color_rgb, taken))
     write_colors(out, model)
     return Learned(model, taken, preview_path)
@@ -110,7 +119,23 @@ def learn_from_picture(
         "n_pixels": int(taken.sum()),
     }
     pixels_lab = lab[taken].astype(np.float64)
+    pixels_lab = pixels_lab[:: -(-len(pixels_lab) // MOST_PIXELS)]
     return learn_colors(pixels_lab, np.random.default_rng(SEED), params, source), taken
+
+
+def _check_out(image: Path, out: Path, preview_path: Path) -> None:
+    """See that nothing else is overwritten than colours and their preview."""
+    if out.suffix.lower() != ".json":
+        raise FileError(
+            "{file} is no name for learned colours. Give --out a name that ends in .json.",
+            file=out.name or str(out),
+        )
+    if preview_path.exists() and image.exists() and preview_path.samefile(image):
+        raise FileError(
+            "The preview of {file} would overwrite the picture itself. Give --out another name.",
+            file=out.name,
+        )
+    check_place(out)
 
 
 def _read_picture(request: LearningRequest) -> UInt8Array:

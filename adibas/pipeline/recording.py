@@ -213,7 +213,9 @@ def _with_place(error: AdibasError, path: Path, n_frames: int) -> AdibasError:
     is_finished = n_frames > 0 and not getattr(error, "__notes__", ())
     if not is_finished:
         return error
-    if "kept" in error.fields:  # it names the unfinished file, which has its name by now
+    if "kept" in error.fields:
+        if path.with_name(str(error.fields["kept"])).exists():
+            return error  # the end could not be written, and the file has no other name
         return type(error)(error.message_id, **error.fields | {"kept": path.name})
     return type(error)(
         "{problem} The {n_frames} frames that came before are kept in {path}.",

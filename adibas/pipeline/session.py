@@ -157,22 +157,27 @@ def check_findings(findings: MarkerFindings) -> None:
 
 
 def _burst_range(recording: RecordingReader, frames: tuple[int, int | None]) -> tuple[int, int]:
-    begin, end = frames[0], len(recording) if frames[1] is None else frames[1]
+    begin, asked_end = frames
+    end = len(recording) if asked_end is None else asked_end
     if len(recording) == 0:
         raise RecordingError("The recording holds no whole frame. Record the session again.")
     if not begin < end <= len(recording):
         raise RecordingError(
-            "The recording has {n_frames} frames, so frames {begin}:{end} cannot be read. Choose "
-            "a range inside 0:{n_frames}.",
+            "The recording has {n_frames} frames, so frames {frames} cannot be read. Choose a "
+            "range inside 0:{n_frames}.",
             n_frames=len(recording),
-            begin=begin,
-            end=end,
+            frames=f"{begin}:{'' if asked_end is None else asked_end}",
         )
     return begin, end
 
 
 def _calibration(recording: RecordingReader, path: Path | None) -> RgbdCalibration:
     calibration = recording.info.calibration if path is None else read_calibration(path)
+    if calibration is None and recording.notice:
+        raise CalibrationError(
+            "{notice} Its calibration is lost. Give one with --calibration FILE.",
+            notice=recording.notice,
+        )
     if calibration is None:
         raise CalibrationError(
             "The recording brings no calibration. Give one with --calibration FILE."

@@ -24,7 +24,7 @@ def open_recording(path: Path) -> RecordingReader:
     RecordingError
         There is no such file, or it is no recording, or it is damaged.
     """
-    if any((path / name).is_file() for name in TUM_LISTS):
+    if _is_tum_folder(path):
         from adibas.recordings.tum_reader import TumReader
 
         return TumReader(path)
@@ -40,18 +40,24 @@ def open_recording(path: Path) -> RecordingReader:
     raise RecordingError(
         "{file} is no recording. Choose an .mcap or .oni file, or a folder with rgb.txt or "
         "depth.txt.",
-        file=path.name,
+        file=path.name or str(path),
     )
+
+
+def _is_tum_folder(path: Path) -> bool:
+    try:
+        return any((path / name).is_file() for name in TUM_LISTS)
+    except OSError as error:
+        raise cannot_read(path.name, error) from error
 
 
 def _first_bytes(path: Path) -> bytes:
     """Return the beginning of a file, nothing of a folder."""
-    part_path = part_path_of(path)
-    if not path.exists() and part_path.exists():
+    if not path.exists() and part_path_of(path).exists():
         raise RecordingError(
             "{file} was never finished. What was recorded of it is in {part}: open that file.",
             file=path.name,
-            part=part_path.name,
+            part=part_path_of(path).name,
         )
     try:
         if path.is_dir():
