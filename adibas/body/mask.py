@@ -62,6 +62,9 @@ class BodyParams:
     back_gap_m, max_part_share : float
         How far a bordering surface may be behind if it has less than that share of the body's
         area: the far leg. 0.28 and 0.3.
+    in_line_m : float
+        A bordering surface belongs to the body if its middle lies that near to the body's in depth
+        and to one side: the legs under raised forearms. 0.2.
     bay_px : int
         Radius of the disc that closes bays of the outline without depth, 2.
     max_hole_share : float
@@ -85,6 +88,7 @@ class BodyParams:
     level_gap_m: float = 0.13
     back_gap_m: float = 0.28
     max_part_share: float = 0.3
+    in_line_m: float = 0.2
     bay_px: int = 2
     max_hole_share: float = 0.03
 
@@ -208,9 +212,16 @@ def _parts(
     border = gaps_to_body(labels, len(moments) - 1, body, inverse_depth, params.joint_reach_px)
     touches = border[:, 0] > 0
     gap_m, share = border[:, 1], moments[:, 0] / moments[body, 0]
+    middle_m = moments[body, 1:4] / moments[body, 0]
     before = (gap_m > -params.front_gap_m) & (gap_m < params.level_gap_m) & (share < 1.0)
     behind = (gap_m >= 0.0) & (gap_m < params.back_gap_m) & (share < params.max_part_share)
-    belongs: BoolArray = touches & (before | behind)
+    offsets_m = np.abs(moments[:, 1:4] / np.maximum(moments[:, :1], 1e-9) - middle_m)
+    in_line = (offsets_m[:, 2] < params.in_line_m) & (
+        offsets_m[:, :2].min(axis=1) < params.in_line_m
+    )
+    belongs: BoolArray = touches & (
+        before | behind | (in_line & (moments[:, 0] < params.max_area_m2))
+    )
     belongs[body] = True
     belongs[0] = False
     return belongs
