@@ -45,8 +45,6 @@ class BlobParams:
     least_filling : float
         Share of the unmixed area that stands out by itself: 0.42. What goes on beyond its core,
         such as wall seen between arm and trunk, has less.
-    centre_sd_px : float
-        What remains of the centre's error besides noise (shading, foreshortening): 0.08.
     """
 
     least_diameter_m: float = 0.004
@@ -57,7 +55,6 @@ class BlobParams:
     least_separation: float = 5.0
     least_prominence: float = 0.4
     least_filling: float = 0.42
-    centre_sd_px: float = 0.08
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,8 +163,7 @@ def judge(
     reason = _refusal_of_size(blob, diameter_m, params) or reason
     if reason is not None:
         return None if is_speck or reason == NOT_ALONE else RejectedBlob(u, v, reason)
-    covariance_px2 = blob.covariance_px2 + np.eye(2) * params.centre_sd_px**2
-    return replace(blob, u=u, v=v, covariance_px2=covariance_px2)
+    return replace(blob, u=u, v=v)
 
 
 def _refusal_of_size(blob: Blob, diameter_m: float, params: BlobParams) -> str | None:

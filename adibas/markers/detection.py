@@ -39,6 +39,8 @@ class DetectionParams:
     ----------
     lightness_weight : float
         Of a difference in L against one in a and b: 0.15, since light changes L first.
+    light_range : float
+        By how much (L + 16, a, b) may shrink or grow with the light: 1.15, half the light more.
     surround_px : tuple of int
         Widths of the surroundings, smallest first: for stickers of some pixels, and for large
         ones. Odd, in pixels of a 1280 wide image.
@@ -54,6 +56,7 @@ class DetectionParams:
     """
 
     lightness_weight: float = 0.15
+    light_range: float = 1.15
     surround_px: tuple[int, ...] = (31, 121)
     surround_share: float = 0.62
     least_contrast: float = 9.0
@@ -108,7 +111,7 @@ def find_color_markers(
     inside = body[window]
     lab = rgb_to_lab(color_rgb[window])
     centroids_lab = model.centroids_lab.astype(np.float32)
-    distance = unlikeness(lab, centroids_lab, params.lightness_weight)
+    distance = unlikeness(lab, centroids_lab, params.lightness_weight, params.light_range)
     offset_uv = np.array([window[1].start, window[0].start], float)
     limit = params.threshold_factor * model.threshold
     blobs: list[Blob] = []
