@@ -27,6 +27,10 @@ from adibas.simulation.truth import FrameTruth
 N_CLICKS = 3
 LEARNING_SEED = 990_017
 """A scene that is never evaluated: other room, light, clothes and sensor."""
+SLIDER = (20.0, 16.0, 13.0, 10.0, 8.0, 6.0, 4.0)
+"""Sensitivities that the user tries, until nothing but the stickers is shown as taken."""
+SPILL = 2.0
+"""Taken pixels over those of the stickers: more is skin."""
 GATE_M = 0.012
 """A detection belongs to a marker if its centre lies this near to it on the skin."""
 FAR = 1e3
@@ -116,8 +120,16 @@ def _learned(learning: SceneSettings) -> ColorModel:
     picture_rgb = to_rgbd(simulated.sensor_frame, scene.info).color_rgb
     visible = [marker for marker in simulated.truth.markers if marker.is_visible]
     frontal = sorted(visible, key=lambda marker: marker.view_angle_rad)[:N_CLICKS]
-    seeds = tuple((float(round(marker.u)), float(round(marker.v))) for marker in frontal)
-    model, _ = learn_from_picture(picture_rgb, LearningRequest(Path("learning"), seeds))
+    request = LearningRequest(
+        image=Path("learning"),
+        seeds=tuple((float(round(marker.u)), float(round(marker.v))) for marker in frontal),
+    )
+    focal_px = scene.device.color.intrinsics.fx
+    radius_px = focal_px * frontal[0].radius_m / frontal[0].position_m[2]
+    for sensitivity in SLIDER:
+        model, taken = learn_from_picture(picture_rgb, replace(request, sensitivity=sensitivity))
+        if taken.sum() <= SPILL * N_CLICKS * math.pi * radius_px**2:
+            break
     return model
 
 
