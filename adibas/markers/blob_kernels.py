@@ -141,13 +141,47 @@ def _surround(
     local: Float32Array, far: Float32Array, zones: UInt8Array, percentile: float
 ) -> tuple[FloatArray, float]:
     """Return the median colour of the ring, and the percentile of its distance to the model."""
-    ring = zones.ravel() == RING
-    surround = np.full(local.shape[2], np.nan)
-    if not ring.any():
-        return surround, 0.0
-    for channel in range(local.shape[2]):
-        surround[channel] = np.median(local[:, :, channel].copy().ravel()[ring].astype(np.float64))
-    return surround, np.percentile(far.copy().ravel()[ring], percentile)
+    n_channels = local.shape[2]
+    ring = np.empty((n_channels + 1, zones.size))
+    n_ring = 0
+    for row in range(zones.shape[0]):
+        for column in range(zones.shape[1]):
+            if zones[row, column] == RING:
+                ring[n_channels, n_ring] = far[row, column]
+                for channel in range(n_channels):
+                    ring[channel, n_ring] = local[row, column, channel]
+                n_ring += 1
+    surround = np.empty(n_channels)
+    for channel in range(n_channels):
+        surround[channel] = _quantile(ring[channel, :n_ring], 0.5)
+    return surround, _quantile(ring[n_channels, :n_ring], 0.01 * percentile)
+
+
+@compiled
+def _quantile(values: FloatArray, share: float) -> float:
+    """Return the quantile, linear between two values; reorders `values`. NaN of nothing.
+
+    Source: Hoare, Algorithm 65: Find, CACM 1961.
+    """
+    if len(values) == 0:
+        return math.nan
+    place = share * (len(values) - 1)
+    k = int(place)
+    low, high = 0, len(values) - 1
+    while low < high:
+        pivot, i, j = values[k], low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while pivot < values[j]:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i, j = i + 1, j - 1
+        low = i if j < k else low
+        high = j if k < i else high
+    above = values[k + 1 :].min() if place > k else values[k]
+    return float(values[k] + (place - k) * (above - values[k]))
 
 
 @compiled
@@ -187,8 +221,14 @@ def _shares(local: Float32Array, surround: FloatArray, axis: FloatArray) -> Floa
 @compiled
 def _noise(shares: FloatArray, zones: UInt8Array) -> float:
     """Return the standard deviation of the ring's shares, from their median."""
-    ring = np.abs(shares.ravel()[zones.ravel() == RING])
-    return 1.4826 * np.median(ring) if len(ring) > 0 else math.nan
+    ring = np.empty(zones.size)
+    n_ring = 0
+    for row in range(zones.shape[0]):
+        for column in range(zones.shape[1]):
+            if zones[row, column] == RING:
+                ring[n_ring] = abs(shares[row, column])
+                n_ring += 1
+    return 1.4826 * _quantile(ring[:n_ring], 0.5)
 
 
 @compiled

@@ -1,0 +1,134 @@
+"""Blobs are measured in compiled loops: held against NumPy, SciPy and closed forms."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import ndimage
+
+from adibas.markers.blob_kernels import _quantile, _widened
+from adibas.markers.blobs import (
+    Blob,
+    BlobParams,
+    connected_groups,
+    depth_near,
+    judge,
+    measure_blobs,
+    pixels_of,
+)
+
+SIZE = 48
+SKIN_LAB, STICKER_LAB = np.array([65.0, 15.0, 20.0]), np.array([50.0, -40.0, 30.0])
+masks = arrays(np.bool_, (9, 12))
+
+
+def disc_picture(u, v, radius_px, noise=0.0):
+    """Return Lab of a sticker on skin with a soft rim, its distance to the model, its pixels."""
+    rows, columns = np.mgrid[:SIZE, :SIZE]
+    share = np.clip(radius_px + 0.5 - np.hypot(columns - u, rows - v), 0, 1)[..., None]
+    lab = share * STICKER_LAB + (1 - share) * SKIN_LAB
+    lab += np.random.default_rng(1).normal(0, 1, lab.shape) * noise
+    distance = np.linalg.norm(lab - STICKER_LAB, axis=2)
+    return lab.astype(np.float32), distance.astype(np.float32), distance < 20
+
+
+def measured(lab, distance, seeds):
+    groups = connected_groups(seeds, np.zeros(seeds.shape, bool))
+    return measure_blobs(lab, distance, groups)
+
+
+@given(masks, masks)
+def test_groups_are_scipys_components_without_those_that_touch_a_taken_pixel(seeds, taken):
+    groups = connected_groups(seeds, taken)
+    found = {
+        frozenset(zip(*(axis.tolist() for axis in pixels_of(groups, index)), strict=True))
+        for index in range(len(groups[2]) - 1)
+    }
+    labels, n_labels = ndimage.label(seeds, np.ones((3, 3)))
+    wanted = {
+        frozenset(map(tuple, np.argwhere(labels == label).tolist()))
+        for label in range(1, n_labels + 1)
+        if not (taken & (labels == label)).any()
+    }
+    assert found == wanted
+
+
+@given(masks, st.integers(1, 6))
+def test_widening_is_dilation_by_a_square(mask, reach):
+    square = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
+    image = mask.astype(np.uint8)
+    np.testing.assert_array_equal(_widened(image, reach), cv2.dilate(image, square))
+
+
+@given(
+    arrays(np.float64, st.integers(1, 40), elements=st.floats(-1e3, 1e3)),
+    st.sampled_from([0.0, 0.2, 0.5, 1.0]),
+)
+def test_quantiles_are_numpys(values, share):
+    wanted = np.quantile(values, share)
+    assert _quantile(values.copy(), share) == pytest.approx(wanted, abs=1e-9)
+
+
+def test_the_quantile_of_nothing_is_unknown():
+    assert math.isnan(_quantile(np.empty(0), 0.5))
+
+
+@pytest.mark.parametrize("centre", [(20.0, 22.0), (20.3, 22.4), (23.5, 19.5)])
+@pytest.mark.parametrize("radius_px", [1.5, 3.2, 6.0])
+def test_a_disc_is_measured_where_and_as_large_as_it_is(centre, radius_px):
+    (blob,) = measured(*disc_picture(*centre, radius_px))
+    assert (blob.u, blob.v) == pytest.approx(centre, abs=0.06)
+    assert blob.radius_px == pytest.approx(radius_px, rel=0.06)
+    assert blob.axis_ratio > 0.95
+
+
+def test_the_centres_covariance_is_that_of_many_noisy_pictures():
+    noise = 2.0
+    lab, distance, seeds = disc_picture(20.0, 22.0, 4.0, noise)
+    (blob,) = measured(lab, distance, seeds)
+    contrast = np.linalg.norm(STICKER_LAB - SKIN_LAB)
+    assert blob.separation == pytest.approx(contrast / noise, rel=0.25)
+    area = math.pi * 4.0**2
+    variance = (noise / contrast) ** 2 * (area * 4.0**2 / 4) / area**2
+    np.testing.assert_allclose(np.diag(blob.covariance_px2), variance, rtol=0.8)
+
+
+def test_a_group_like_its_surround_stays_where_it_is_and_is_no_marker():
+    lab, distance, _ = disc_picture(20.0, 22.0, 0.0)
+    seeds = np.zeros(distance.shape, bool)
+    seeds[21:24, 19:22] = True
+    (blob,) = measured(lab, distance, seeds)
+    assert (blob.u, blob.v) == (20.0, 22.0)
+    depth_m = np.full((SIZE, SIZE), 2.0, np.float32)
+    assert not isinstance(judge(blob, np.zeros(2), depth_m, 1050.0, BlobParams()), Blob)
+
+
+def test_the_border_of_the_picture_is_no_trouble():
+    lab, distance, seeds = disc_picture(0.0, 0.0, 4.0)
+    (blob,) = measured(lab, distance, seeds)
+    assert 0 < blob.u < 4
+    assert 0 < blob.v < 4
+
+
+def test_only_refusals_that_a_user_would_ask_about_are_told():
+    depth_m = np.full((SIZE, SIZE), 2.0, np.float32)
+    told = {}
+    for radius_px in (0.6, 1.8, 9.0):
+        (blob,) = measured(*disc_picture(22.0, 22.0, radius_px))
+        focal_px = 1050.0 if radius_px < 9.0 else 400.0
+        told[radius_px] = judge(blob, np.zeros(2), depth_m, focal_px, BlobParams())
+    assert told[0.6] is None
+    assert isinstance(told[1.8], Blob)
+    assert told[9.0].reason == "too large for a marker at that distance"
+
+
+def test_depth_near_a_marker_is_the_median_of_what_is_known():
+    depth_m = np.full((20, 20), np.nan, np.float32)
+    assert depth_near(depth_m, 9.0, 9.0, 3.0) is None
+    depth_m[8:11, 8:11] = [[2.0, 2.1, 2.2], [2.3, 2.4, 2.5], [2.6, 2.7, np.nan]]
+    assert depth_near(depth_m, 9.0, 9.0, 3.0) == pytest.approx(2.35)
+    assert depth_near(depth_m, 0.0, 0.0, 3.0) is None
