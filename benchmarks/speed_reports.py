@@ -1,0 +1,72 @@
+"""How fast the reports of one capture are written."""
+
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.markers import Marker
+from adibas.data.posture import PostureAnalysis, Provenance
+from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.reports.excel import write_posture_workbook
+from benchmarks.table import Row
+
+N_MARKERS = 15
+SEED = 5
+GOAL_MS = 200.0
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure CPU time; with `quick` fewer rounds."""
+    analysis = _analysis()
+    n_measures = len(analysis.distances) + len(analysis.angles)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "report.xlsx"
+        excel_ms = _median_ms(
+            lambda: write_posture_workbook(analysis, path), n_rounds=3 if quick else 9
+        )
+    name = f"Excel report of {N_MARKERS} markers, {n_measures:,} distances and angles, CPU time"
+    yield Row(name, excel_ms, "ms", GOAL_MS, "goal <=")
+
+
+def _analysis() -> PostureAnalysis:
+    rng = np.random.default_rng(SEED)
+    positions_m = rng.uniform((-0.4, -0.9, 1.9), (0.4, 0.9, 2.1), (N_MARKERS, 3))
+    markers = tuple(
+        Marker(
+            label=f"m{number:02d}",
+            u=float(640 + 525 * x_m),
+            v=float(512 + 525 * y_m),
+            radius_px=4.0,
+            covariance_px2=np.eye(2) * 0.01,
+            position_m=np.array([x_m, y_m, z_m]),
+            covariance_m2=np.eye(3) * 1e-6,
+        )
+        for number, (x_m, y_m, z_m) in enumerate(positions_m, 1)
+    )
+    return PostureAnalysis(
+        patient="patient-1",
+        view="anterior",
+        n_frames=30,
+        first_frame=0,
+        markers=markers,
+        rejected=(),
+        distances=all_distances(markers),
+        angles=all_angles(markers),
+        picture_rgb=rng.integers(0, 256, (1024, 1280, 3), np.uint8),
+        calibration=RgbdCalibration(),
+        provenance=Provenance("ab" * 32, "sha256:" + "cd" * 32, "0", "2026-01-01T00:00:00", {}),
+    )
+
+
+def _median_ms(work: Callable[[], object], n_rounds: int) -> float:
+    work()
+    times_s = []
+    for _ in range(n_rounds):
+        start_s = time.process_time()
+        work()
+        times_s.append(time.process_time() - start_s)
+    return 1e3 * float(np.median(times_s))
