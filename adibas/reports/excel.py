@@ -40,7 +40,14 @@ def write_posture_workbook(analysis: PostureAnalysis, path: Path) -> None:
     for sheet in workbook.worksheets:
         prepare_page(sheet, footer=_("For research, education and documentation"))
     with written_whole(path) as unfinished:
-        workbook.save(unfinished)
+        unfinished.write_bytes(_encoded(workbook))
+
+
+def _encoded(workbook: Workbook) -> bytes:
+    """Return the file's bytes; a zip file on a full disk would complain once more when deleted."""
+    encoded = io.BytesIO()
+    workbook.save(encoded)
+    return encoded.getvalue()
 
 
 def _add_summary(sheet: Worksheet, analysis: PostureAnalysis) -> None:
