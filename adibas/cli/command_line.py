@@ -11,6 +11,7 @@ from typing import Protocol, cast
 
 from adibas import __version__
 from adibas.cli.console import Console
+from adibas.cli.options import sentence
 from adibas.errors import AdibasError
 from adibas.texts import describe
 from adibas.texts import translate as _
@@ -66,7 +67,7 @@ def build_parser() -> argparse.ArgumentParser:
     for name in COMMANDS:
         module = cast(CommandModule, importlib.import_module(f"adibas.cli.{name}"))
         subparser = subparsers.add_parser(
-            name, help=_(module.SUMMARY), description=_(module.SUMMARY)
+            name, help=_(module.SUMMARY), description=sentence(_(module.SUMMARY))
         )
         module.add_arguments(subparser)
         subparser.set_defaults(module=module)

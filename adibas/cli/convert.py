@@ -13,7 +13,12 @@ SUMMARY = "convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RGB-D fold
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.add_argument("source", type=Path, metavar="IN", help=_("recording to read"))
-    parser.add_argument("target", type=Path, metavar="OUT", help=_("recording to write"))
+    parser.add_argument(
+        "target",
+        type=Path,
+        metavar="OUT",
+        help=_("recording to write: .mcap, .oni, or a new folder's name without an ending"),
+    )
     parser.add_argument(
         "--plain",
         action="store_true",

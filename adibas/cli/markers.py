@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, cluster_count, pixel, positive
+from adibas.cli.options import add_json, add_out, cluster_count, pixel, positive, sentence
 from adibas.texts import translate as _
 
 LARGE_SHARE = 0.2
@@ -16,12 +16,16 @@ SUMMARY = "learn the colour of the markers from clicked pixels"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     actions = parser.add_subparsers(metavar="ACTION", required=True)
-    learn = actions.add_parser("learn", help=_(SUMMARY), description=_(SUMMARY))
+    learn = actions.add_parser("learn", help=_(SUMMARY), description=sentence(_(SUMMARY)))
     learn.add_argument(
         "image", type=Path, metavar="IMAGE", help=_("PNG or JPEG picture, or a recording")
     )
     learn.add_argument(
-        "--frame", type=int, default=0, metavar="N", help=_("which frame of a recording")
+        "--frame",
+        type=int,
+        default=0,
+        metavar="N",
+        help=_("which frame of a recording, counted from 0; the first if not given"),
     )
     learn.add_argument(
         "--seed",
@@ -29,18 +33,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         required=True,
         metavar="U,V",
-        help=_("a clicked pixel of a marker; may be given several times"),
+        help=_(
+            "a pixel of a marker: column and row, counted from 0 at the top left; may be given "
+            "several times"
+        ),
     )
     learn.add_argument(
         "--sensitivity",
         type=positive,
         metavar="T",
-        help=_("how far (CIELAB distance) a pixel may be from the clicked one"),
+        help=_("how far (CIELAB distance) a pixel may be from the clicked one; 20 if not given"),
     )
     learn.add_argument(
-        "--clusters", type=cluster_count, metavar="K", help=_("number of colour centroids")
+        "--clusters",
+        type=cluster_count,
+        metavar="K",
+        help=_("number of colour centroids; 3 if not given"),
     )
-    add_out(learn, "colours.json")
+    add_out(
+        learn,
+        "colours.json",
+        _("file to write; a picture of what was taken goes beside it (colours.preview.png)"),
+    )
     add_json(learn)
 
 

@@ -17,11 +17,14 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_out(parser: argparse.ArgumentParser, metavar: str) -> None:
+def add_out(parser: argparse.ArgumentParser, metavar: str, help_text: str) -> None:
     """Ask for `--out`."""
-    parser.add_argument(
-        "--out", type=Path, required=True, metavar=metavar, help=_("where to write")
-    )
+    parser.add_argument("--out", type=Path, required=True, metavar=metavar, help=help_text)
+
+
+def sentence(summary: str) -> str:
+    """Return the summary of a command as it stands alone."""
+    return f"{summary[:1].upper()}{summary[1:]}."
 
 
 def pixel(text: str) -> tuple[float, float]:

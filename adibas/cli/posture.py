@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--patient", default="", metavar="PSEUDONYM", help=_("shown on the report; never a name")
     )
-    add_out(parser, "report.xlsx|report.csv")
+    add_out(parser, "report.xlsx|report.csv", _("report to write; an older one is replaced"))
     add_json(parser)
 
 

@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("what the depth camera sees in place of colour, for calibration"),
     )
-    add_out(parser, "FILE.mcap")
+    add_out(parser, "FILE.mcap", _("recording to write"))
     add_json(parser)
 
 

@@ -10,7 +10,14 @@ import pytest
 from adibas.cli import main
 from adibas.cli.command_line import COMMANDS
 from adibas.cli.console import Console
-from adibas.cli.options import frame_range, pixel, positive, positive_count
+from adibas.cli.options import (
+    cluster_count,
+    frame_range,
+    image_size,
+    pixel,
+    positive,
+    positive_count,
+)
 from adibas.errors import RecordingError
 
 
@@ -110,6 +117,8 @@ def test_words_are_read_as_the_help_says():
     assert frame_range(":") == (0, None)
     assert positive("0.5") == 0.5
     assert positive_count("3") == 3
+    assert cluster_count("64") == 64
+    assert image_size("1280x1024") == (1280, 1024)
 
 
 @pytest.mark.parametrize(
@@ -117,6 +126,12 @@ def test_words_are_read_as_the_help_says():
     [
         (pixel, "320"),
         (pixel, "a,b"),
+        (pixel, "nan,3"),
+        (pixel, "3,inf"),
+        (cluster_count, "65"),
+        (image_size, "1280"),
+        (image_size, "1280x"),
+        (image_size, "0x1024"),
         (frame_range, "30"),
         (frame_range, "30:3"),
         (frame_range, "-1:3"),
