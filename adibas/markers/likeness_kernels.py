@@ -1,7 +1,5 @@
 """How far every pixel is from the learned colours."""
 
-import math
-
 import numpy as np
 
 from adibas.arrays import Float32Array
@@ -19,19 +17,25 @@ def unlikeness(
     and `light_range`; what difference of lightness is left counts by `lightness_weight`.
     """
     height, width, _ = lab.shape
-    distance = np.empty((height, width), np.float32)
+    distance = np.full((height, width), np.inf, np.float32)
     weight, most = np.float32(lightness_weight), np.float32(light_range)
-    least = np.float32(1.0) / most
+    least, offset = np.float32(1.0) / most, np.float32(16.0)
     for row in range(height):
-        for column in range(width):
-            nearest = np.float32(np.inf)
-            lightness = lab[row, column, 0] + np.float32(16.0)
-            for i in range(centroids_lab.shape[0]):
-                own = centroids_lab[i, 0] + np.float32(16.0)
-                light = min(max(lightness / own, least), most)
+        # The columns are the innermost loop, so that several are computed at once.
+        for i in range(centroids_lab.shape[0]):
+            own, a, b = centroids_lab[i, 0] + offset, centroids_lab[i, 1], centroids_lab[i, 2]
+            per_own = np.float32(1.0) / own
+            for column in range(width):
+                lightness = lab[row, column, 0] + offset
+                light = lightness * per_own
+                light = max(least, light)
+                light = min(most, light)
                 dl = lightness - light * own
-                da = lab[row, column, 1] - light * centroids_lab[i, 1]
-                db = lab[row, column, 2] - light * centroids_lab[i, 2]
-                nearest = min(nearest, weight * dl * dl + da * da + db * db)
-            distance[row, column] = math.sqrt(nearest)
+                da = lab[row, column, 1] - light * a
+                db = lab[row, column, 2] - light * b
+                squared = weight * dl * dl + da * da + db * db
+                nearest = distance[row, column]
+                distance[row, column] = min(nearest, squared)
+        for column in range(width):
+            distance[row, column] = np.sqrt(distance[row, column])
     return distance
