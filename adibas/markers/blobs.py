@@ -19,7 +19,7 @@ TOO_SMALL = "too small for a marker at that distance"
 TOO_LONG = "too long and thin for a marker"
 TOO_WEAK = "too faint against its surroundings"
 NOT_ALONE = "part of a larger area of that colour"
-SURROUND_PERCENTILE = 20.0
+SURROUND_PERCENTILE = 5.0
 LEAST_TOLD_PX = 6
 
 
@@ -40,7 +40,7 @@ class BlobParams:
     least_separation : float
         Contrast of the core against the surround, in standard deviations of the surround: 5.
     least_prominence : float
-        By how much the core is nearer to the model than the nearest fifth of its surround, as a
+        By how much the core is nearer to the model than the nearest 5 % of its surround, as a
         share of theirs: 0.4. On the border of two garments one side is as near as the core.
     least_filling : float
         Share of the unmixed area that stands out by itself: 0.42. What goes on beyond its core,
@@ -74,7 +74,7 @@ class Blob:
     separation : float
         Contrast in standard deviations of the surround.
     prominence : float
-        1 - core's distance to the model / that of the nearest fifth of the surround.
+        1 - core's distance to the model / that of the nearest 5 % of the surround.
     filling : float
         Pixels that stand out / unmixed area.
     covariance_px2 : (2, 2) array
