@@ -35,12 +35,12 @@ class CommandModule(Protocol):
 
 def main(argv: Sequence[str]) -> int:
     """Run one command and return the exit code: 0 done, 1 the world failed, 2 wrong usage."""
-    arguments = build_parser().parse_args(argv)
-    console = Console(is_json=getattr(arguments, "json", False))
-    command = cast(CommandModule, arguments.module)
     signal.signal(signal.SIGTERM, _interrupt)
+    console = Console(is_json=False)
     try:
-        code = command.run(arguments, console)
+        arguments = build_parser().parse_args(argv)
+        console = Console(is_json=getattr(arguments, "json", False))
+        code = cast(CommandModule, arguments.module).run(arguments, console)
         console.flush()
     except AdibasError as error:
         console.warn(describe(error))
