@@ -15,7 +15,7 @@ from adibas.reports.rows import angle_rows, distance_rows, marker_rows
 from adibas.reports.sheets import Column, add_pairs, add_table, prepare_page
 from adibas.texts import translate as _
 
-PICTURE_HEIGHT_PX = 560
+PICTURE_HEIGHT_PX = 720
 DECIMALS = "0.0"
 FINE_DECIMALS = "0.00"
 

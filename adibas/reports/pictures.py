@@ -10,6 +10,7 @@ from adibas.data.posture import PostureAnalysis
 WITH_POSITION_RGB = (0, 158, 255)
 WITHOUT_POSITION_RGB = (230, 159, 0)
 OUTLINE_RGB = (0, 0, 0)
+TEXT_RGB = (255, 255, 255)
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
@@ -30,8 +31,8 @@ def draw_markers(analysis: PostureAnalysis, height_px: int) -> UInt8Array:
             round((marker.v + 0.5) * scale - 0.5),
         )
         radius = max(6, round(marker.radius_px * scale) + 4)
-        for rgb, thickness in ((OUTLINE_RGB, 3), (color, 1)):
-            cv2.circle(canvas, centre, radius, rgb, thickness, cv2.LINE_AA)
-            place = (centre[0] + radius + 2, centre[1] + 4)
-            cv2.putText(canvas, marker.label, place, FONT, 0.42, rgb, thickness, cv2.LINE_AA)
+        place = (centre[0] + radius + 3, centre[1] + 5)
+        for ring_rgb, text_rgb, thickness in ((OUTLINE_RGB, OUTLINE_RGB, 3), (color, TEXT_RGB, 1)):
+            cv2.circle(canvas, centre, radius, ring_rgb, thickness, cv2.LINE_AA)
+            cv2.putText(canvas, marker.label, place, FONT, 0.5, text_rgb, thickness, cv2.LINE_AA)
     return np.ascontiguousarray(canvas, np.uint8)
