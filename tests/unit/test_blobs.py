@@ -86,6 +86,23 @@ def test_a_disc_is_measured_where_and_as_large_as_it_is(centre, radius_px):
     assert blob.axis_ratio > 0.95
 
 
+def test_an_ellipse_is_as_long_as_it_is():
+    rows, columns = np.mgrid[: 8 * SIZE, : 8 * SIZE] / 8.0
+    along, across = (columns + rows - 46) / math.sqrt(2), (columns - rows) / math.sqrt(2)
+    fine = (along / 9.0) ** 2 + (across / 4.5) ** 2 < 1
+    share = fine.reshape(SIZE, 8, SIZE, 8).mean(axis=(1, 3))[..., None]
+    lab = (share * STICKER_LAB + (1 - share) * SKIN_LAB).astype(np.float32)
+    distance = np.linalg.norm(lab - STICKER_LAB, axis=2).astype(np.float32)
+    (blob,) = measured(lab, distance, distance < 50)
+    weights = np.where(share > 0.12, share, 0).ravel()
+    pixels = np.indices((SIZE, SIZE)).reshape(2, -1)
+    spread = np.cov(pixels, aweights=weights, ddof=0) + np.eye(2) / 12
+    short, long = np.sqrt(np.linalg.eigvalsh(spread))
+    assert blob.axis_ratio == pytest.approx(short / long, rel=1e-4)
+    assert blob.axis_ratio == pytest.approx(0.5, rel=0.05)
+    assert blob.radius_px == pytest.approx(math.sqrt(9.0 * 4.5), rel=0.05)
+
+
 def test_the_centres_covariance_is_that_of_many_noisy_pictures():
     noise = 2.0
     lab, distance, seeds = disc_picture(20.0, 22.0, 4.0, noise)
