@@ -1,5 +1,6 @@
 """Recording: every frame that came is in the file, and what did not come is told."""
 
+import errno
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from adibas.data.frames import SensorFrame, SourceInfo
-from adibas.errors import SensorError
+from adibas.errors import RecordingError, SensorError
 from adibas.pipeline.recording import QUEUE_FRAMES, record
 from adibas.recordings import open_recording
 from adibas.sensors import DepthCamera
@@ -198,6 +199,22 @@ def test_a_full_disk_keeps_what_was_written_and_says_where(tmp_path):
     with open_recording(kept) as recording:
         assert [f.sequence for f in recording] == list(range(len(recording)))
         assert len(recording) > 3
+
+
+def test_a_disk_that_is_full_at_the_very_end_is_told_with_the_files_real_name(
+    tmp_path, monkeypatch
+):
+    def full(_file):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("adibas.recordings.part_file.PartFile.sync", full)
+    with pytest.raises(RecordingError, match="the disk is full") as told:
+        record(ListedCamera(map(frame, range(5))), tmp_path / "a.mcap")
+    (kept,) = tmp_path.iterdir()
+    assert kept.name == "a.part.mcap"
+    assert f"are in {kept.name}." in str(told.value)
+    with open_recording(kept) as recording:
+        assert len(recording) == 5
 
 
 def test_ctrl_c_finishes_the_file(tmp_path):
