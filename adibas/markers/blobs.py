@@ -41,10 +41,12 @@ class BlobParams:
         Contrast of the core against the surround, in standard deviations of the surround: 5.
     least_prominence : float
         By how much the core is nearer to the model than the nearest 5 % of its surround, as a
-        share of theirs: 0.4. On the border of two garments one side is as near as the core.
+        share of theirs: 0.48. On the border of two garments one side is as near as the core.
     least_filling : float
-        Share of the unmixed area that stands out by itself: 0.42. What goes on beyond its core,
-        such as wall seen between arm and trunk, has less.
+        Share of the unmixed area that stands out by itself: 0.14. A small sticker on white cloth
+        has no more, so much does the white mix into it.
+    least_pixels : int
+        That stand out by themselves: 2; one alone is noise.
     """
 
     least_diameter_m: float = 0.004
@@ -53,8 +55,9 @@ class BlobParams:
     least_axis_ratio: float = 0.38
     unknown_distance_m: float = 2.0
     least_separation: float = 5.0
-    least_prominence: float = 0.4
-    least_filling: float = 0.42
+    least_prominence: float = 0.48
+    least_filling: float = 0.14
+    least_pixels: int = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,6 +178,8 @@ def _refusal_of_size(blob: Blob, diameter_m: float, params: BlobParams) -> str |
 
 
 def _refusal_of_form(blob: Blob, params: BlobParams) -> str | None:
+    if blob.n_pixels < params.least_pixels:
+        return TOO_SMALL
     if blob.prominence < params.least_prominence or blob.filling < params.least_filling:
         return NOT_ALONE
     if blob.axis_ratio < params.least_axis_ratio:

@@ -27,13 +27,15 @@ def write_colors(path: Path, model: ColorModel) -> None:
     FileError
         The disk is full, or the folder cannot be written.
     """
-    document = {
+    document: dict[str, object] = {
         "format": FORMAT,
         "version": VERSION,
         "centroids_lab": model.centroids_lab.tolist(),
         "threshold": model.threshold,
         "source": dict(model.source),
     }
+    if model.surround_lab is not None:
+        document["surround_lab"] = model.surround_lab.tolist()
     with written_whole(path) as unfinished:
         unfinished.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", "utf-8")
 
@@ -69,10 +71,12 @@ def _from_document(document: object) -> ColorModel:
     if document.get("version") != VERSION:
         raise ValueError("another version")
     source = document.get("source", {})
+    surround = document.get("surround_lab")
     return ColorModel(
         np.array(document["centroids_lab"], dtype=np.float64).reshape(-1, 3),
         float(document["threshold"]),
         source if isinstance(source, Mapping) else {},
+        None if surround is None else np.array(surround, dtype=np.float64).reshape(-1, 3),
     )
 
 

@@ -6,6 +6,7 @@ Source: thesis, section 6.1.1: region growing (6.1), k-means (6.2-6.3), distance
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray, check_shape, read_only
@@ -13,6 +14,10 @@ from adibas.errors import MarkerError
 from adibas.markers.lab_kernels import grow
 
 MAX_ITERATIONS = 100
+PURE_SHARE = 0.6
+LIGHTNESS_COUNTS_LESS = np.array([0.4, 1.0, 1.0])
+RIM_PX, RING_PX = 2, 6
+"""About a region: what still holds some of the marker, and how far its surround goes from there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +59,14 @@ class ColorModel:
         theta_k: a pixel belongs to a marker if its nearest centroid is nearer than this.
     source : Mapping
         Where it comes from: clicks, sensitivity, number of pixels.
+    surround_lab : (n, 3) array or None
+        Colour of what was about each learned region; None where it is not known.
     """
 
     centroids_lab: FloatArray
     threshold: float
     source: Mapping[str, object] = field(default_factory=dict)
+    surround_lab: FloatArray | None = None
 
     def __post_init__(self) -> None:
         check_shape("centroids_lab", self.centroids_lab, (None, 3))
@@ -67,6 +75,28 @@ class ColorModel:
         if not (self.threshold > 0 and np.isfinite(self.threshold)):
             raise ValueError(f"threshold must be positive, got {self.threshold}")
         read_only(self.centroids_lab)
+        if self.surround_lab is not None:
+            check_shape("surround_lab", self.surround_lab, (None, 3))
+            if not np.isfinite(self.surround_lab).all():
+                raise ValueError("a colour model needs finite surrounds")
+            read_only(self.surround_lab)
+
+    def pure_centroids_lab(self) -> FloatArray:
+        """Return the (m, 3) centroids that are no mixture of the marker with its surround.
+
+        The rim of a sticker is mixed with skin or cloth, and of a sticker of four pixels most is
+        rim: a centroid there would match other skin. The pure ones are those at least `PURE_SHARE`
+        as far from each surround as the farthest.
+        """
+        if self.surround_lab is None:
+            return self.centroids_lab
+        centroids = self.centroids_lab * LIGHTNESS_COUNTS_LESS
+        is_pure = np.ones(len(centroids), np.bool_)
+        for surround in self.surround_lab * LIGHTNESS_COUNTS_LESS:
+            from_surround = centroids - surround
+            axis = from_surround[np.linalg.norm(from_surround, axis=1).argmax()]
+            is_pure &= from_surround @ axis >= PURE_SHARE * (axis @ axis)
+        return self.centroids_lab[is_pure] if is_pure.any() else self.centroids_lab
 
 
 def grow_region(lab: Float32Array, seed_uv: tuple[float, float], sensitivity: float) -> BoolArray:
@@ -102,6 +132,24 @@ def grow_region(lab: Float32Array, seed_uv: tuple[float, float], sensitivity: fl
             height=height,
         )
     return grow(np.ascontiguousarray(lab, np.float32), row, column, float(sensitivity))
+
+
+def surround_of(lab: Float32Array, region: BoolArray) -> FloatArray | None:
+    """Return the (3,) median colour about one grown region; None where it fills the picture."""
+    rows, columns = np.nonzero(region)
+    reach = RIM_PX + RING_PX
+    top, left = max(rows.min() - reach, 0), max(columns.min() - reach, 0)
+    part = np.s_[top : rows.max() + reach + 1, left : columns.max() + reach + 1]
+    taken = region[part].astype(np.uint8)
+    near, far = (
+        cv2.dilate(taken, np.ones((2 * size + 1, 2 * size + 1), np.uint8)) > 0
+        for size in (RIM_PX, reach)
+    )
+    ring = far & ~near
+    if not ring.any():
+        return None
+    median: FloatArray = np.median(lab[part][ring].astype(float), axis=0)
+    return median
 
 
 def learn_colors(

@@ -110,7 +110,7 @@ def find_color_markers(
         return Detections((), (), 0.0)
     inside = body[window]
     lab = rgb_to_lab(color_rgb[window])
-    centroids_lab = model.centroids_lab.astype(np.float32)
+    centroids_lab = model.pure_centroids_lab().astype(np.float32)
     distance = unlikeness(lab, centroids_lab, params.lightness_weight, params.light_range)
     offset_uv = np.array([window[1].start, window[0].start], float)
     limit = params.threshold_factor * model.threshold

@@ -12,7 +12,13 @@ from adibas.data.frames import EncodedImage
 from adibas.errors import FileError, RecordingError
 from adibas.files import check_place, written_whole
 from adibas.markers.color_files import preview, read_colors, write_colors
-from adibas.markers.color_model import ColorModel, LearningParams, grow_region, learn_colors
+from adibas.markers.color_model import (
+    ColorModel,
+    LearningParams,
+    grow_region,
+    learn_colors,
+    surround_of,
+)
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.led import LedParams
 from adibas.pipeline.posture import MarkerTarget
@@ -111,8 +117,11 @@ def learn_from_picture(
         params = replace(params, n_clusters=request.n_clusters)
     lab = rgb_to_lab(color_rgb)
     taken = np.zeros(lab.shape[:2], np.bool_)
+    surrounds = []
     for seed_uv in request.seeds:
-        taken |= grow_region(lab, seed_uv, params.sensitivity)
+        region = grow_region(lab, seed_uv, params.sensitivity)
+        surrounds.append(surround_of(lab, region))
+        taken |= region
     source = {
         "seeds": [list(seed_uv) for seed_uv in request.seeds],
         "sensitivity": params.sensitivity,
@@ -120,7 +129,9 @@ def learn_from_picture(
     }
     pixels_lab = lab[taken].astype(np.float64)
     pixels_lab = pixels_lab[:: -(-len(pixels_lab) // MOST_PIXELS)]
-    return learn_colors(pixels_lab, np.random.default_rng(SEED), params, source), taken
+    model = learn_colors(pixels_lab, np.random.default_rng(SEED), params, source)
+    known = [surround for surround in surrounds if surround is not None]
+    return replace(model, surround_lab=np.array(known) if known else None), taken
 
 
 def _check_out(image: Path, out: Path, preview_path: Path) -> None:

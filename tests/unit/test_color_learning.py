@@ -15,6 +15,7 @@ from adibas.markers.color_model import (
     distance_to_centroids,
     grow_region,
     learn_colors,
+    surround_of,
 )
 from adibas.markers.lab import WHITE_D65_XYZ, XYZ_FROM_SRGB, rgb_to_lab
 
@@ -158,3 +159,34 @@ def test_the_preview_keeps_what_was_taken_and_dims_the_rest():
 def test_a_colour_model_without_sense_is_a_programming_error(parts):
     with pytest.raises(ValueError, match=r"centroids|threshold"):
         ColorModel(*parts)
+
+
+def test_a_centroid_mixed_with_the_skin_about_the_marker_is_not_pure():
+    marker, skin = np.array([46.0, -33.0, 36.0]), np.array([58.0, 20.0, 34.0])
+    centroids = np.array([marker, 0.8 * marker + 0.2 * skin, 0.4 * marker + 0.6 * skin])
+    model = ColorModel(centroids, 12.0, surround_lab=skin[None])
+    np.testing.assert_array_equal(model.pure_centroids_lab(), centroids[:2])
+    unknown = ColorModel(centroids, 12.0)
+    np.testing.assert_array_equal(unknown.pure_centroids_lab(), centroids)
+
+
+def test_the_surround_of_a_region_is_what_lies_about_it_beyond_its_rim():
+    lab = np.zeros((60, 60, 3), np.float32)
+    lab[...] = (60, 20, 30)
+    lab[24:34, 24:34] = (50, -10, 30)
+    lab[26:32, 26:32] = (45, -35, 35)
+    region = grow_region(lab, (28, 28), 10.0)
+    np.testing.assert_allclose(surround_of(lab, region), (60, 20, 30))
+    assert surround_of(lab, np.ones((60, 60), bool)) is None
+
+
+def test_the_surround_of_the_learned_regions_is_kept_on_the_disk(tmp_path):
+    path = tmp_path / "colours.json"
+    model = ColorModel(np.array([[46.0, -33.0, 36.0]]), 12.0, {}, np.array([[58.0, 20.0, 34.0]]))
+    write_colors(path, model)
+    np.testing.assert_array_equal(read_colors(path).surround_lab, model.surround_lab)
+
+
+def test_a_surround_that_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="finite surrounds"):
+        ColorModel(np.array([[46.0, -33.0, 36.0]]), 12.0, {}, np.array([[np.nan, 20.0, 34.0]]))
