@@ -11,6 +11,7 @@ from pathlib import Path
 from adibas.data.frames import SensorFrame
 from adibas.errors import AdibasError, SensorError
 from adibas.recordings import RecordingOptions, RecordingWriter, create_recording
+from adibas.recordings.part_file import nothing_kept
 from adibas.sensors.ports import DepthCamera
 from adibas.texts import describe
 
@@ -208,9 +209,11 @@ class _Transfer:
             raise
 
 
-def _with_place(error: AdibasError, path: Path, n_frames: int) -> AdibasError:
+def _with_place(error: AdibasError, path: Path, n_frames: int) -> BaseException:
     """Return `error` with where the recording lies, or as it is where there is none."""
-    is_finished = n_frames > 0 and not getattr(error, "__notes__", ())
+    if n_frames == 0:
+        return nothing_kept(error, path)
+    is_finished = not getattr(error, "__notes__", ())
     if not is_finished:
         return error
     if "kept" in error.fields:

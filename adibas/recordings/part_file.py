@@ -131,3 +131,10 @@ def cannot_record(path: Path, error: OSError, kept: Path | None = None) -> Recor
             kept=kept.name,
         )
     return RecordingError("{file} cannot be recorded: {reason}. Choose another folder.", **fields)
+
+
+def nothing_kept(error: BaseException, path: Path) -> BaseException:
+    """Return `error` without the promise that frames are kept, where it makes one."""
+    is_promise = isinstance(error, RecordingError) and "kept" in error.fields
+    cause = error.__cause__
+    return cannot_record(path, cause) if is_promise and isinstance(cause, OSError) else error

@@ -12,6 +12,7 @@ import numpy as np
 from adibas.arrays import IntArray
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, RecordingError
+from adibas.recordings.part_file import nothing_kept
 
 
 class RecordingReader(Protocol):
@@ -142,12 +143,25 @@ class RecordingWriter(Protocol):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if error is None:
-            self.close()
-        elif not self.options.is_live:
-            self.abandon()
-        else:
+        if self.options.is_live and error is not None:
             self._close_after(error)
+        elif error is None:
+            self._close_or_abandon()
+        else:
+            self.abandon()
+            told = nothing_kept(error, self.path)
+            if told is not error:
+                raise told from error
+
+    def _close_or_abandon(self) -> None:
+        """Leave no unfinished file that can be made again."""
+        try:
+            self.close()
+        except AdibasError as error:
+            if self.options.is_live:
+                raise
+            self.abandon()
+            raise nothing_kept(error, self.path) from error
 
     def _close_after(self, error: BaseException) -> None:
         """Keep what is whole; the first error is the one that the user must hear of."""

@@ -333,7 +333,7 @@ def progress(self, label):
             time.sleep(60)
         elif at == "recording" and done >= 2:
             print("now", flush=True)
-    if label == "Recording":
+    if label in ("Recording", "Converting"):
         limit()
     yield advance
     limit()
@@ -444,3 +444,25 @@ def test_a_full_stdout_is_told(demo, tmp_path):
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith("The output cannot be written")
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("target", ["a.mcap", "a.oni", "a"])
+def test_a_full_disk_leaves_nothing_of_a_conversion(target, demo, tmp_path):
+    words = ["convert", demo.recording, tmp_path / target]
+    with command_line(*words, most_bytes=20_000) as process:
+        _, complaints = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert complaints == (
+        f"{target} cannot be recorded: the disk is full. Free some space and try again.\n"
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_is_full_from_the_start_promises_no_frames(demo, tmp_path):
+    words = ["record", demo.recording, "--out", tmp_path / "a.mcap"]
+    with command_line(*words, most_bytes=20_000) as process:
+        _, complaints = process.communicate(timeout=60)
+    assert complaints == (
+        "a.mcap cannot be recorded: the disk is full. Free some space and try again.\n"
+    )
+    assert list(tmp_path.iterdir()) == []
