@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json
+from adibas.cli.options import add_json, add_overwrite, refuse_to_replace
 from adibas.texts import translate as _
 
 SUMMARY = "convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RGB-D folder"
@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("MCAP with depth as plain 16-bit images, which any Foxglove reader shows"),
     )
+    add_overwrite(parser)
     add_json(parser)
 
 
@@ -31,6 +32,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     """Convert and say what was done."""
     from adibas.recordings.convert import convert
 
+    refuse_to_replace(arguments.target, is_allowed=arguments.overwrite)
     with console.progress(_("Converting")) as progress:
         summary = convert(
             arguments.source, arguments.target, plain=arguments.plain, progress=progress

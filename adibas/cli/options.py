@@ -4,6 +4,7 @@ import argparse
 import math
 from pathlib import Path
 
+from adibas.errors import RecordingError
 from adibas.texts import translate as _
 
 LARGEST_SIDE_PX = 65_535
@@ -94,3 +95,20 @@ def positive_count(text: str) -> int:
     if not text.isdecimal() or int(text) == 0:
         raise argparse.ArgumentTypeError(_("{text} is no whole number above 0").format(text=text))
     return int(text)
+
+
+def add_overwrite(parser: argparse.ArgumentParser) -> None:
+    """Offer `--overwrite`; see `refuse_to_replace`."""
+    parser.add_argument(
+        "--overwrite", action="store_true", help=_("replace a recording of that name")
+    )
+
+
+def refuse_to_replace(recording: Path, *, is_allowed: bool) -> None:
+    """Raise RecordingError where a recording stands already and may not be replaced."""
+    if recording.is_file() and not is_allowed:
+        raise RecordingError(
+            "{file} exists already, and a recording is not replaced by mistake. Choose another "
+            "name, or add --overwrite.",
+            file=recording.name,
+        )

@@ -5,7 +5,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, image_size, positive
+from adibas.cli.options import (
+    add_json,
+    add_out,
+    add_overwrite,
+    image_size,
+    positive,
+    refuse_to_replace,
+)
 from adibas.errors import RecordingError, SensorError
 from adibas.files import check_place
 from adibas.texts import translate as _
@@ -34,9 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("colour as JPEG of quality 95, for long recordings; without loss if not given"),
     )
-    parser.add_argument(
-        "--overwrite", action="store_true", help=_("replace a recording of that name")
-    )
+    add_overwrite(parser)
     live = parser.add_argument_group(_("live sensors only"))
     live.add_argument(
         "--color-size",
@@ -103,16 +108,9 @@ def _check_out(arguments: argparse.Namespace) -> None:
             file=out.name or str(out),
         )
     check_place(out)
-    if not out.exists():
-        return
-    if not arguments.overwrite:
-        raise RecordingError(
-            "{file} exists already, and a recording is not replaced by mistake. Choose another "
-            "name, or add --overwrite.",
-            file=out.name,
-        )
+    refuse_to_replace(out, is_allowed=arguments.overwrite)
     source = Path(arguments.source)
-    if source.exists() and source.samefile(out):
+    if out.exists() and source.exists() and source.samefile(out):
         raise RecordingError(
             "{file} cannot be recorded into itself. Choose another name.", file=out.name
         )

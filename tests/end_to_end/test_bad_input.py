@@ -298,12 +298,22 @@ def test_learning_from_half_the_picture_is_quick_and_told(demo, tmp_path, capsys
     assert "cover 100 % of the picture" in capsys.readouterr().err
 
 
+def test_a_recording_is_not_replaced_by_a_conversion_unless_asked(demo, tmp_path, capsys):
+    target = tmp_path / "earlier.mcap"
+    target.write_bytes(b"an earlier recording")
+    assert "--overwrite" in fails(capsys, "convert", demo.recording, target)
+    assert target.read_bytes() == b"an earlier recording"
+    assert main(["convert", str(demo.recording), str(target), "--overwrite"]) == 0
+    with open_recording(target) as recording:
+        assert len(recording) > 0
+
+
 def test_a_recording_is_not_converted_into_itself(demo, tmp_path, capsys):
     path = tmp_path / "a.mcap"
     shutil.copy(demo.recording, path)
     (tmp_path / "b.mcap").symlink_to(path)
     for target in (path, tmp_path / "b.mcap", tmp_path / ".." / tmp_path.name / "a.mcap"):
-        assert "into itself" in fails(capsys, "convert", path, target)
+        assert "into itself" in fails(capsys, "convert", path, target, "--overwrite")
     assert path.read_bytes() == demo.recording.read_bytes()
 
 
