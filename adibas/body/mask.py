@@ -6,91 +6,16 @@ hardly farther away (an arm before the trunk, the far leg) belong to it too. Hol
 inside it (dark hair, LEDs) are filled.
 """
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, UInt8Array, check_shape
-from adibas.body.component_kernels import gaps_to_body, label_surfaces, surface_moments
+from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
+from adibas.body.component_kernels import label_surfaces, surface_moments
+from adibas.body.person import BodyParams, Surfaces, find_person
 from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration
 from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
-
-TOP_PERCENTILE = 98.0
-BOTTOM_ROWS = 8
-"""Above the lowest row with depth: dips of an outline that the image cuts off."""
-
-
-@dataclass(frozen=True, slots=True)
-class BodyParams:
-    """Settings of the body mask.
-
-    Attributes
-    ----------
-    range_m : tuple
-        Depths where a person is looked for: what the sensor measures (thesis 6.1.1.1: 1.2-3.5 m;
-        PrimeSense from 0.5 m).
-    step_per_m : float
-        Step of inverse depth (1/m) that parts two surfaces. 0.012: 48 mm at 2 m, over four steps of
-        disparity of a PrimeSense.
-    step_m : float
-        Smallest step in depth that parts two surfaces, 0.025: at close range a slanted surface
-        falls by more than the noise from one pixel to the next.
-    floor_band_m, floor_band_per_m : float
-        Height over the floor under which all is floor: 8 mm and 1.2 mm times depth squared (three
-        standard deviations of the noise seen at the usual slant).
-    min_area_m2, max_area_m2 : float
-        Of the body's front: a child's trunk 0.05; a large adult with arms spread 1.6.
-    min_length_m : float
-        Of the part in view, 0.35.
-    standing_length_m, standing_top_m : float
-        A person in view down to the floor is longer or reaches higher than that, unlike a chair:
-        0.95 and 1.0 (children from 6 years on).
-    min_cut_m : float
-        Width at the image's lower edge of someone seen from the waist up, 0.1.
-    min_relief : float
-        Depth of the shape as a share of its width (standard deviations along the shortest and the
-        middle principal axis): a wall has 0.04 of noise, a trunk from the front 0.13. 0.07.
-    joint_reach_px : int
-        Width of the shadow between an arm and the trunk that still counts as touching, 24.
-    front_gap_m, level_gap_m : float
-        How far a bordering surface of any size may be before and behind the body to belong to it:
-        raised forearms part head and chest from the rest. 0.6 (an arm's length), and 0.13 (less
-        than a trunk is thick).
-    back_gap_m, max_part_share : float
-        How far a bordering surface may be behind if it has less than that share of the body's
-        area: the far leg. 0.28 and 0.3.
-    in_line_m : float
-        A bordering surface belongs to the body if its middle lies that near to the body's in depth
-        and to one side: the legs under raised forearms. 0.2.
-    bay_px : int
-        Radius of the disc that closes bays of the outline without depth, 2.
-    max_hole_share : float
-        Of the body's area that one hole may have, 0.03.
-    """
-
-    range_m: tuple[float, float] = (0.4, 4.5)
-    step_per_m: float = 0.012
-    step_m: float = 0.025
-    floor_band_m: float = 0.008
-    floor_band_per_m: float = 0.0012
-    min_area_m2: float = 0.05
-    max_area_m2: float = 1.6
-    min_length_m: float = 0.35
-    standing_length_m: float = 0.95
-    standing_top_m: float = 1.0
-    min_cut_m: float = 0.1
-    min_relief: float = 0.07
-    joint_reach_px: int = 24
-    front_gap_m: float = 0.6
-    level_gap_m: float = 0.13
-    back_gap_m: float = 0.28
-    max_part_share: float = 0.3
-    in_line_m: float = 0.2
-    bay_px: int = 2
-    max_hole_share: float = 0.03
 
 
 def find_body(
@@ -119,10 +44,11 @@ def find_body(
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
     pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
-    body = _body_label(moments, labels, pixel_rad, heights_m, params)
+    surfaces = Surfaces(labels, moments, inverse_depth, heights_m, pixel_rad)
+    body = find_person(surfaces, params)
     if body is None:
         return None
-    belongs = _parts(labels, moments, inverse_depth, body, params)
+    belongs = _parts(surfaces, body, params)
     pixels = belongs[labels]
     box = _box(pixels, params.bay_px + 1)
     measured = np.isfinite(depth_m[box])
@@ -151,65 +77,10 @@ def _standing_free(
     return inverse
 
 
-def _body_label(
-    moments: FloatArray,
-    labels: Int32Array,
-    pixel_rad: float,
-    heights_m: Float32Array | None,
-    params: BodyParams,
-) -> int | None:
-    """Return the label of the largest surface that can be a person."""
-    area_m2 = moments[:, 0]
-    large = np.flatnonzero((area_m2 > params.min_area_m2) & (area_m2 < params.max_area_m2))
-    last_row = np.flatnonzero((labels > 0).any(axis=1))[-1] if large.size else 0
-    bottom = slice(max(last_row - BOTTOM_ROWS, 0), last_row + 1)
-    for label in sorted(large.tolist(), key=lambda label: -area_m2[label]):
-        shape = _Shape(moments[label])
-        if not shape.is_solid(params) or shape.length_m < params.min_length_m:
-            continue
-        if shape.length_m > params.standing_length_m:
-            return int(label)
-        if heights_m is not None:
-            top_m = float(np.percentile(heights_m[labels == label], TOP_PERCENTILE))
-            if top_m > params.standing_top_m:
-                return int(label)
-            continue
-        # Someone seen from the waist up is cut off by the lower edge of the image, across.
-        cut_px = (labels[bottom] == label).any(axis=0).sum()
-        if cut_px * pixel_rad * shape.mean_m[2] > params.min_cut_m:
-            return int(label)
-    return None
-
-
-class _Shape:
-    """Size and form of one surface, out of its moments."""
-
-    def __init__(self, moments: FloatArray) -> None:
-        self.mean_m = moments[1:4] / moments[0]
-        xx, yy, zz, xy, xz, yz = moments[4:] / moments[0]
-        second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        self._covariance = second - np.outer(self.mean_m, self.mean_m)
-        self._variances = np.maximum(np.linalg.eigvalsh(self._covariance), 0.0)
-
-    @property
-    def length_m(self) -> float:
-        """Length of the evenly filled bar that spreads as much along the longest axis."""
-        return float(np.sqrt(12.0 * self._variances[2]))
-
-    def is_solid(self, params: BodyParams) -> bool:
-        """Say whether it is no plane."""
-        return bool(self._variances[0] > params.min_relief**2 * self._variances[1])
-
-
-def _parts(
-    labels: Int32Array,
-    moments: FloatArray,
-    inverse_depth: Float32Array,
-    body: int,
-    params: BodyParams,
-) -> BoolArray:
+def _parts(surfaces: Surfaces, body: int, params: BodyParams) -> BoolArray:
     """Say of each label whether it belongs to the person."""
-    border = gaps_to_body(labels, len(moments) - 1, body, inverse_depth, params.joint_reach_px)
+    moments = surfaces.moments
+    border = surfaces.borders(body, params.joint_reach_px)
     touches = border[:, 0] > 0
     gap_m, share = border[:, 1], moments[:, 0] / moments[body, 0]
     middle_m = moments[body, 1:4] / moments[body, 0]

@@ -11,7 +11,8 @@ from adibas.data.calibration import CameraCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.planes import Plane
-from adibas.simulation.scenes import open_scene
+from adibas.simulation.layouts import analysis_settings
+from adibas.simulation.scenes import SimulatedScene, open_scene
 
 CAMERA = CameraCalibration(640, 480, Intrinsics(580, 580, 319.5, 239.5))
 FLOOR = Plane(np.array([0.0, -1.0, 0.0]), 1.0)
@@ -71,6 +72,16 @@ def test_head_and_chest_over_raised_forearms_belong_to_the_legs_below():
     depth_m = calibration.depth_bias.correct(depth_m)
     body = find_body(depth_m, calibration.depth, calibration.floor)
     assert overlap(body.pixels, frame.truth.body_mask) > 0.93
+
+
+def test_a_piece_of_wall_between_arm_and_chair_is_nobody_however_large():
+    settings = next(one for one in analysis_settings(7) if one.seed == 8014)
+    scene = SimulatedScene(settings)
+    frame, calibration = scene.frame(0), scene.info.calibration
+    depth_m = depth_in_metres(frame.sensor_frame.depth_raw, scene.info.depth_unit_m)
+    depth_m = calibration.depth_bias.correct(depth_m)
+    body = find_body(depth_m, calibration.depth, calibration.floor)
+    assert overlap(body.pixels, frame.truth.body_mask) > 0.95
 
 
 def test_legs_before_a_camera_that_looks_down_are_a_person_and_the_chair_is_not():
