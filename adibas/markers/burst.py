@@ -31,13 +31,13 @@ class BurstParams:
         The sway moves all frames alike; so many count as one: 3.
     centre_sd_px : float
         What no number of frames takes out of a centre: shading, foreshortening, the border of a
-        garment beside it: 0.12.
+        garment beside it: 0.16.
     """
 
     gate_px: float = 5.0
     least_share: float = 0.5
     frames_per_sample: float = 3.0
-    centre_sd_px: float = 0.12
+    centre_sd_px: float = 0.16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
