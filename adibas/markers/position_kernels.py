@@ -11,6 +11,7 @@ import numpy as np
 from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from adibas.geometry.distortion_kernels import distort_point
 from adibas.kernels import compiled
+from adibas.markers.least_squares_kernels import factorise, solve_forward, solve_normal
 
 N_TERMS = 6
 N_SECTORS = 24
@@ -160,62 +161,6 @@ def follow(mean_per_m: Float32Array, line: Line, lens: Lens, patch: Patch) -> fl
 
 
 @compiled
-def _cholesky(matrix: FloatArray) -> bool:
-    """Replace the lower triangle by its Cholesky factor; False where there is none."""
-    for j in range(matrix.shape[0]):
-        pivot = matrix[j, j]
-        for k in range(j):
-            pivot -= matrix[j, k] * matrix[j, k]
-        if not pivot > 0.0:
-            return False
-        matrix[j, j] = math.sqrt(pivot)
-        for i in range(j + 1, matrix.shape[0]):
-            total = matrix[i, j]
-            for k in range(j):
-                total -= matrix[i, k] * matrix[j, k]
-            matrix[i, j] = total / matrix[j, j]
-    return True
-
-
-@compiled
-def _forward(factor: FloatArray, columns: FloatArray) -> None:
-    """Solve ``L x = b`` in place for every column of `columns`."""
-    for i in range(factor.shape[0]):
-        for column in range(columns.shape[1]):
-            total = columns[i, column]
-            for k in range(i):
-                total -= factor[i, k] * columns[k, column]
-            columns[i, column] = total / factor[i, i]
-
-
-@compiled
-def _normal_solution(rows: FloatArray, inverse: FloatArray) -> bool:
-    """Solve least squares for `rows` (N, N_TERMS + 1), the last column being the values.
-
-    `inverse` (N_TERMS, N_TERMS + 1) gets the solution in its last column, and before it the
-    inverse of the factor of the normal matrix, whose squares are variances.
-    """
-    normal = np.zeros((N_TERMS, N_TERMS))
-    for i in range(N_TERMS):
-        for j in range(i + 1):
-            for n in range(rows.shape[0]):
-                normal[i, j] += rows[n, i] * rows[n, j]
-    if not _cholesky(normal):
-        return False
-    right = np.zeros((N_TERMS, N_TERMS + 1))
-    for i in range(N_TERMS):
-        right[i, i] = 1.0
-        for n in range(rows.shape[0]):
-            right[i, N_TERMS] += rows[n, i] * rows[n, N_TERMS]
-    _forward(normal, right)
-    # The solution is L^-T (L^-1 b), and column c of L^-1 is already at hand.
-    for i in range(N_TERMS):
-        inverse[i, :N_TERMS] = right[:, i]
-        inverse[i, N_TERMS] = (right[:, i] * right[:, N_TERMS]).sum()
-    return True
-
-
-@compiled
 def _is_near(
     du: float, dv: float, expected: float, middle: float, lens: Lens, patch: Patch
 ) -> bool:
@@ -304,7 +249,7 @@ def _robust(rows: FloatArray, least_scale: float, kept: BoolArray) -> FloatArray
             root = math.sqrt(weights[i])
             for j in range(N_TERMS + 1):
                 weighted[i, j] = root * rows[i, j]
-        if not _normal_solution(weighted, solution):
+        if not solve_normal(weighted, solution):
             kept[:] = False
             break
         coefficients[:] = solution[:, N_TERMS]
@@ -366,11 +311,11 @@ def _generalised(
     """Fit with the noise's own covariance, so that the variance is honest."""
     factor = _noise(pixels, readings, patch)
     solution = np.empty((N_TERMS, N_TERMS + 1))
-    if rows.shape[0] < 2 * N_TERMS or not _cholesky(factor):
+    if rows.shape[0] < 2 * N_TERMS or not factorise(factor):
         return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0)
     whitened = rows.copy()
-    _forward(factor, whitened)
-    if not _normal_solution(whitened, solution):
+    solve_forward(factor, whitened)
+    if not solve_normal(whitened, solution):
         return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0)
     squares = 0.0
     for i in range(rows.shape[0]):
