@@ -2,7 +2,7 @@
 
 import errno
 import os
-import tempfile
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,15 +27,13 @@ def written_whole(path: Path) -> Iterator[Path]:
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
-        os.close(handle)
+        unfinished = path.parent / f".{uuid.uuid4().hex}{path.suffix}"
+        unfinished.open("xb").close()
     except OSError as error:
         raise cannot_write(path, error) from error
-    unfinished = Path(name)
     try:
         yield unfinished
         _flush_to_disk(unfinished)
-        unfinished.chmod(0o666 & ~_umask())
         unfinished.replace(path)
     except OSError as error:
         raise cannot_write(path, error) from error
@@ -93,10 +91,3 @@ def cannot_write(path: Path, error: OSError) -> FileError:
 def _flush_to_disk(path: Path) -> None:
     with path.open("rb+") as file:
         os.fsync(file.fileno())
-
-
-def _umask() -> int:
-    """Return the permissions that new files must not have; mkstemp gives fewer."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -1,5 +1,6 @@
 """Reads the native recording, whole or cut by a crash, one frame at a time."""
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,11 +29,10 @@ class McapReader(RecordingReader):
     def __init__(self, path: Path) -> None:
         self._name = path.name
         self._file = open_to_read(path)
-        try:
+        with ExitStack() as undo:
+            undo.callback(self._file.close)
             self._open()
-        except BaseException:
-            self._file.close()
-            raise
+            undo.pop_all()
 
     def _open(self) -> None:
         try:

@@ -1,5 +1,6 @@
 """Reads .oni files: our own, those of OpenNI2's recorder, and files cut by a crash."""
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,11 +35,10 @@ class OniReader(RecordingReader):
     def __init__(self, path: Path) -> None:
         self._name = path.name
         self._file = open_to_read(path)
-        try:
+        with ExitStack() as undo:
+            undo.callback(self._file.close)
             self._open(path)
-        except BaseException:
-            self._file.close()
-            raise
+            undo.pop_all()
 
     def _open(self, path: Path) -> None:
         try:

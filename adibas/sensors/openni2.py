@@ -2,7 +2,7 @@
 
 import threading
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -74,11 +74,10 @@ class OpenNI2Camera(DepthCamera):
         self._listener: Any = None
         openni2 = load_openni2()
         self._device = _open_file(openni2, file) if file else _open_sensor(openni2, uri)
-        try:
+        with ExitStack() as undo:
+            undo.callback(self.close)
             self._set_up(openni2, options)
-        except BaseException:
-            self.close()
-            raise
+            undo.pop_all()
 
     @property
     def info(self) -> SourceInfo:
