@@ -101,8 +101,8 @@ def seeds(tmp_path):
     return made
 
 
-def check_cases(make_case):
-    """Read `N_CASES` mutations; at least some must be refused and some read."""
+def count_refused(make_case):
+    """Read `N_CASES` mutations, none of which may hang or take memory; return how many failed."""
     n_refused = 0
     limit_megabytes = peak_megabytes() + MAX_MEGABYTES
     for case in range(N_CASES):
@@ -111,7 +111,7 @@ def check_cases(make_case):
         n_refused += read_everything(path)
         assert time.process_time() - start_s < MAX_SECONDS, f"case {case} hangs"
         assert peak_megabytes() < limit_megabytes, f"case {case} takes too much memory"
-    assert 0 < n_refused < N_CASES
+    return n_refused
 
 
 @pytest.mark.parametrize("kind", ["mcap", "oni"])
@@ -123,7 +123,7 @@ def test_mutated_files_are_read_or_refused(kind, seeds, tmp_path, capfd):
         path.write_bytes(mutate(originals[case % 2], rng))
         return path
 
-    check_cases(make_case)
+    assert 0 < count_refused(make_case) < N_CASES
     capfd.readouterr()  # the image decoder grumbles
 
 
@@ -145,7 +145,7 @@ def test_mutated_images_behind_right_sums_are_read_or_refused(tmp_path, monkeypa
         write_frames(create_recording(path, SourceInfo(), options), frames)
         return path
 
-    check_cases(make_case)
+    assert 0 < count_refused(make_case) < N_CASES
     capfd.readouterr()
 
 
@@ -160,5 +160,5 @@ def test_mutated_folders_are_read_or_refused(seeds, tmp_path, capfd):
         victim.write_bytes(mutate(victim.read_bytes(), rng))
         return folder
 
-    check_cases(make_case)
+    assert 0 < count_refused(make_case) < N_CASES
     capfd.readouterr()
