@@ -4,11 +4,13 @@ The colour camera of a PrimeSense sees some 4 degrees more at the top and at the
 depth camera: there feet and head go on, and so do their markers.
 """
 
+import math
+
 import cv2
 import numpy as np
 
 from adibas.alignment.registration import Registration
-from adibas.arrays import BoolArray, UInt8Array
+from adibas.arrays import BoolArray, Float32Array, UInt8Array
 from adibas.data.calibration import CameraCalibration
 
 BORDER_PX = 12
@@ -16,6 +18,8 @@ BORDER_PX = 12
 DEFAULT_DISTANCE_M = 2.0
 FOOT_M = 0.03
 """By so much a leg or a head grows wider on either side where it is carried on."""
+HOLE_RADIUS_M = 0.05
+"""A place without depth inside the body, up to a disc of this radius, is taken for the body."""
 
 
 def body_in_color(
@@ -37,10 +41,11 @@ def body_in_color(
     Returns
     -------
     outline : (H', W') bool array
-        Closed over holes of up to `margin_m` in radius (an LED's, the outline's). What is known to
-        lie behind the body is left out, but for half that margin, by which outlines of depth are
-        unsure. Carried on to the edge of the colour image where the depth camera's picture cuts
-        the body off.
+        Closed over holes of up to `margin_m` in radius (an LED's, the outline's), and over places
+        without depth up to `HOLE_RADIUS_M` that the body surrounds. What is known to lie behind
+        the body is left out, but for half that margin, by which outlines of depth are unsure.
+        Carried on to the edge of the colour image where the depth camera's picture cuts the body
+        off.
     """
     moved = registration.moved(body).astype(np.uint8)
     depths_m = registration.depth_m[moved > 0]
@@ -53,11 +58,30 @@ def body_in_color(
         return outline
     window = _window(moved, 2 * reach)
     near = moved[window]
+    px_per_m = color.intrinsics.fx / distance_m
+    _fill_holes(near, registration.depth_m[window], math.pi * (HOLE_RADIUS_M * px_per_m) ** 2)
     widened = cv2.dilate(cv2.morphologyEx(near, cv2.MORPH_CLOSE, _disc(reach)), _disc(reach))
     other = np.isfinite(registration.depth_m[window]) & (near == 0)
     behind = cv2.erode(other.astype(np.uint8), _disc((reach + 1) // 2))
     outline[window] = (widened > 0) & (behind == 0)
     return outline
+
+
+def _fill_holes(body: UInt8Array, depth_m: Float32Array, greatest_px: float) -> None:
+    """Fill, in place, what the body surrounds where nothing was measured."""
+    n_groups, labels, stats, _ = cv2.connectedComponentsWithStats(1 - body, connectivity=4)
+    height, width = body.shape
+    measured = np.bincount(labels[np.isfinite(depth_m)], minlength=n_groups)
+    left, top, right, bottom = (
+        stats[:, cv2.CC_STAT_LEFT],
+        stats[:, cv2.CC_STAT_TOP],
+        stats[:, cv2.CC_STAT_LEFT] + stats[:, cv2.CC_STAT_WIDTH],
+        stats[:, cv2.CC_STAT_TOP] + stats[:, cv2.CC_STAT_HEIGHT],
+    )
+    is_inside = (left > 0) & (top > 0) & (right < width) & (bottom < height)
+    is_hole = is_inside & (measured == 0) & (stats[:, cv2.CC_STAT_AREA] <= greatest_px)
+    is_hole[0] = False  # the body itself
+    body[is_hole[labels]] = 1
 
 
 def _window(image: UInt8Array, margin_px: int) -> tuple[slice, slice]:

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import shutil
 import signal
@@ -228,28 +229,57 @@ def test_a_patient_out_of_the_depth_range(changed, demo, refused):
     assert "Nobody is seen" in refused(path, demo.colors)
 
 
+def beyond_a_column(place):
+    """Return the pixels left of a place of the depth image, and the place itself."""
+    blind = np.zeros((480, 640), bool)
+    blind[:, : int(place[0]) + 2] = True
+    return blind
+
+
+def around(place):
+    """Return the pixels within 13 of a place, 45 mm at 2 m."""
+    rows, columns = np.indices((480, 640))
+    return (rows - place[1]) ** 2 + (columns - place[0]) ** 2 < 13**2
+
+
+@pytest.mark.parametrize("blind_marker", [(beyond_a_column, 7), (around, 1)])
 def test_a_marker_that_the_depth_camera_does_not_see_is_listed_without_a_position(
-    demo, changed, calibration, tmp_path, capsys
+    blind_marker, demo, changed, calibration, tmp_path, capsys
 ):
-    # The depth image ends one column beside a marker's place.
-    marker = demo.said["posture"]["markers"][7]
+    blind, which = blind_marker
+    marker = demo.said["posture"]["markers"][which]
     depth_from_color = calibration.color_from_depth.inverse()
     place_m = depth_from_color.apply(np.array(marker["position_m"]))
-    column = int(project(place_m, calibration.depth.intrinsics)[0])
+    is_blind = blind(project(place_m, calibration.depth.intrinsics))
 
     def blinded(frame):
-        depth_raw = frame.depth_raw.copy()
-        depth_raw[:, : column + 2] = 0
-        return replace(frame, depth_raw=depth_raw)
+        return replace(frame, depth_raw=np.where(is_blind, np.uint16(0), frame.depth_raw))
 
     argv = ["posture", changed(blinded), "--markers", demo.colors, "--out", tmp_path / "r.xlsx"]
     assert main([*map(str, argv), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    (listed,) = (m for m in document["markers"] if abs(m["u"] - marker["u"]) < 1)
+    there = (marker["u"], marker["v"])
+    (listed,) = (m for m in document["markers"] if math.dist((m["u"], m["v"]), there) < 1)
     assert listed["position_m"] is None
     assert listed["covariance_m2"] is None
     named = {name for d in document["distances"] for name in (d["a"], d["b"])}
     assert listed["label"] not in named
+
+
+def test_two_markers_of_which_one_has_a_position(demo, changed, calibration, refused):
+    markers = demo.said["posture"]["markers"]
+    depth_from_color = calibration.color_from_depth.inverse()
+    places = [
+        project(depth_from_color.apply(np.array(m["position_m"])), calibration.depth.intrinsics)
+        for m in markers[1:]
+    ]
+    is_blind = np.logical_or.reduce([around(place) for place in places])
+    path = changed(
+        lambda frame: replace(frame, depth_raw=np.where(is_blind, np.uint16(0), frame.depth_raw))
+    )
+    said = refused(path, demo.colors)
+    assert "gives a position to" in said
+    assert "Only one" not in said
 
 
 @pytest.mark.parametrize("name", ["report.txt", "report", "report.pdf", "."])

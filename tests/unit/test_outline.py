@@ -42,6 +42,26 @@ def test_a_hole_of_a_marker_is_closed():
     assert outline(body)[380:560, 460:740].all()
 
 
+def outline_with_hole(radius_px, in_hole_m):
+    body = box(slice(50, 400), slice(150, 450))
+    rows, columns = np.indices(body.shape)
+    hole = (rows - 225) ** 2 + (columns - 300) ** 2 <= radius_px**2
+    depth_m = np.where(body, 2.0, 3.0).astype(np.float32)
+    depth_m[hole] = in_hole_m
+    registration = register_pixels(depth_m, RgbdCalibration(COLOR, DEPTH))
+    found = body_in_color(body & ~hole, registration, COLOR, MARGIN_M)
+    return found[380:600, 500:710]
+
+
+def test_a_place_without_depth_that_the_body_surrounds_is_body():
+    assert outline_with_hole(12, np.nan).all()  # 41 mm
+
+
+@pytest.mark.parametrize(("radius_px", "in_hole_m"), [(18, np.nan), (12, 3.0)])
+def test_a_gap_that_is_large_or_shows_the_wall_is_no_body(radius_px, in_hole_m):
+    assert not outline_with_hole(radius_px, in_hole_m).all()
+
+
 @pytest.mark.parametrize(
     ("rows", "columns", "edge"),
     [
