@@ -45,5 +45,9 @@ class ReportError(AdibasError):
     """A report cannot be written."""
 
 
+class StoreError(AdibasError):
+    """The store of patients and sessions cannot be opened, read or changed."""
+
+
 class FileError(AdibasError):
     """A file cannot be read or written."""
