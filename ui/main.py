@@ -1,11 +1,34 @@
 """The console script `adibas`: opens the window, or hands over to the command line without Qt."""
 
+import os
+import signal
 import sys
+from types import FrameType
 
-from adibas.cli import main as run_command
+INTERRUPTED = 130
+"""As shells count an end by Ctrl-C: 128 + SIGINT."""
 
 
 def main() -> int:
     """Run the command on the command line; without one, the demo (there is no window yet)."""
-    arguments = sys.argv[1:] or ["demo", "--out", "adibas-demo"]
-    return run_command(arguments)
+    while_it_runs = signal.getsignal(signal.SIGINT)
+    _end_on_ctrl_c()  # before the imports: there is nothing yet that could be left unfinished
+    from adibas.cli import main as run_command
+
+    try:
+        signal.signal(signal.SIGINT, while_it_runs)
+        return run_command(sys.argv[1:] or ["demo", "--out", "adibas-demo"])
+    except KeyboardInterrupt:  # before or after the part that has a sentence for it
+        return INTERRUPTED
+    finally:
+        _end_on_ctrl_c()  # while libraries unload
+
+
+def _end_on_ctrl_c() -> None:
+    """Let Ctrl-C end the program at once and without a word, unless it is ignored altogether."""
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, _end)
+
+
+def _end(_signal: int, _frame: FrameType | None) -> None:
+    os._exit(INTERRUPTED)
