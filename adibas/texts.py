@@ -7,17 +7,48 @@ and window. English is the language of the source: without a catalogue a text st
 import gettext
 import locale
 import os
+from collections.abc import Mapping
 
 from adibas.errors import AdibasError
 from adibas.resources import resource_path
 
 DOMAIN = "adibas"
+LANGUAGES = {"en": "English", "es": "Español", "ca": "Català"}
+"""What the program speaks, each language by its own name."""
+
+VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
+"""Of the environment, the strongest first, as gettext reads them."""
+
+NAMES_ON_WINDOWS = {"spanish": "es", "catalan": "ca"}
+
+
+class Message(str):
+    """An English text of the program; it is translated where it is shown.
+
+    As a field of an error it is translated with the error.
+    """
+
+    __slots__ = ()
+
+
+def message(text: str) -> Message:
+    """Mark a constant as a text for the user: it stands in the catalogues."""
+    return Message(text)
+
+
+def two_letters(tag: str) -> str:
+    """Return the language of a tag such as ``es_MX.UTF-8``, ``ca@valencia`` or ``es-ES``."""
+    name = tag.lower()
+    for separator in ".@_-":
+        name = name.split(separator)[0]
+    return NAMES_ON_WINDOWS.get(name, name)
 
 
 def system_language() -> str:
-    """Return the two-letter language of the environment, or ``en``."""
-    chosen = os.environ.get("LANGUAGE") or locale.getlocale()[0] or "en"
-    return chosen.split(":")[0].split("_")[0].lower()
+    """Return the first language of the environment that the program speaks, or ``en``."""
+    wishes = next((os.environ[name] for name in VARIABLES if os.environ.get(name)), None)
+    wished = (wishes or locale.getlocale()[0] or "en").split(":")
+    return next((two_letters(tag) for tag in wished if two_letters(tag) in LANGUAGES), "en")
 
 
 class Texts:
@@ -27,18 +58,24 @@ class Texts:
         self.use(language)
 
     def use(self, language: str) -> None:
-        """Speak `language` (two letters) from now on, English where no catalogue is found."""
+        """Speak `language` (a tag) from now on, English where no catalogue is found."""
         self._catalogue = gettext.translation(
-            DOMAIN, resource_path("translations"), languages=[language], fallback=True
+            DOMAIN, resource_path("translations"), languages=[two_letters(language)], fallback=True
         )
 
     def translate(self, text: str) -> str:
         """Return `text` in the language in use."""
-        return self._catalogue.gettext(text)
+        return self._catalogue.gettext(text) if text else ""  # "" is the catalogue's header
 
     def describe(self, error: AdibasError) -> str:
         """Return what `error` says, in the language in use."""
-        return self.translate(error.message_id).format(**error.fields)
+        return self.translate(error.message_id).format(**self._translated(error.fields))
+
+    def _translated(self, fields: Mapping[str, object]) -> dict[str, object]:
+        return {
+            name: self.translate(value) if isinstance(value, Message) else value
+            for name, value in fields.items()
+        }
 
     def translate_plural(self, singular: str, plural: str, count: int) -> str:
         """Return the form that fits `count`."""

@@ -5,7 +5,7 @@ import struct
 import pytest
 
 from adibas.errors import AdibasError, RecordingError
-from adibas.texts import Texts, system_language
+from adibas.texts import Texts, message, system_language
 
 
 def write_catalogue(folder, texts):
@@ -47,8 +47,51 @@ def test_a_language_without_catalogue_falls_back_to_english():
 
 
 @pytest.mark.parametrize(
-    ("language", "expected"), [("es_ES.UTF-8", "es"), ("ca:es", "ca"), ("en", "en")]
+    ("language", "expected"),
+    [
+        ("es_ES.UTF-8", "es"),
+        ("es_MX", "es"),
+        ("ca:es", "ca"),
+        ("ca@valencia", "ca"),
+        ("ca-ES-valencia", "ca"),
+        ("fr:es", "es"),
+        ("fr", "en"),
+        ("C", "en"),
+        ("en", "en"),
+    ],
 )
 def test_the_environment_chooses_the_language(monkeypatch, language, expected):
     monkeypatch.setenv("LANGUAGE", language)
     assert system_language() == expected
+
+
+@pytest.mark.parametrize("variable", ["LC_ALL", "LC_MESSAGES", "LANG"])
+def test_without_a_list_of_languages_the_locale_chooses(monkeypatch, variable):
+    for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv(variable, "ca_ES.UTF-8")
+    assert system_language() == "ca"
+
+
+def test_without_any_variable_the_system_is_asked(monkeypatch):
+    for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("adibas.texts.locale.getlocale", lambda: ("Spanish_Spain", "1252"))
+    assert system_language() == "es"
+    monkeypatch.setattr("adibas.texts.locale.getlocale", lambda: (None, None))
+    assert system_language() == "en"
+
+
+def test_a_marked_field_of_an_error_is_translated_and_any_other_is_not(tmp_path, monkeypatch):
+    write_catalogue(
+        tmp_path / "es" / "LC_MESSAGES", {"colour": "color", "{a} and {b}": "{a} y {b}"}
+    )
+    monkeypatch.setattr("adibas.texts.resource_path", lambda _name: tmp_path)
+    error = RecordingError("{a} and {b}", a=message("colour"), b="colour")
+    assert Texts("es_MX").describe(error) == "color y colour"
+
+
+def test_no_text_stays_no_text(tmp_path, monkeypatch):
+    write_catalogue(tmp_path / "es" / "LC_MESSAGES", {"colour": "color"})
+    monkeypatch.setattr("adibas.texts.resource_path", lambda _name: tmp_path)
+    assert Texts("es").translate("") == ""
