@@ -1,0 +1,125 @@
+"""Long calls run in worker threads; what they tell arrives in the window's thread."""
+
+import sys
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from threading import Event as ThreadEvent
+from typing import Any
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from adibas.errors import AdibasError
+from ui.events import Event
+from ui.ports import CancelledError, Job, JobControl, Result
+
+N_WORKERS = 2
+
+
+@dataclass(eq=False)
+class ThreadJob(JobControl, Job):
+    """One job: its thread asks it whether to go on, the window whether it still runs."""
+
+    label: str
+    _tell: Callable[["ThreadJob", str, object], None]
+    _stop: ThreadEvent = field(default_factory=ThreadEvent)
+    _is_running: bool = True
+
+    def progress(self, done: int, total: int) -> None:
+        if self._stop.is_set():
+            raise CancelledError
+        self._tell(self, "progress", (done, total))
+
+    @property
+    def is_running(self) -> bool:
+        return self._is_running
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether the user asked it to stop."""
+        return self._stop.is_set()
+
+    def cancel(self) -> None:
+        self._stop.set()
+
+    def end(self) -> None:
+        """Note that nothing more will come."""
+        self._is_running = False
+
+
+class JobRunner(QObject):
+    """Two worker threads, and a queue into the window's thread.
+
+    Events
+    ------
+    changed(job, done, total)
+        A job started, came further, or ended (`job.is_running`).
+    """
+
+    _told = Signal(object, str, object)
+
+    def __init__(
+        self, problem: Callable[[AdibasError], None], parent: QObject | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.changed: Event[[ThreadJob, int, int]] = Event()
+        self._problem = problem
+        self._pool = ThreadPoolExecutor(N_WORKERS, thread_name_prefix="job")
+        self._handlers: dict[ThreadJob, tuple[Callable[[Any], None], Callable[[AdibasError], None]]]
+        self._handlers = {}
+        self._told.connect(self._on_told, Qt.ConnectionType.QueuedConnection)
+
+    def start(
+        self,
+        label: str,
+        work: Callable[[JobControl], Result],
+        done: Callable[[Result], None],
+        failed: Callable[[AdibasError], None] | None = None,
+    ) -> ThreadJob:
+        """Run `work` in a worker thread and give its result to `done` in the window's thread."""
+        job = ThreadJob(label, self._told.emit)
+        self._handlers[job] = (done, failed or self._problem)
+        self._pool.submit(self._run, job, work)
+        self.changed.emit(job, 0, 0)
+        return job
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether any job runs."""
+        return bool(self._handlers)
+
+    def close(self) -> None:
+        """Cancel what runs and wait for it; nothing is told any more."""
+        for job in self._handlers:
+            job.cancel()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._handlers.clear()
+
+    def _run(self, job: ThreadJob, work: Callable[[JobControl], object]) -> None:
+        try:
+            job.progress(0, 0)
+            result = work(job)
+        except CancelledError:
+            self._told.emit(job, "cancelled", None)
+        except AdibasError as error:
+            self._told.emit(job, "failed", error)
+        except BaseException as error:  # noqa: BLE001  (raised again in the window's thread)
+            self._told.emit(job, "crashed", error)
+        else:
+            self._told.emit(job, "done", result)
+
+    def _on_told(self, job: ThreadJob, what: str, value: Any) -> None:
+        if job not in self._handlers:
+            return
+        if what == "progress":
+            self.changed.emit(job, *value)
+            return
+        done, failed = self._handlers.pop(job)
+        job.end()
+        self.changed.emit(job, 0, 0)
+        if what == "crashed":
+            sys.excepthook(type(value), value, value.__traceback__)
+        elif what == "failed" and not job.is_cancelled:
+            failed(value)
+        elif what == "done" and not job.is_cancelled:
+            done(value)

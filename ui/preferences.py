@@ -1,0 +1,128 @@
+"""What one user of one computer prefers; a small file beside the store, without any patient."""
+
+import json
+import logging
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import platformdirs
+
+from adibas.errors import FileError
+from adibas.files import written_whole
+from adibas.texts import system_language
+from ui.events import Event
+
+logger = logging.getLogger(__name__)
+
+FILE = "preferences.json"
+THEMES = ("system", "light", "dark")
+FONT_SCALES = (1.0, 1.25, 1.5, 1.75, 2.0)
+MOST_RECENT = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Preferences:
+    """Settings of the window.
+
+    Attributes
+    ----------
+    language : str
+        Two letters.
+    theme : str
+        Of `THEMES`.
+    font_scale : float
+        1 to 2.
+    autolock_minutes : int
+        Without mouse or key, until the window locks; 0 = never.
+    operator : str
+        Who works here; goes into the audit trail.
+    has_sound : bool
+        Of the countdown.
+    countdown_s, burst_frames : int
+        Of a capture.
+    recent_recordings : tuple of str
+        Paths, newest first.
+    store : str
+        Folder of the store; empty = the usual one.
+    geometry : str
+        Of the window, as Qt packs it, hexadecimal.
+    """
+
+    language: str = ""
+    theme: str = "system"
+    font_scale: float = 1.0
+    autolock_minutes: int = 10
+    operator: str = ""
+    has_sound: bool = True
+    countdown_s: int = 3
+    burst_frames: int = 30
+    recent_recordings: tuple[str, ...] = ()
+    store: str = ""
+    geometry: str = ""
+
+
+class PreferencesFile:
+    """The preferences in use; a change is told, and written at once.
+
+    A file that is missing or damaged means the usual preferences: none of them is worth an error
+    at the start of a session.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._path = path or Path(platformdirs.user_config_dir("adibas")) / FILE
+        self.changed: Event[[Preferences]] = Event()
+        self.now = _read(self._path)
+        if not self.now.language:
+            self.now = replace(self.now, language=system_language())
+
+    def change(self, **changes: Any) -> None:
+        """Take new values, tell who subscribed, and write the file."""
+        wanted = replace(self.now, **changes)
+        if wanted == self.now:
+            return
+        self.now = wanted
+        self.changed.emit(wanted)
+        self._write()
+
+    def add_recent(self, path: Path) -> None:
+        """Put a recording first among the recent ones."""
+        others = [one for one in self.now.recent_recordings if one != str(path)]
+        self.change(recent_recordings=(str(path), *others)[:MOST_RECENT])
+
+    def _write(self) -> None:
+        try:
+            with written_whole(self._path) as unfinished:
+                unfinished.write_text(json.dumps(asdict(self.now), indent=1), encoding="utf-8")
+        except FileError:
+            logger.warning("the preferences cannot be written; they hold until the end")
+
+
+def _read(path: Path) -> Preferences:
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return Preferences()
+    if not isinstance(values, dict):
+        return Preferences()
+    usual = Preferences()
+    known = {}
+    for one in fields(Preferences):
+        value = values.get(one.name, getattr(usual, one.name))
+        if isinstance(value, list):
+            value = tuple(str(part) for part in value)
+        if type(value) is type(getattr(usual, one.name)):
+            known[one.name] = value
+    return _bounded(Preferences(**known))
+
+
+def _bounded(preferences: Preferences) -> Preferences:
+    """Return the preferences with what makes no sense put right."""
+    return replace(
+        preferences,
+        theme=preferences.theme if preferences.theme in THEMES else "system",
+        font_scale=min(max(preferences.font_scale, FONT_SCALES[0]), FONT_SCALES[-1]),
+        autolock_minutes=max(preferences.autolock_minutes, 0),
+        countdown_s=min(max(preferences.countdown_s, 0), 60),
+        burst_frames=min(max(preferences.burst_frames, 1), 300),
+    )

@@ -1,0 +1,117 @@
+"""Paints overlays so that they are seen on any picture: light lines on a dark border."""
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygonF
+
+from adibas.arrays import BoolArray
+from ui.theme import DRAWN
+from ui.widgets.image_geometry import ImagePlacement
+from ui.widgets.overlays import Dot, Line, Overlay, Region, Role, Text
+
+GRAB_PX = 9.0
+LEAST_RADIUS_PX = 6.0
+BORDER = QColor(0, 0, 0, 190)
+TINT_ALPHA = 90
+
+
+def paint_overlay(painter: QPainter, placement: ImagePlacement, overlay: Overlay) -> None:
+    """Paint one overlay onto a picture placed so."""
+    painter.save()
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    if isinstance(overlay, Dot):
+        _paint_dot(painter, placement, overlay)
+    elif isinstance(overlay, Line):
+        _paint_line(painter, placement, overlay)
+    elif isinstance(overlay, Text):
+        x, y = placement.to_widget(overlay.u, overlay.v)
+        _paint_text(painter, QPointF(x, y), overlay.text, overlay.role)
+    else:
+        _paint_region(painter, placement, overlay)
+    painter.restore()
+
+
+def _paint_dot(painter: QPainter, placement: ImagePlacement, dot: Dot) -> None:
+    center = QPointF(*placement.to_widget(dot.u, dot.v))
+    radius = max(dot.radius_px * placement.scale + 2.0, LEAST_RADIUS_PX)
+    for pen in _pens(dot.role):
+        painter.setPen(pen)
+        painter.drawEllipse(center, radius, radius)
+    if dot.role == "rejected":
+        arm = radius * 0.7
+        painter.drawLine(center + QPointF(-arm, -arm), center + QPointF(arm, arm))
+        painter.drawLine(center + QPointF(-arm, arm), center + QPointF(arm, -arm))
+    if dot.label:
+        _paint_text(painter, center + QPointF(radius + 3, -radius), dot.label, dot.role)
+
+
+def _paint_line(painter: QPainter, placement: ImagePlacement, line: Line) -> None:
+    start = QPointF(*placement.to_widget(line.u1, line.v1))
+    end = QPointF(*placement.to_widget(line.u2, line.v2))
+    for pen in _pens(line.role):
+        if line.role == "plumb":
+            pen.setStyle(Qt.PenStyle.DashLine)
+        painter.setPen(pen)
+        painter.drawLine(start, end)
+    if line.text:
+        _paint_text(painter, (start + end) / 2 + QPointF(4, -4), line.text, line.role)
+
+
+def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:
+    path = QPainterPath()
+    path.addText(at, painter.font(), text)
+    painter.strokePath(path, QPen(BORDER, 3.0))
+    painter.fillPath(path, QColor(DRAWN[role]))
+
+
+def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) -> None:
+    if region.is_filled:
+        _paint_tint(painter, placement, region)
+    for contour in _contours(region.pixels):
+        polygon = QPolygonF([QPointF(*placement.to_widget(u, v)) for u, v in contour])
+        for pen in _pens(region.role):
+            painter.setPen(pen)
+            painter.drawPolygon(polygon)
+
+
+def _paint_tint(painter: QPainter, placement: ImagePlacement, region: Region) -> None:
+    """Lay a colour over the pixels of the region."""
+    height, width = region.pixels.shape
+    color = QColor(DRAWN[region.role])
+    tint = np.zeros((height, width, 4), np.uint8)
+    tint[region.pixels] = (color.red(), color.green(), color.blue(), TINT_ALPHA)
+    image = QImage(tint.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
+    painter.save()
+    painter.translate(placement.widget[0] / 2, placement.widget[1] / 2)
+    painter.rotate(placement.rotation_deg)
+    painter.scale(placement.scale, placement.scale)
+    left, top = -0.5 - placement.center[0], -0.5 - placement.center[1]
+    painter.drawImage(QRectF(left, top, width, height), image)
+    painter.restore()
+
+
+def _contours(pixels: BoolArray) -> tuple[tuple[tuple[float, float], ...], ...]:
+    """Return the outlines of a mask as polygons of (u, v)."""
+    return _contours_of(pixels.tobytes(), pixels.shape)
+
+
+@lru_cache(maxsize=8)
+def _contours_of(
+    content: bytes, shape: tuple[int, int]
+) -> tuple[tuple[tuple[float, float], ...], ...]:
+    mask = np.frombuffer(content, np.uint8).reshape(shape)
+    found, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_TC89_L1)
+    return tuple(
+        tuple((float(u), float(v)) for u, v in contour[:, 0])
+        for contour in found
+        if len(contour) > 2  # noqa: PLR2004  (a polygon)
+    )
+
+
+def _pens(role: Role) -> tuple[QPen, QPen]:
+    """Return the dark border's pen and the light line's."""
+    border, line = QPen(BORDER, 4.0), QPen(QColor(DRAWN[role]), 2.0)
+    return border, line

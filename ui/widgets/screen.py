@@ -1,0 +1,32 @@
+"""What every screen of the window has in common."""
+
+from PySide6.QtCore import QEvent
+from PySide6.QtWidgets import QWidget
+
+
+class Screen(QWidget):
+    """A page of the window: speaks another language when asked, and knows when it is seen.
+
+    Derived classes build their widgets in `__init__`, without texts, and call `retranslate` last.
+    """
+
+    name = ""
+    """Of the help page, and of the screen in the window."""
+
+    def retranslate(self) -> None:
+        """Set every text in the language in use; a screen without texts has nothing to do."""
+
+    def entered(self) -> None:
+        """Take note: the screen is now seen."""
+
+    def left(self) -> None:
+        """Take note: the screen is no longer seen."""
+
+    def closed(self) -> None:
+        """Let go of threads, timers and files: the window closes."""
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Speak the new language."""
+        if event.type() == QEvent.Type.LanguageChange:
+            self.retranslate()
+        super().changeEvent(event)
