@@ -7,7 +7,11 @@ and window. English is the language of the source: without a catalogue a text st
 import gettext
 import locale
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache
+from pathlib import Path
 
 from adibas.errors import AdibasError
 from adibas.resources import resource_path
@@ -20,6 +24,14 @@ VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 """Of the environment, the strongest first, as gettext reads them."""
 
 NAMES_ON_WINDOWS = {"spanish": "es", "catalan": "ca"}
+
+_spoken: ContextVar[str] = ContextVar("spoken")
+"""Language of the block of `speaking` that this thread is in."""
+
+
+@cache
+def _catalogue(folder: Path, language: str) -> gettext.NullTranslations:
+    return gettext.translation(DOMAIN, folder, languages=[language], fallback=True)
 
 
 class Message(str):
@@ -52,20 +64,35 @@ def system_language() -> str:
 
 
 class Texts:
-    """The catalogue in use; it can be changed while the program runs."""
+    """The catalogue in use; it can be changed while the program runs, or for one block."""
 
     def __init__(self, language: str) -> None:
         self.use(language)
 
     def use(self, language: str) -> None:
         """Speak `language` (a tag) from now on, English where no catalogue is found."""
-        self._catalogue = gettext.translation(
-            DOMAIN, resource_path("translations"), languages=[two_letters(language)], fallback=True
-        )
+        self._language = two_letters(language)
+
+    @property
+    def language(self) -> str:
+        """The two letters of the language in use here."""
+        return _spoken.get(self._language)
+
+    @contextmanager
+    def speaking(self, language: str) -> Iterator[None]:
+        """Speak `language` (a tag) inside the block; other threads go on as they were."""
+        token = _spoken.set(two_letters(language))
+        try:
+            yield
+        finally:
+            _spoken.reset(token)
 
     def translate(self, text: str) -> str:
         """Return `text` in the language in use."""
-        return self._catalogue.gettext(text) if text else ""  # "" is the catalogue's header
+        return self._catalogue().gettext(text) if text else ""  # "" is the catalogue's header
+
+    def _catalogue(self) -> gettext.NullTranslations:
+        return _catalogue(resource_path("translations"), self.language)
 
     def describe(self, error: AdibasError) -> str:
         """Return what `error` says, in the language in use."""
@@ -79,11 +106,17 @@ class Texts:
 
     def translate_plural(self, singular: str, plural: str, count: int) -> str:
         """Return the form that fits `count`."""
-        return self._catalogue.ngettext(singular, plural, count)
+        return self._catalogue().ngettext(singular, plural, count)
 
 
 _texts = Texts(system_language())
 use_language = _texts.use
+speaking = _texts.speaking
 translate = _texts.translate
 translate_plural = _texts.translate_plural
 describe = _texts.describe
+
+
+def spoken_language() -> str:
+    """Return the two letters of the language in use here."""
+    return _texts.language

@@ -1,6 +1,7 @@
 """Failures of the world read as sentences, in the user's language."""
 
 import struct
+from threading import Thread
 
 import pytest
 
@@ -44,6 +45,31 @@ def test_a_language_without_catalogue_falls_back_to_english():
     texts = Texts("xx")
     assert texts.translate("Summary") == "Summary"
     assert texts.translate_plural("{n} frame", "{n} frames", 2) == "{n} frames"
+
+
+def test_one_block_speaks_another_language_and_other_threads_do_not(tmp_path, monkeypatch):
+    write_catalogue(tmp_path / "es" / "LC_MESSAGES", {"Summary": "Resumen"})
+    monkeypatch.setattr("adibas.texts.resource_path", lambda _name: tmp_path)
+    texts = Texts("en")
+    elsewhere = []
+    with texts.speaking("es"):
+        other = Thread(target=lambda: elsewhere.append(texts.translate("Summary")))
+        other.start()
+        other.join()
+        with texts.speaking("en"):
+            assert texts.translate("Summary") == "Summary"
+        assert (texts.translate("Summary"), texts.language) == ("Resumen", "es")
+    assert elsewhere == ["Summary"]
+    assert (texts.translate("Summary"), texts.language) == ("Summary", "en")
+
+
+def test_a_block_that_fails_leaves_its_language(tmp_path, monkeypatch):
+    monkeypatch.setattr("adibas.texts.resource_path", lambda _name: tmp_path)
+    texts = Texts("ca")
+    with pytest.raises(KeyError), texts.speaking("es-MX"):
+        assert texts.language == "es"
+        raise KeyError
+    assert texts.language == "ca"
 
 
 @pytest.mark.parametrize(
