@@ -88,6 +88,17 @@ def cannot_write(path: Path, error: OSError) -> FileError:
     )
 
 
+def flush_folder(folder: Path) -> None:
+    """Wait until the names in `folder` are on the disk; Windows keeps them in its journal."""
+    if os.name == "nt":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 def _flush_to_disk(path: Path) -> None:
     with path.open("rb+") as file:
         os.fsync(file.fileno())

@@ -1,0 +1,1 @@
+"""The store of patients, sessions, captures and their sealed files."""
