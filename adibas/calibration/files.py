@@ -7,6 +7,7 @@ from adibas.calibration.json_format import calibration_from_json, calibration_to
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.errors import CalibrationError
 from adibas.files import written_whole
+from adibas.texts import message
 
 __all__ = [
     "calibration_from_json",
@@ -67,9 +68,9 @@ def check_fits(
         A camera is missing, or it was calibrated at another resolution.
     """
     if color_size is not None:
-        _check_camera("colour", calibration.color, color_size)
+        _check_camera(message("colour"), calibration.color, color_size)
     if depth_size is not None:
-        _check_camera("depth", calibration.depth, depth_size)
+        _check_camera(message("depth"), calibration.depth, depth_size)
 
 
 def _check_camera(name: str, camera: CameraCalibration | None, size: tuple[int, int]) -> None:

@@ -11,6 +11,7 @@ from adibas.calibration.json_format import number, numbers, whole_number
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.errors import CalibrationError
 from adibas.geometry.pinhole import Intrinsics
+from adibas.texts import message
 
 MATRIX_NAMES = ("camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "M1", "intrinsics")
 DISTORTION_NAMES = (
@@ -57,7 +58,7 @@ def calibration_from_opencv(text: str, file: str) -> RgbdCalibration:
     """
     n_groups = sum(text.count(opening) for opening in ("[", "{", "<"))
     if len(text) > MAX_OPENCV_CHARACTERS or n_groups > MAX_OPENCV_GROUPS:
-        raise _unreadable(file, "it is too large for a camera's calibration")
+        raise _unreadable(file, message("it is too large for a camera's calibration"))
     try:
         storage = cv2.FileStorage(text, cv2.FileStorage_READ | cv2.FileStorage_MEMORY)
         try:
@@ -67,9 +68,9 @@ def calibration_from_opencv(text: str, file: str) -> RgbdCalibration:
         finally:
             storage.release()
     except (cv2.error, SystemError, OverflowError, ValueError) as error:
-        raise _unreadable(file, "it is not what OpenCV writes") from error
+        raise _unreadable(file, message("it is not what OpenCV writes")) from error
     if matrix is None or matrix.shape != (3, 3) or size is None:
-        raise _unreadable(file, "it has no 3x3 camera matrix, or no image size")
+        raise _unreadable(file, message("it has no 3x3 camera matrix, or no image size"))
     return _calibration(file, size, matrix, [] if distortion is None else distortion.ravel())
 
 
@@ -82,16 +83,16 @@ def calibration_from_ros(text: str, file: str) -> RgbdCalibration:
         It cannot be parsed, lacks a part, or has another lens model.
     """
     if len(text) > MAX_YAML_CHARACTERS:
-        raise _unreadable(file, "it is too large for a camera_info")
+        raise _unreadable(file, message("it is too large for a camera_info"))
     try:
         document = yaml.load(text, PlainLoader)  # noqa: S506  (a SafeLoader)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise _unreadable(file, "it is no YAML") from error
+        raise _unreadable(file, message("it is no YAML")) from error
     if not isinstance(document, Mapping):
-        raise _unreadable(file, "it is no camera_info")
+        raise _unreadable(file, message("it is no camera_info"))
     model = document.get("distortion_model") or ""
     if model not in ROS_MODELS:
-        raise _unreadable(file, "its lens model is not plumb_bob or rational_polynomial")
+        raise _unreadable(file, message("its lens model is not plumb_bob or rational_polynomial"))
     try:
         size = (
             whole_number(_first(document, ROS_WIDTH_NAMES)),
@@ -100,7 +101,9 @@ def calibration_from_ros(text: str, file: str) -> RgbdCalibration:
         matrix = _data(_first(document, ROS_MATRIX_NAMES)).reshape(3, 3)
         distortion = _data(_first(document, ROS_DISTORTION_NAMES) or [])
     except ValueError as error:
-        raise _unreadable(file, "its size, camera matrix or distortion is damaged") from error
+        raise _unreadable(
+            file, message("its size, camera matrix or distortion is damaged")
+        ) from error
     return _calibration(file, size, matrix, distortion)
 
 
@@ -139,9 +142,9 @@ def _opencv_size(storage: cv2.FileStorage) -> tuple[int, int] | None:
 def _calibration(file: str, size: tuple[int, int], matrix: Any, distortion: Any) -> RgbdCalibration:
     """Build the calibration; trailing zeros beyond a known length of distortion are dropped."""
     if matrix[0, 1] != 0:
-        raise _unreadable(file, "its camera matrix has skew, which is not supported")
+        raise _unreadable(file, message("its camera matrix has skew, which is not supported"))
     if matrix[1, 0] != 0 or matrix[2].tolist() != [0, 0, 1]:
-        raise _unreadable(file, "its camera matrix is none")
+        raise _unreadable(file, message("its camera matrix is none"))
     try:
         k = Intrinsics(*(float(matrix[i]) for i in ((0, 0), (1, 1), (0, 2), (1, 2))))
         coefficients = tuple(number(float(value)) for value in distortion)

@@ -9,9 +9,10 @@ from pathlib import Path
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
 from adibas.errors import FileError
+from adibas.texts import message
 from adibas.texts import translate as _
 
-SUMMARY = "measure accuracy or speed and print our figures beside their references"
+SUMMARY = message("measure accuracy or speed and print our figures beside their references")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,9 +5,10 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_overwrite, refuse_to_replace
+from adibas.texts import message
 from adibas.texts import translate as _
 
-SUMMARY = "convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RGB-D folder"
+SUMMARY = message("convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RGB-D folder")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,12 +7,13 @@ from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out
 from adibas.errors import AdibasError, FileError
 from adibas.files import check_place
+from adibas.texts import message
 from adibas.texts import translate as _
 
 SIMULATOR = "ADiBAS simulator"
 """Name of the sensor in recordings of the simulator."""
 
-SUMMARY = "run a whole posture session of the simulated demo patient"
+SUMMARY = message("run a whole posture session of the simulated demo patient")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,9 +4,10 @@ import argparse
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
+from adibas.texts import message
 from adibas.texts import translate as _
 
-SUMMARY = "show what this machine has and lacks, and how to get it"
+SUMMARY = message("show what this machine has and lacks, and how to get it")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

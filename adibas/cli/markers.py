@@ -5,17 +5,18 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, cluster_count, pixel, positive, sentence
+from adibas.texts import message
 from adibas.texts import translate as _
 
 LARGE_SHARE = 0.2
 """Of the picture: stickers, even in a close-up, take less."""
 
-SUMMARY = "learn the colour of the markers from clicked pixels"
+SUMMARY = message("learn the colour of the markers from clicked pixels")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    actions = parser.add_subparsers(metavar="ACTION", required=True)
+    actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
     learn = actions.add_parser("learn", help=_(SUMMARY), description=sentence(_(SUMMARY)))
     learn.add_argument(
         "image", type=Path, metavar="IMAGE", help=_("PNG or JPEG picture, or a recording")

@@ -8,9 +8,10 @@ from adibas.cli.options import add_json, add_out, frame_range
 from adibas.data.posture import VIEWS
 from adibas.errors import FileError
 from adibas.files import check_place
+from adibas.texts import message
 from adibas.texts import translate as _
 
-SUMMARY = "find the markers of a recording and write every distance and angle"
+SUMMARY = message("find the markers of a recording and write every distance and angle")
 
 LED = "led"
 

@@ -15,13 +15,14 @@ from adibas.cli.options import (
 )
 from adibas.errors import RecordingError, SensorError
 from adibas.files import check_place
+from adibas.texts import message
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.pipeline.recording import RecordingSummary
     from adibas.sensors import DepthCamera
 
-SUMMARY = "record a sensor, the simulator or a replayed recording"
+SUMMARY = message("record a sensor, the simulator or a replayed recording")
 
 INTERRUPTED = 1
 

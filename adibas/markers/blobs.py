@@ -10,14 +10,15 @@ import numpy as np
 from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from adibas.data.markers import RejectedBlob
 from adibas.markers.blob_kernels import group_pixels, median_depth, unmix_groups
+from adibas.texts import message
 
 Groups: TypeAlias = tuple[IntArray, IntArray, IntArray]
 """Rows and columns of the pixels, group after group, and where each group begins and ends."""
 
-TOO_LARGE = "too large for a marker at that distance"
-TOO_SMALL = "too small for a marker at that distance"
-TOO_LONG = "too long and thin for a marker"
-TOO_WEAK = "too faint against its surroundings"
+TOO_LARGE = message("too large for a marker at that distance")
+TOO_SMALL = message("too small for a marker at that distance")
+TOO_LONG = message("too long and thin for a marker")
+TOO_WEAK = message("too faint against its surroundings")
 NOT_ALONE = "part of a larger area of that colour"
 SURROUND_PERCENTILE = 5.0
 LEAST_TOLD_PX = 6

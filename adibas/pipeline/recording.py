@@ -13,7 +13,7 @@ from adibas.errors import AdibasError, SensorError
 from adibas.recordings import RecordingOptions, RecordingWriter, create_recording
 from adibas.recordings.part_file import nothing_kept
 from adibas.sensors.ports import DepthCamera
-from adibas.texts import describe
+from adibas.texts import describe, message
 
 Progress = Callable[[int, int], None]
 """Called with (frames written, frames expected); the second is 0 where it is not known."""
@@ -221,7 +221,7 @@ def _with_place(error: AdibasError, path: Path, n_frames: int) -> BaseException:
             return error  # the end could not be written, and the file has no other name
         return type(error)(error.message_id, **error.fields | {"kept": path.name})
     return type(error)(
-        "{problem} The {n_frames} frames that came before are kept in {path}.",
+        message("{problem} The {n_frames} frames that came before are kept in {path}."),
         problem=describe(error),
         n_frames=n_frames,
         path=path,

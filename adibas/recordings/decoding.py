@@ -9,6 +9,7 @@ from adibas.arrays import UInt8Array, UInt16Array
 from adibas.data.frames import EncodedImage, RgbdFrame, SensorFrame, SourceInfo, depth_in_metres
 from adibas.errors import RecordingError
 from adibas.recordings.ports import RecordingOptions
+from adibas.texts import message
 
 MAX_COLOR_PIXELS = 64_000_000
 """Largest image that is decoded: a few bytes must not ask for gigabytes."""
@@ -41,7 +42,7 @@ def to_rgbd(frame: SensorFrame, info: SourceInfo) -> RgbdFrame:
             "Frame {sequence} has no {what}. Record depth and colour together, or choose other "
             "frames.",
             sequence=frame.sequence,
-            what="depth" if frame.depth_raw is None else "colour",
+            what=message("depth") if frame.depth_raw is None else message("colour"),
         )
     return RgbdFrame(
         sequence=frame.sequence,

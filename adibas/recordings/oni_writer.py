@@ -19,6 +19,7 @@ from adibas.recordings.oni_codec import encode_16zt
 from adibas.recordings.part_file import PartFile
 from adibas.recordings.ports import DropCount, RecordingOptions, RecordingWriter, check_frame
 from adibas.recordings.source_info import calibration_to_keep, info_to_texts
+from adibas.texts import Message, message
 
 DEPTH, COLOR, INFRARED = 1, 2, 3
 NAMES = {DEPTH: "Depth", COLOR: "Image", INFRARED: "IR"}
@@ -95,7 +96,7 @@ class OniWriter(RecordingWriter):
         if frame.infrared_raw is not None:
             images[INFRARED] = frame.timestamp_ns, self._encode_infrared(frame.infrared_raw)
         if any(len(payload) > MAX_PAYLOAD for _, payload in images.values()):
-            raise self._refused("an image is larger than 20 MB")
+            raise self._refused(message("an image is larger than 20 MB"))
         return images
 
     def _encode_depth(self, depth: UInt16Array) -> bytes:
@@ -108,15 +109,19 @@ class OniWriter(RecordingWriter):
         if self._nodes[DEPTH].codec == oni.CODEC_NONE:
             return depth.astype("<u2").tobytes()
         if payload is None:
-            raise self._refused("a depth image has more than 32,768 different values")
+            raise self._refused(message("a depth image has more than 32,768 different values"))
         return payload
 
     def _depth_format(self) -> int:
         for pixel_format, unit_m in oni.UNITS_M.items():
             if isclose(self._info.depth_unit_m, unit_m, rel_tol=1e-9):
                 return pixel_format
-        unit_mm = f"{self._info.depth_unit_m * 1000:g} mm"
-        raise self._refused(f"its unit of depth is {unit_mm}, and .oni has 1 mm and 0.1 mm only")
+        raise RecordingError(
+            "{file} cannot hold this recording: its unit of depth is {unit_mm:g} mm, and .oni has "
+            "1 mm and 0.1 mm only. Choose .mcap, which can.",
+            file=self.path.name,
+            unit_mm=self._info.depth_unit_m * 1000,
+        )
 
     def _encode_color(self, image: UInt8Array | EncodedImage, sequence: int) -> bytes:
         is_jpeg = isinstance(image, EncodedImage) and image.encoding == "jpeg"
@@ -127,7 +132,7 @@ class OniWriter(RecordingWriter):
         if self._nodes[COLOR].codec == oni.CODEC_NONE:
             return decode_color(image, sequence).tobytes()
         if not (is_jpeg and isinstance(image, EncodedImage)):
-            raise self._refused("its colour is in part JPEG and in part not")
+            raise self._refused(message("its colour is in part JPEG and in part not"))
         return image.payload
 
     def _encode_infrared(self, infrared: UInt16Array) -> bytes:
@@ -146,9 +151,9 @@ class OniWriter(RecordingWriter):
     def _check_size(self, number: int, shape: tuple[int, ...]) -> None:
         node = self._nodes[number]
         if (node.height, node.width) != shape[:2]:
-            raise self._refused("the size of its images changes")
+            raise self._refused(message("the size of its images changes"))
 
-    def _refused(self, reason: str) -> RecordingError:
+    def _refused(self, reason: Message) -> RecordingError:
         return RecordingError(
             "{file} cannot hold this recording: {reason}. Choose .mcap, which can.",
             file=self.path.name,

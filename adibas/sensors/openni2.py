@@ -26,6 +26,7 @@ from adibas.sensors.pairing import FramePairer, join_images
 from adibas.sensors.ports import (
     DEFAULT_OPTIONS,
     READ_TIMEOUT_S,
+    STREAM_TEXTS,
     DepthCamera,
     SensorOptions,
     StreamName,
@@ -164,7 +165,7 @@ class OpenNI2Camera(DepthCamera):
             with openni2_errors(
                 "The sensor's {stream} does not start: {reason}. Close other programs that use it, "
                 "plug it into a USB port of its own, and try again.",
-                stream=name,
+                stream=STREAM_TEXTS[name],
             ):
                 stream.handle.start()
 

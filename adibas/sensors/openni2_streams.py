@@ -20,7 +20,7 @@ from adibas.sensors.openni2_modes import (
     nominal_camera,
     stream_modes,
 )
-from adibas.sensors.ports import SensorOptions, StreamName, VideoMode
+from adibas.sensors.ports import STREAM_TEXTS, SensorOptions, StreamName, VideoMode
 
 logger = logging.getLogger(__name__)
 
@@ -123,7 +123,7 @@ def synchronise(device: Any) -> None:
 def _create(device: Any, name: StreamName) -> Any:
     with openni2_errors(
         "The sensor's {stream} cannot be opened: {reason}. Close other programs that use it.",
-        stream=name,
+        stream=STREAM_TEXTS[name],
     ):
         return device.create_stream(SENSOR_TYPES[name])
 
@@ -139,7 +139,7 @@ def _wished_mode(device: Any, name: StreamName, options: SensorOptions) -> Video
         raise SensorError(
             "This sensor gives no {stream} images in a format that can be used ({formats}). Choose "
             "another sensor or another depth unit.",
-            stream=name,
+            stream=STREAM_TEXTS[name],
             formats=", ".join(formats),
         )
     return mode

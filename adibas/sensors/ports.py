@@ -5,8 +5,14 @@ from types import TracebackType
 from typing import Literal, Protocol, Self
 
 from adibas.data.frames import SensorFrame, SourceInfo
+from adibas.texts import Message, message
 
 StreamName = Literal["depth", "color", "infrared"]
+STREAM_TEXTS: dict[StreamName, Message] = {
+    "depth": message("depth"),
+    "color": message("colour"),
+    "infrared": message("infrared"),
+}
 
 READ_TIMEOUT_S = 5.0
 """A live sensor gives a frame every 1/30 s; some need 2-3 s to start their projector."""

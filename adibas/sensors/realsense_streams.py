@@ -10,7 +10,7 @@ import numpy.typing as npt
 from adibas.arrays import UInt8Array
 from adibas.errors import SensorError
 from adibas.sensors.pairing import StreamImage
-from adibas.sensors.ports import SensorOptions, StreamName, VideoMode
+from adibas.sensors.ports import STREAM_TEXTS, SensorOptions, StreamName, VideoMode
 
 DEPTH_SIZE = (848, 480)
 """What D400 sensors measure depth best at (RealSense tuning guide)."""
@@ -67,7 +67,7 @@ def choose_profiles(
     if "depth" not in chosen or (options.is_infrared and second not in chosen):
         raise SensorError(
             "This RealSense gives no {stream} images. Use another one.",
-            stream=second if "depth" in chosen else "depth",
+            stream=STREAM_TEXTS[second if "depth" in chosen else "depth"],
         )
     return chosen
 
