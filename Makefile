@@ -2,7 +2,7 @@
 
 BIN := .venv/bin
 
-.PHONY: run test check setup lock clean
+.PHONY: run test check translations setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
 run: setup
@@ -21,6 +21,10 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+## Collect new texts into the Spanish and Catalan catalogues, and compile these.
+translations: setup
+	$(BIN)/python -m installers.translations
 
 setup:
 	@installers/setup.sh

@@ -18,7 +18,7 @@ SUMMARY = message("measure accuracy or speed and print our figures beside their 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.add_argument("kind", choices=("accuracy", "speed"))
-    parser.add_argument("names", nargs="*", metavar="NAME", help=_("which; all of them if none"))
+    parser.add_argument("names", nargs="*", metavar=_("NAME"), help=_("which; all of them if none"))
     parser.add_argument(
         "--quick", action="store_true", help=_("a small part of each, to see that it runs")
     )

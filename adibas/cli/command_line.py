@@ -1,6 +1,7 @@
 """Reads the command line, runs one command, turns failures of the world into sentences."""
 
 import argparse
+import gettext
 import importlib
 import os
 import signal
@@ -13,7 +14,8 @@ from adibas import __version__
 from adibas.cli.console import Console
 from adibas.cli.options import sentence
 from adibas.errors import AdibasError
-from adibas.texts import describe
+from adibas.resources import resource_path
+from adibas.texts import DOMAIN, describe, system_language
 from adibas.texts import translate as _
 
 WORLD_FAILED = 1
@@ -37,6 +39,7 @@ def main(argv: Sequence[str]) -> int:
     """Run one command and return the exit code: 0 done, 1 the world failed, 2 wrong usage."""
     signal.signal(signal.SIGTERM, _interrupt)
     console = Console(is_json=False)
+    _translate_argparse()
     try:
         arguments = build_parser().parse_args(argv)
         console = Console(is_json=getattr(arguments, "json", False))
@@ -62,7 +65,12 @@ def build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="adibas", description=_("Posture and movement, measured with a depth camera.")
     )
-    parser.add_argument("--version", action="version", version=f"adibas {__version__}")
+    parser.add_argument(
+        "--version",
+        action="version",
+        version=f"adibas {__version__}",
+        help=_("show the version of the program and exit"),
+    )
     subparsers = parser.add_subparsers(metavar=_("COMMAND"), required=True)
     for name in COMMANDS:
         module = cast(CommandModule, importlib.import_module(f"adibas.cli.{name}"))
@@ -72,6 +80,13 @@ def build_parser() -> argparse.ArgumentParser:
         module.add_arguments(subparser)
         subparser.set_defaults(module=module)
     return parser
+
+
+def _translate_argparse() -> None:
+    """Let argparse take its own words from our catalogues: it asks gettext's default domain."""
+    os.environ.setdefault("LANGUAGE", system_language())  # Windows has no such variable
+    gettext.bindtextdomain(DOMAIN, resource_path("translations"))
+    gettext.textdomain(DOMAIN)
 
 
 def _forget_stdout() -> None:

@@ -13,11 +13,11 @@ SUMMARY = message("convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RG
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.add_argument("source", type=Path, metavar="IN", help=_("recording to read"))
+    parser.add_argument("source", type=Path, metavar=_("IN"), help=_("recording to read"))
     parser.add_argument(
         "target",
         type=Path,
-        metavar="OUT",
+        metavar=_("OUT"),
         help=_("recording to write: .mcap, .oni, or a new folder's name without an ending"),
     )
     parser.add_argument(

@@ -19,7 +19,9 @@ SUMMARY = message("run a whole posture session of the simulated demo patient")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     add_out(
-        parser, "DIR", _("folder for recording.mcap, colours.json and report.xlsx; made if missing")
+        parser,
+        _("DIR"),
+        _("folder for recording.mcap, colours.json and report.xlsx; made if missing"),
     )
     add_json(parser)
 

@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
     learn = actions.add_parser("learn", help=_(SUMMARY), description=sentence(_(SUMMARY)))
     learn.add_argument(
-        "image", type=Path, metavar="IMAGE", help=_("PNG or JPEG picture, or a recording")
+        "image", type=Path, metavar=_("IMAGE"), help=_("PNG or JPEG picture, or a recording")
     )
     learn.add_argument(
         "--frame",

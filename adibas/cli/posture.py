@@ -19,7 +19,7 @@ LED = "led"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.add_argument(
-        "recording", type=Path, metavar="RECORDING", help=_(".mcap, .oni or a TUM RGB-D folder")
+        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
     )
     parser.add_argument(
         "--markers",
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--calibration",
         type=Path,
-        metavar="FILE",
+        metavar=_("FILE"),
         help=_("in place of the recording's own calibration"),
     )
     parser.add_argument("--view", choices=VIEWS, default="", help=_("which side is seen"))
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("frames of the burst, B not included; all of them if not given"),
     )
     parser.add_argument(
-        "--patient", default="", metavar="PSEUDONYM", help=_("shown on the report; never a name")
+        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
     )
     add_out(parser, "report.xlsx|report.csv", _("report to write; an older one is replaced"))
     add_json(parser)

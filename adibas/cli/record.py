@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.add_argument(
         "source",
-        metavar="SOURCE",
+        metavar=_("SOURCE"),
         help=_("openni2[:FILE.oni], realsense[:FILE], simulator[:SCENE] or a recording"),
     )
     parser.add_argument(
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("what the depth camera sees in place of colour, for calibration"),
     )
-    add_out(parser, "FILE.mcap", _("recording to write"))
+    add_out(parser, _("FILE.mcap"), _("recording to write"))
     add_json(parser)
 
 
