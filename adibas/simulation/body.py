@@ -9,7 +9,7 @@ import functools
 import json
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray, UInt8A
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.resources import resource_path
 from adibas.simulation.arm_room import find_arm_room_rad, with_arm_room
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.landmarks import RestBody, joint_anchors, landmark_anchors
 from adibas.simulation.phenotype import corner_weights
 from adibas.simulation.poses import DOWN, FORWARD, Pose, standing
@@ -30,11 +31,6 @@ from adibas.simulation.shape_fitting import (
 from adibas.simulation.skeleton import Skeleton, bone_turns
 from adibas.simulation.skinning import add_normals, skin
 from adibas.simulation.surface import SurfaceAnchors
-
-Sex: TypeAlias = Literal["female", "male"]
-
-YOUNGEST_YEARS = 6.0
-OLDEST_YEARS = 90.0
 
 _SINGLE_BONE_JOINTS = {
     "neck": "neck01",
@@ -51,38 +47,6 @@ _SINGLE_BONE_JOINTS = {
         )
     },
 }
-
-
-@dataclass(frozen=True, slots=True)
-class BodyShape:
-    """The person wanted.
-
-    Attributes
-    ----------
-    sex : "female" or "male"
-    age_years : float
-        6 to 90.
-    stature_m, weight_kg : float
-    muscle : float or None
-        0 slight, 0.5 average, 1 athletic; None takes the average, less where only that gives the
-        weight.
-    """
-
-    sex: Sex
-    age_years: float
-    stature_m: float
-    weight_kg: float
-    muscle: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.sex not in ("female", "male"):
-            raise ValueError(f"sex must be female or male, got {self.sex}")
-        if not YOUNGEST_YEARS <= self.age_years <= OLDEST_YEARS:
-            raise ValueError(f"age_years must be 6 to 90, got {self.age_years}")
-        if not (self.stature_m > 0 and self.weight_kg > 0):
-            raise ValueError("stature_m and weight_kg must be positive")
-        if self.muscle is not None and not 0 <= self.muscle <= 1:
-            raise ValueError(f"muscle must be 0 to 1, got {self.muscle}")
 
 
 @dataclass(frozen=True, eq=False)

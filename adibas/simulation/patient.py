@@ -8,7 +8,8 @@ import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray
 from adibas.data.joints import JOINT_NAMES
-from adibas.simulation.body import BodyShape, PosedBody, ShapedBody, load_body_model
+from adibas.simulation.body import PosedBody, ShapedBody, load_body_model
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.looks import Look, Materials, linear_from_srgb, materials, surface_fields
 
 MarkerKind: TypeAlias = Literal["sticker", "ball", "led"]

@@ -17,7 +17,8 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
-from adibas.simulation.body import BodyShape, PosedBody
+from adibas.simulation.body import PosedBody
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.color_noise import ColorNoise, ColorSensor
 from adibas.simulation.depth_noise import DepthNoise, DepthSensor
 from adibas.simulation.device import Device, draw_device

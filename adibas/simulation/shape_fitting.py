@@ -1,19 +1,17 @@
 """Find the body model's parameters for a person of given stature and weight."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import brentq
 
-from adibas.arrays import FloatArray, Int32Array
+from adibas.arrays import Float32Array, FloatArray, Int32Array, UInt8Array
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.phenotype import PHENOTYPE_GRID, anny_age
 from adibas.simulation.poses import standing
 from adibas.simulation.skeleton import Skeleton, bone_turns
 from adibas.simulation.skinning import skin
-
-if TYPE_CHECKING:
-    from adibas.simulation.body import BodyModel, BodyShape
 
 DENSITY_KG_PER_M3 = 985.0
 """Of a living body with air in the lungs: it just floats."""
@@ -22,7 +20,26 @@ _PARAMETER_TOLERANCE = 1e-5
 _AVERAGE = 0.5
 
 
-def fit_phenotype(model: "BodyModel", shape: "BodyShape") -> FloatArray:
+class ShapeableModel(Protocol):
+    """What a fit needs of a body model; see `adibas.simulation.body.BodyModel`."""
+
+    @property
+    def triangles(self) -> Int32Array:
+        """(T, 3) vertex indices."""
+
+    @property
+    def bone_indices(self) -> UInt8Array:
+        """(V, K): which bones move a vertex."""
+
+    @property
+    def bone_weights(self) -> Float32Array:
+        """(V, K): by how much."""
+
+    def evaluated(self, phenotype: FloatArray) -> tuple[FloatArray, Skeleton]:
+        """Return (V, 3) rest vertices and the skeleton of a `PHENOTYPE_GRID` parameter vector."""
+
+
+def fit_phenotype(model: ShapeableModel, shape: BodyShape) -> FloatArray:
     """Return the (6,) parameters in the order of `PHENOTYPE_GRID`.
 
     For each build the height parameter that gives the stature is found, and among these the
@@ -57,7 +74,9 @@ def fit_phenotype(model: "BodyModel", shape: "BodyShape") -> FloatArray:
     return found
 
 
-def _at_stature(model: "BodyModel", shape: "BodyShape", muscle: float, weight: float) -> FloatArray:
+def _at_stature(
+    model: ShapeableModel, shape: BodyShape, muscle: float, weight: float
+) -> FloatArray:
     """Return the parameters of that build at the wanted stature, or nearest to it."""
 
     def phenotype(height: float) -> FloatArray:
@@ -77,7 +96,7 @@ def _at_stature(model: "BodyModel", shape: "BodyShape", muscle: float, weight: f
     return phenotype(_root_or_nearest(too_tall_m))
 
 
-def standing_stature_m(model: "BodyModel", vertices_m: FloatArray, skeleton: Skeleton) -> float:
+def standing_stature_m(model: ShapeableModel, vertices_m: FloatArray, skeleton: Skeleton) -> float:
     """Return the extent along the vertical of a body set into the standing pose, metres."""
     posed_m = np.empty_like(vertices_m)
     turns = bone_turns(skeleton, standing())

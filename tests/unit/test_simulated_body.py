@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
-from adibas.simulation.body import BodyShape, load_body_model
+from adibas.simulation.body import load_body_model
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.phenotype import PHENOTYPE_GRID, anny_age, corner_weights
 from adibas.simulation.poses import standing
 from adibas.simulation.shape_fitting import volume_m3

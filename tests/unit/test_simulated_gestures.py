@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from adibas.data.joints import JOINT_NAMES
-from adibas.simulation.body import BodyShape, load_body_model
+from adibas.simulation.body import load_body_model
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.gestures import gesture_names, perform
 from adibas.simulation.poses import standing
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
-from adibas.simulation.body import BodyShape, load_body_model
+from adibas.simulation.body import load_body_model
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.clothing import COVERINGS, OUTFITS, Outfit, covering_fields
 from adibas.simulation.gestures import perform
 from adibas.simulation.landmarks import SPINE_LEVELS

@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.simulation.arm_room import with_arm_room
-from adibas.simulation.body import BodyShape, load_body_model
+from adibas.simulation.body import load_body_model
+from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.figures import Figure, TrunkAngles
 from adibas.simulation.poses import ArmAngles, LegAngles, Pose, arm_pose, leg_pose, standing
 from adibas.simulation.postures import POSTURES, random_sway
