@@ -119,6 +119,19 @@ class CorrectionHistory:
             markers = _with_correction(markers, correction)
         return tuple(markers.values())
 
+    def placed_by_hand(self) -> frozenset[str]:
+        """Return the labels of the markers that were added or moved; a new name moves nothing."""
+        labels: set[str] = set()
+        for correction in self._in_force(MarkerCorrection):
+            before, after = correction.before, correction.after
+            is_placed = before is None or before.label in labels
+            if before is not None:
+                labels.discard(before.label)
+                is_placed |= after is not None and (before.u, before.v) != (after.u, after.v)
+            if after is not None and is_placed:
+                labels.add(after.label)
+        return frozenset(labels)
+
     def measures(self) -> tuple[FreeMeasure, ...]:
         """Return the free measures in the order in which they were asked for."""
         measures: list[FreeMeasure] = []

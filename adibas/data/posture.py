@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from adibas.arrays import UInt8Array, check_shape, read_only
+from adibas.arrays import Float32Array, UInt8Array, check_shape, read_only
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.measures import AngleMeasure, DistanceMeasure
@@ -58,6 +58,9 @@ class PostureAnalysis:
         That the positions rest on.
     notices : tuple of str
         What the reader must know about the input, in sentences.
+    surface_per_m : (H', W') float32 array or None
+        Mean of 1/z over the burst, 1/metres, in the depth camera; NaN where nothing was measured.
+        None where no depth was kept.
     """
 
     patient: str
@@ -72,6 +75,7 @@ class PostureAnalysis:
     calibration: RgbdCalibration
     provenance: Provenance
     notices: tuple[str, ...] = field(default=())
+    surface_per_m: Float32Array | None = None
 
     def __post_init__(self) -> None:
         if self.view not in ("", *VIEWS):
@@ -80,3 +84,6 @@ class PostureAnalysis:
         if self.picture_rgb.dtype != np.uint8:
             raise ValueError(f"picture_rgb must be uint8, got {self.picture_rgb.dtype}")
         read_only(self.picture_rgb)
+        if self.surface_per_m is not None:
+            check_shape("surface_per_m", self.surface_per_m, (None, None))
+            read_only(self.surface_per_m)
