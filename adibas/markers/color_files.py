@@ -15,6 +15,10 @@ FORMAT = "adibas-colours"
 VERSION = 1
 MAX_BYTES = 1 << 20
 """More is not read; a cut document is no colour model."""
+LEAST_LAB, GREATEST_LAB = (-1.0, -128.0, -128.0), (101.0, 128.0, 128.0)
+"""No colour of a screen lies outside; lightness is 0 to 100, and rounding may exceed it."""
+GREATEST_THRESHOLD = 400
+"""More than the distance of any two colours."""
 DIMMED = 0.35
 """Brightness of what was not taken, in the preview."""
 
@@ -46,11 +50,11 @@ def read_colors(path: Path) -> ColorModel:
     Raises
     ------
     MarkerError
-        The file is missing, or is no colour model.
+        The file is missing, is no colour model, or holds numbers that are no colours.
     """
     try:
         with path.open("rb") as file:
-            return _from_document(json.loads(file.read(MAX_BYTES)))
+            model = _from_document(json.loads(file.read(MAX_BYTES)))
     except OSError as error:
         raise MarkerError(
             "{file} cannot be read: {reason}. Check the name, or learn the colours with "
@@ -58,11 +62,26 @@ def read_colors(path: Path) -> ColorModel:
             file=path.name,
             reason=error.strerror or str(error),
         ) from error
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
         raise MarkerError(
             "{file} holds no learned colours. Learn them with `adibas markers learn`.",
             file=path.name,
         ) from error
+    if not _is_possible(model):
+        raise MarkerError(
+            "{file} holds numbers that are no colours: lightness must be 0 to 100, a and b -128 to "
+            "128, and the threshold at most {most}. Learn them again with `adibas markers learn`.",
+            file=path.name,
+            most=GREATEST_THRESHOLD,
+        )
+    return model
+
+
+def _is_possible(model: ColorModel) -> bool:
+    known = [values for values in (model.centroids_lab, model.surround_lab) if values is not None]
+    colors_lab = np.concatenate(known)
+    are_colors = (colors_lab >= LEAST_LAB) & (colors_lab <= GREATEST_LAB)
+    return bool(are_colors.all()) and model.threshold <= GREATEST_THRESHOLD
 
 
 def _from_document(document: object) -> ColorModel:

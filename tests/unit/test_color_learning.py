@@ -126,6 +126,8 @@ GOOD = {"format": "adibas-colours", "version": 1, "centroids_lab": [[1, 2, 3]], 
         GOOD | {"centroids_lab": [[1, 2, float("nan")]]},
         GOOD | {"threshold": 0},
         GOOD | {"threshold": None},
+        GOOD | {"threshold": 10**400},
+        GOOD | {"centroids_lab": [[1, 2, 10**400]]},
     ],
 )
 def test_a_file_without_colours_is_told_in_words(tmp_path, document):
@@ -133,6 +135,33 @@ def test_a_file_without_colours_is_told_in_words(tmp_path, document):
     path.write_text(json.dumps(document))
     with pytest.raises(MarkerError, match="holds no learned colours"):
         read_colors(path)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"threshold": 1e308},
+        {"threshold": 400.1},
+        {"centroids_lab": [[1, 2, 1e308]]},
+        {"centroids_lab": [[50, 2, 3], [-16, 2, 3]]},
+        {"centroids_lab": [[102, 2, 3]]},
+        {"centroids_lab": [[50, -129, 3]]},
+        {"surround_lab": [[50, 2, 3], [50, 2, -1e200]]},
+    ],
+)
+def test_numbers_that_are_no_colours_are_told_in_words(tmp_path, changes):
+    path = tmp_path / "colours.json"
+    path.write_text(json.dumps(GOOD | changes))
+    with pytest.raises(MarkerError, match=r"numbers that are no colours.*at most 400\."):
+        read_colors(path)
+
+
+def test_all_colours_of_a_screen_can_be_read_back(tmp_path):
+    levels = np.arange(0, 256, 15, dtype=np.uint8)
+    color_rgb = np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(1, -1, 3)
+    lab = rgb_to_lab(color_rgb)[0].astype(float)
+    write_colors(tmp_path / "colours.json", ColorModel(lab, 400.0, {}, lab.copy()))
+    np.testing.assert_array_equal(read_colors(tmp_path / "colours.json").centroids_lab, lab)
 
 
 @pytest.mark.parametrize("content", [b"{", b"\xff\xfe", b"[" * 100_000])
