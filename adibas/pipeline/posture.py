@@ -1,22 +1,27 @@
 """One burst of frames to markers in space: the order of the stages."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 
-from adibas.alignment.registration import register_pixels
+from adibas.alignment.registration import Registration, register_pixels
+from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.masks import BodyMask
+from adibas.data.sessions import ROTATIONS_DEG
 from adibas.errors import MarkerError
+from adibas.geometry.planes import Plane
 from adibas.markers.burst import BurstMarker, BurstParams, BurstTracker
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, Detections, find_color_markers
-from adibas.markers.disparity import DisparitySum
+from adibas.markers.disparity import BurstDisparity, DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
 from adibas.pipeline.in_order import in_order
@@ -45,6 +50,9 @@ class PostureParams:
     margin_m : float
         The body in the colour image is closed and widened by this, so that LEDs (holes in the
         depth) and markers on the outline are inside: 10 mm.
+    rotation_deg : int
+        How far the picture is turned clockwise for showing: tells where up is until a floor is
+        seen. 0, 90, 180 or 270; 0 for a sensor that stands upright.
     """
 
     detection: DetectionParams = field(default_factory=DetectionParams)
@@ -54,14 +62,61 @@ class PostureParams:
     greatest_scatter_per_m: float = 0.02
     greatest_matched_share: float = 0.3
     margin_m: float = 0.01
+    rotation_deg: int = 0
+
+    def __post_init__(self) -> None:
+        if self.rotation_deg not in ROTATIONS_DEG:
+            raise ValueError(f"rotation_deg must be one of {ROTATIONS_DEG}")
+
+    @property
+    def up(self) -> FloatArray:
+        """Unit vector in the depth camera's axes that points up, as far as the mounting says."""
+        angle_rad = math.radians(self.rotation_deg)
+        return np.array([-round(math.sin(angle_rad)), -round(math.cos(angle_rad)), 0.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerFindings:
-    """Markers of a burst, from top to bottom, and what was refused in its last frame."""
+    """Markers of a burst, and the surface that their positions were measured on.
+
+    Attributes
+    ----------
+    markers : tuple of Marker
+        From top to bottom.
+    rejected : tuple of RejectedBlob
+        What was refused in the last frame that showed somebody.
+    surface : BurstDisparity
+        Of the depth camera, bias corrected.
+    """
 
     markers: tuple[Marker, ...]
     rejected: tuple[RejectedBlob, ...]
+    surface: BurstDisparity
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """The person in one frame.
+
+    Attributes
+    ----------
+    depth_m : (H, W) float32 array
+        Of the depth camera, bias corrected, metres; NaN where not measured.
+    floor : Plane or None
+        In the depth camera's axes, normal up.
+    body : BodyMask
+        In the depth image.
+    registration : Registration
+        Of `depth_m`.
+    outline : (H', W') bool array
+        The person in the colour image.
+    """
+
+    depth_m: Float32Array
+    floor: Plane | None
+    body: BodyMask
+    registration: Registration
+    outline: BoolArray
 
 
 def analyse_burst(
@@ -92,7 +147,7 @@ def analyse_burst(
                 tracker.add(())
                 continue
             has_person = True
-            _check_selective(detections, target, params)
+            check_selective(detections, target, params)
             tracker.add(detections.blobs)
             rejected = detections.rejected
     if not has_person:
@@ -106,7 +161,7 @@ def analyse_burst(
         _measured(f"m{number:02d}", found, finder)
         for number, found in enumerate(tracker.markers(), 1)
     )
-    return MarkerFindings(markers, rejected)
+    return MarkerFindings(markers, rejected, disparity)
 
 
 def detect(
@@ -116,23 +171,58 @@ def detect(
     params: PostureParams,
 ) -> Detections | None:
     """Return the blobs of one frame; None where nobody is seen."""
-    color, depth = _cameras(calibration)
+    _, depth = _cameras(calibration)
     depth_m = calibration.depth_bias.correct(frame.depth_m)
-    floor = calibration.floor or find_floor(depth_m, depth)
+    floor = calibration.floor or find_floor(depth_m, depth, params.up)
+    sight = see_person(depth_m, floor, calibration, params)
+    if sight is None:
+        return None
+    return find_markers(frame.color_rgb, sight, calibration, target, params)
+
+
+def see_person(
+    depth_m: Float32Array,
+    floor: Plane | None,
+    calibration: RgbdCalibration,
+    params: PostureParams,
+) -> Sight | None:
+    """Return where the person is; None where nobody is seen.
+
+    Parameters
+    ----------
+    depth_m : (H, W) float32 array
+        Of the depth camera, bias corrected, metres; NaN where not measured.
+    floor : Plane or None
+        In the depth camera's axes; None where no floor is seen.
+    """
+    color, depth = _cameras(calibration)
     body = find_body(depth_m, depth, floor)
     if body is None:
         return None
     registration = register_pixels(depth_m, calibration)
-    body_color = body_in_color(body.pixels, registration, color, params.margin_m)
-    focal_px = color.intrinsics.fx
+    outline = body_in_color(body.pixels, registration, color, params.margin_m)
+    return Sight(depth_m, floor, body, registration, outline)
+
+
+def find_markers(
+    color_rgb: UInt8Array,
+    sight: Sight,
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    params: PostureParams,
+) -> Detections:
+    """Return the blobs on the person in the (H', W', 3) colour image of the same moment."""
+    focal_px = _cameras(calibration)[0].intrinsics.fx
+    registered_m = sight.registration.depth_m
     if isinstance(target, LedParams):
-        return find_led_markers(frame.color_rgb, body_color, registration.depth_m, focal_px, target)
+        return find_led_markers(color_rgb, sight.outline, registered_m, focal_px, target)
     return find_color_markers(
-        frame.color_rgb, body_color, registration.depth_m, focal_px, target, params.detection
+        color_rgb, sight.outline, registered_m, focal_px, target, params.detection
     )
 
 
-def _check_selective(detections: Detections, target: MarkerTarget, params: PostureParams) -> None:
+def check_selective(detections: Detections, target: MarkerTarget, params: PostureParams) -> None:
+    """Raise MarkerError where what to look for fits most of the body."""
     if isinstance(target, LedParams):
         if detections.matched_share > target.greatest_share:
             raise MarkerError(

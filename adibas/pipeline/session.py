@@ -1,23 +1,20 @@
 """From a recording on the disk to a posture analysis, one burst at a time."""
 
-import hashlib
-import json
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-from adibas import __version__
 from adibas.arrays import UInt8Array
-from adibas.calibration.files import calibration_to_json, check_fits, read_calibration
+from adibas.calibration.files import check_fits, read_calibration
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
-from adibas.data.posture import PostureAnalysis, Provenance
+from adibas.data.posture import PostureAnalysis
 from adibas.errors import CalibrationError, MarkerError, RecordingError
-from adibas.markers.color_model import ColorModel
 from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.learning import read_target
-from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
+from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst
+from adibas.pipeline.provenance import provenance_of
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
@@ -94,7 +91,9 @@ def analyse_recording(
         angles=all_angles(findings.markers),
         picture_rgb=burst.picture_rgb(),
         calibration=calibration,
-        provenance=_provenance(request, target, calibration, clock()),
+        provenance=provenance_of(
+            recording_sha256(request.recording), calibration, target, request.params, clock()
+        ),
         notices=notices,
     )
 
@@ -183,23 +182,3 @@ def _calibration(recording: RecordingReader, path: Path | None) -> RgbdCalibrati
             "The recording brings no calibration. Give one with --calibration FILE."
         )
     return calibration
-
-
-def _provenance(
-    request: PostureRequest, target: MarkerTarget, calibration: RgbdCalibration, now: datetime
-) -> Provenance:
-    canonical = json.dumps(calibration_to_json(calibration), sort_keys=True)
-    return Provenance(
-        recording_sha256=recording_sha256(request.recording),
-        calibration=f"sha256:{hashlib.sha256(canonical.encode()).hexdigest()}",
-        version=__version__,
-        created_utc=now.isoformat(timespec="seconds"),
-        parameters={**asdict(request.params), "markers": _described(target)},
-    )
-
-
-def _described(target: MarkerTarget) -> dict[str, object]:
-    """Return what was looked for, as plain values."""
-    if isinstance(target, ColorModel):
-        return {"centroids_lab": target.centroids_lab.tolist(), "threshold": target.threshold}
-    return asdict(target)
