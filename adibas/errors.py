@@ -49,5 +49,9 @@ class StoreError(AdibasError):
     """The store of patients and sessions cannot be opened, read or changed."""
 
 
+class PassphraseError(StoreError):
+    """The store needs a passphrase, or another one."""
+
+
 class FileError(AdibasError):
     """A file cannot be read or written."""
