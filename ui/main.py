@@ -10,18 +10,36 @@ INTERRUPTED = 130
 
 
 def main() -> int:
-    """Run the command on the command line; without one, the demo (there is no window yet)."""
+    """Run the command on the command line; without one, open the window.
+
+    Where there is no display the demo runs instead.
+    """
     while_it_runs = signal.getsignal(signal.SIGINT)
     _end_on_ctrl_c()  # before the imports: there is nothing yet that could be left unfinished
-    from adibas.cli import main as run_command
-
     try:
+        if len(sys.argv) == 1 and has_display():
+            return _open_window()  # Ctrl-C in the terminal closes it like any other program
+        from adibas.cli import main as run_command
+
         signal.signal(signal.SIGINT, while_it_runs)
         return run_command(sys.argv[1:] or ["demo", "--out", "adibas-demo"])
     except KeyboardInterrupt:  # before or after the part that has a sentence for it
         return INTERRUPTED
     finally:
         _end_on_ctrl_c()  # while libraries unload
+
+
+def has_display() -> bool:
+    """Say whether a window can be shown to somebody."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _open_window() -> int:
+    from ui.application import run
+
+    return run([])
 
 
 def _end_on_ctrl_c() -> None:

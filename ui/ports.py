@@ -3,7 +3,12 @@
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
+from adibas.pipeline.live import LiveFrame, LiveView, SensorState
+
 from adibas.errors import AdibasError
+from adibas.pipeline.posture import MarkerTarget
+from adibas.sensors.ports import SensorOptions
+from ui.events import Event
 
 Result = TypeVar("Result")
 
@@ -56,3 +61,27 @@ class Jobs(Protocol):
             to the crash report.
         """
         ...
+
+
+class LiveSource(Protocol):
+    """The sensor as the window sees it; everything it tells arrives in the window's thread."""
+
+    frame_arrived: Event[[LiveFrame]]
+    state_changed: Event[[SensorState]]
+
+    @property
+    def newest(self) -> LiveFrame | None:
+        """The newest frame; None before the first and after the last."""
+
+    @property
+    def state(self) -> SensorState: ...
+
+    @property
+    def view(self) -> LiveView:
+        """The core behind it, for a job that captures from it."""
+
+    def open(self, source: str, options: SensorOptions) -> None: ...
+
+    def set_target(self, target: MarkerTarget | None) -> None: ...
+
+    def close(self) -> None: ...

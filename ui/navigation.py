@@ -1,0 +1,88 @@
+"""The rail at the left: one button a screen."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QKeySequence
+from PySide6.QtWidgets import QButtonGroup, QToolButton, QVBoxLayout, QWidget
+
+from adibas.texts import message
+from adibas.texts import translate as _
+from ui.theme import Theme
+
+TITLES = {
+    "patients": message("Patients"),
+    "capture": message("Capture"),
+    "markers": message("Markers"),
+    "review": message("Review"),
+    "reports": message("Reports"),
+    "settings": message("Settings"),
+}
+ICON_PX = 30
+
+
+class NavigationRail(QWidget):
+    """Buttons with icon and name, Ctrl+1 to Ctrl+6."""
+
+    def __init__(self, theme: Theme, choose: Callable[[str], None], parent: QWidget | None) -> None:
+        super().__init__(parent)
+        self.setObjectName("rail")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._theme = theme
+        self._group = QButtonGroup(self)
+        self._buttons: dict[str, QToolButton] = {}
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 12, 8, 12)
+        layout.setSpacing(6)
+        for number, name in enumerate(TITLES, 1):
+            button = self._button(name)
+            button.setShortcut(QKeySequence(f"Ctrl+{number}"))
+            button.setCheckable(True)
+            button.clicked.connect(lambda _checked, name=name: choose(name))
+            self._group.addButton(button)
+            if name == "settings":
+                layout.addStretch()
+            button.hide()
+            layout.addWidget(button)
+            self._buttons[name] = button
+        self._help = self._button("help")
+        self._help.clicked.connect(lambda _checked: choose("help"))
+        layout.addWidget(self._help)
+        self.retranslate()
+        self.dress()
+
+    def _button(self, name: str) -> QToolButton:
+        button = QToolButton(self)
+        button.setObjectName(f"go-{name}")
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        button.setIconSize(QSize(ICON_PX, ICON_PX))
+        button.setMinimumWidth(86)
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        return button
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        for name, button in self._buttons.items():
+            title = _(TITLES[name])
+            shortcut = button.shortcut()
+            button.setText(title)
+            button.setShortcut(shortcut)  # a new text takes the shortcut away
+            keys = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
+            button.setToolTip(f"{title} ({keys})")
+            button.setAccessibleName(title)
+        self._help.setText(_("Help"))
+        self._help.setToolTip(_("Help") + " (F1)")
+        self._help.setAccessibleName(_("Help"))
+
+    def dress(self) -> None:
+        """Draw the icons in the theme in use."""
+        for name, button in (*self._buttons.items(), ("help", self._help)):
+            button.setIcon(self._theme.icon(name))
+
+    def show_button(self, name: str) -> None:
+        """Offer a screen."""
+        self._buttons[name].show()
+
+    def show_chosen(self, name: str) -> None:
+        """Mark the screen that is seen."""
+        self._buttons[name].setChecked(True)

@@ -1,0 +1,13 @@
+"""All screens of the window, in the order of the rail: the one place that knows them all."""
+
+from PySide6.QtWidgets import QWidget
+
+from ui.settings.screen import build_settings_screen
+from ui.theme import Theme
+from ui.widgets.screen import Screen
+from ui.workspace import Workspace
+
+
+def build_screens(workspace: Workspace, theme: Theme, parent: QWidget) -> tuple[Screen, ...]:
+    """Return every screen, wired to the workspace."""
+    return (build_settings_screen(workspace, theme, parent),)

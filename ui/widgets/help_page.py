@@ -1,0 +1,57 @@
+"""The offline help of one screen."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import QDockWidget, QTextBrowser, QWidget
+
+from adibas.resources import resource_path
+from adibas.texts import spoken_language
+from adibas.texts import translate as _
+
+
+def read_help(name: str, language: str) -> str:
+    """Return a help page as Markdown, in English where it was not written in `language`."""
+    for one in (language, "en"):
+        path = resource_path("help", one, f"{name}.md")
+        if path.is_file():
+            return path.read_text(encoding="utf-8")
+    return ""
+
+
+class HelpDock(QDockWidget):
+    """Shows the help beside the screen it is about; Escape puts it away."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("help")
+        self._name = "start"
+        self._text = QTextBrowser(self)
+        self._text.setOpenLinks(False)
+        self._text.setMinimumWidth(320)
+        self.setWidget(self._text)
+        self.setAllowedAreas(
+            Qt.DockWidgetArea.RightDockWidgetArea | Qt.DockWidgetArea.LeftDockWidgetArea
+        )
+        escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self._text, self.hide)
+        escape.setContext(Qt.ShortcutContext.WidgetShortcut)
+        self.retranslate()
+        self.hide()
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self.setWindowTitle(_("Help"))
+        self._text.setAccessibleName(_("Help"))
+        self._text.setMarkdown(read_help(self._name, spoken_language()))
+
+    def show_page(self, name: str) -> None:
+        """Show the page of a screen."""
+        self._name = name
+        self.retranslate()
+        self.show()
+        self._text.setFocus()
+
+    def follow(self, name: str) -> None:
+        """Turn to the page of the screen that is seen now, if the help is open."""
+        self._name = name
+        if not self.isHidden():
+            self.retranslate()

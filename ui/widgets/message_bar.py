@@ -1,0 +1,58 @@
+"""One line that tells the user something, until it is put away."""
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
+
+from adibas.texts import translate as _
+
+GOOD_NEWS_MS = 6000
+
+
+class MessageBar(QFrame):
+    """Errors and warnings stay until they are closed; good news go by themselves."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("message")
+        self._label = QLabel(self)
+        self._label.setWordWrap(True)
+        self._label.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse
+            | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        )
+        self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self._close = QPushButton(self)
+        self._close.clicked.connect(self.hide)
+        self._timer = QTimer(self)
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(GOOD_NEWS_MS)
+        self._timer.timeout.connect(self.hide)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(12, 8, 8, 8)
+        layout.addWidget(self._label)
+        layout.addWidget(self._close, 0, Qt.AlignmentFlag.AlignTop)
+        self.retranslate()
+        self.hide()
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._close.setText(_("Close"))
+        self._close.setAccessibleName(_("Close the message"))
+
+    def tell(self, kind: str, sentence: str) -> None:
+        """Show a sentence; `kind` is good, warning or bad."""
+        self.setProperty("kind", kind)
+        self.style().unpolish(self)
+        self.style().polish(self)
+        self._label.setText(sentence)
+        self._label.setAccessibleName(sentence)
+        self.show()
+        if kind == "good":
+            self._timer.start()
+        else:
+            self._timer.stop()
+
+    @property
+    def text(self) -> str:
+        """Return what is told now; empty where nothing is."""
+        return "" if self.isHidden() else self._label.text()

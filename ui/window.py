@@ -1,0 +1,190 @@
+"""The window: a rail of screens, what is told to the user, and the help beside them."""
+
+from PySide6.QtCore import QByteArray, QEvent, Qt
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QMainWindow,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from ui.events import Event
+from ui.jobs import JobRunner
+from ui.navigation import NavigationRail
+from ui.preferences import PreferencesFile
+from ui.theme import Theme
+from ui.unlock_page import UnlockPage
+from ui.widgets.help_page import HelpDock
+from ui.widgets.message_bar import MessageBar
+from ui.widgets.progress_strip import ProgressStrip
+from ui.widgets.screen import Screen
+
+USUAL_SIZE = (1280, 800)
+
+
+class MainWindow(QMainWindow):
+    """Shows one screen at a time, and the unlock page before them.
+
+    Events
+    ------
+    closing()
+        The user closes the window; whoever owns threads ends them.
+    dropped(path)
+        A file or folder was dropped onto the window.
+    """
+
+    def __init__(self, theme: Theme, jobs: JobRunner, preferences: PreferencesFile) -> None:
+        super().__init__()
+        self.closing: Event[[]] = Event()
+        self.dropped: Event[[str]] = Event()
+        self._theme = theme
+        self._preferences = preferences
+        self._screens: dict[str, Screen] = {}
+        self.unlock_page = UnlockPage(theme, self)
+        self._rail = NavigationRail(theme, self._on_rail, self)
+        self._pages, self._outer = QStackedWidget(self), QStackedWidget(self)
+        self._messages, self._progress = MessageBar(self), ProgressStrip(self)
+        self._patient, self._read_only = QLabel(self), QLabel(self)
+        self._help = HelpDock(self)
+        self._lay_out()
+        jobs.changed.subscribe(self._progress.show_job)
+        help_key = QShortcut(QKeySequence(Qt.Key.Key_F1), self)
+        help_key.activated.connect(self.show_help)
+        self.setAcceptDrops(True)
+        self.resize(*USUAL_SIZE)
+        self.restoreGeometry(QByteArray.fromHex(preferences.now.geometry.encode()))
+        self.retranslate()
+
+    def _lay_out(self) -> None:
+        content = QWidget(self)
+        column = QVBoxLayout(content)
+        column.setContentsMargins(16, 12, 16, 8)
+        column.addWidget(self._messages)
+        column.addWidget(self._pages, 1)
+        work = QWidget(self)
+        row = QHBoxLayout(work)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)
+        row.addWidget(self._rail)
+        row.addWidget(content, 1)
+        self._outer.addWidget(self.unlock_page)
+        self._outer.addWidget(work)
+        self.setCentralWidget(self._outer)
+        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._help)
+        self._read_only.setProperty("kind", "warning")
+        self._read_only.hide()
+        self.statusBar().addWidget(self._patient, 1)
+        self.statusBar().addPermanentWidget(self._read_only)
+        self.statusBar().addPermanentWidget(self._progress)
+
+    def retranslate(self) -> None:
+        """Set the window's own texts in the language in use."""
+        self.setWindowTitle("ADiBAS")
+        self._read_only.setText(_("Read only: another window has this store open"))
+        for part in (self._rail, self._messages, self._progress, self._help):
+            part.retranslate()
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Speak the new language."""
+        if event.type() == QEvent.Type.LanguageChange:
+            self.retranslate()
+        super().changeEvent(event)
+
+    def dress(self) -> None:
+        """Draw what is drawn in the theme in use."""
+        self._rail.dress()
+        self.unlock_page.dress()
+
+    def add_screen(self, screen: Screen) -> None:
+        """Take a screen; its name is one of the rail's."""
+        self._screens[screen.name] = screen
+        self._pages.addWidget(screen)
+        self._rail.show_button(screen.name)
+
+    def remove_screens(self) -> None:
+        """Close all screens and forget them."""
+        for screen in self._screens.values():
+            screen.closed()
+            self._pages.removeWidget(screen)
+            screen.deleteLater()
+        self._screens.clear()
+
+    @property
+    def shown(self) -> str:
+        """Name of the screen that is seen; empty while the window is locked."""
+        page = self._pages.currentWidget()
+        is_open = self._outer.currentWidget() is not self.unlock_page
+        return page.name if is_open and isinstance(page, Screen) else ""
+
+    def screen(self, name: str) -> Screen:
+        """Return a screen by its name."""
+        return self._screens[name]
+
+    def show_screen(self, name: str) -> None:
+        """Show a screen; the one that was seen is told."""
+        before = self._pages.currentWidget()
+        wanted = self._screens[name]
+        if isinstance(before, Screen) and before is not wanted:
+            before.left()
+        self._pages.setCurrentWidget(wanted)
+        self._outer.setCurrentIndex(1)
+        self._rail.show_chosen(name)
+        self._help.follow(name)
+        wanted.entered()
+
+    def show_first_screen(self) -> None:
+        """Show the screen that was added first."""
+        self.show_screen(next(iter(self._screens)))
+
+    def show_unlock(self) -> None:
+        """Hide everything of patients behind the unlock page."""
+        page = self._pages.currentWidget()
+        if isinstance(page, Screen):
+            page.left()
+        self._outer.setCurrentWidget(self.unlock_page)
+        self._messages.hide()
+        self.show_patient("")
+
+    def show_patient(self, text: str) -> None:
+        """Say at the bottom who is being looked at."""
+        self._patient.setText(text)
+
+    def show_read_only(self, *, is_read_only: bool) -> None:
+        """Say whether another window has the store."""
+        self._read_only.setVisible(is_read_only)
+
+    def tell(self, kind: str, sentence: str) -> None:
+        """Tell the user something."""
+        self._messages.tell(kind, sentence)
+
+    @property
+    def told(self) -> str:
+        """What the user is being told."""
+        return self._messages.text
+
+    def show_help(self) -> None:
+        """Open the help of the screen that is seen."""
+        self._help.show_page(self.shown or self.unlock_page.name)
+
+    def _on_rail(self, name: str) -> None:
+        if name == "help":
+            self.show_help()
+        else:
+            self.show_screen(name)
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:  # noqa: N802  (Qt's name)
+        if self.shown and len(event.mimeData().urls()) == 1:
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:  # noqa: N802  (Qt's name)
+        self.dropped.emit(event.mimeData().urls()[0].toLocalFile())
+        event.acceptProposedAction()
+
+    def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802  (Qt's name)
+        self._preferences.change(geometry=bytes(self.saveGeometry().toHex().data()).decode())
+        self.closing.emit()
+        super().closeEvent(event)

@@ -1,0 +1,116 @@
+"""What all screens share: the store, who is being looked at, and what the user was told. No Qt."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from adibas.data.patients import Patient
+from adibas.data.sessions import Session
+from adibas.errors import AdibasError
+from adibas.pipeline.posture import MarkerTarget
+from adibas.sessions import SessionStore
+from adibas.texts import describe
+from ui.events import Event
+from ui.ports import Jobs, LiveSource
+from ui.preferences import PreferencesFile
+
+NoticeKind = Literal["good", "warning", "bad"]
+
+
+class Workspace:
+    """The one place that screens meet in: they never know of one another.
+
+    Everything here happens in the window's thread.
+
+    Attributes
+    ----------
+    store : SessionStore
+        Of patients and sessions.
+    jobs : Jobs
+        Work beside the window.
+    preferences : PreferencesFile
+        Of this user on this computer.
+    live : LiveSource
+        The sensor, for whoever shows or captures it.
+    patient, session, capture_id
+        What is being looked at; None where nothing is chosen.
+    target : MarkerTarget or None
+        What markers look like; None before it was learned.
+
+    Events
+    ------
+    patient_changed, session_changed, capture_chosen, target_changed
+        Something else was chosen, or what is chosen has new content.
+    screen_wanted(name)
+        A screen asks for another one to be shown.
+    noticed(kind, sentence)
+        The user is told something.
+    """
+
+    def __init__(
+        self, store: SessionStore, jobs: Jobs, preferences: PreferencesFile, live: LiveSource
+    ) -> None:
+        self.store = store
+        self.jobs = jobs
+        self.preferences = preferences
+        self.live = live
+        self.patient: Patient | None = None
+        self.session: Session | None = None
+        self.capture_id: str | None = None
+        self.target: MarkerTarget | None = None
+        self.patient_changed: Event[[]] = Event()
+        self.session_changed: Event[[]] = Event()
+        self.capture_chosen: Event[[]] = Event()
+        self.target_changed: Event[[]] = Event()
+        self.screen_wanted: Event[[str]] = Event()
+        self.noticed: Event[[NoticeKind, str]] = Event()
+
+    def choose_patient(self, patient: Patient | None) -> None:
+        """Look at a patient; a session of another one is left."""
+        self.patient = patient
+        if self.session is not None and (
+            patient is None or self.session.patient != patient.pseudonym
+        ):
+            self.choose_session(None)
+        self.patient_changed.emit()
+
+    def choose_session(self, session: Session | None) -> None:
+        """Look at a session (the same one with new content, too)."""
+        is_other = (
+            session is None or self.session is None or session.session_id != self.session.session_id
+        )
+        self.session = session
+        if is_other:
+            self.choose_capture(None)
+        self.session_changed.emit()
+
+    def choose_capture(self, capture_id: str | None) -> None:
+        """Look at one capture of the session."""
+        self.capture_id = capture_id
+        self.capture_chosen.emit()
+
+    def set_target(self, target: MarkerTarget | None) -> None:
+        """Look for these markers from now on."""
+        self.target = target
+        self.live.set_target(target)
+        self.target_changed.emit()
+
+    def show_screen(self, name: str) -> None:
+        """Ask the window to show another screen."""
+        self.screen_wanted.emit(name)
+
+    def tell(self, kind: NoticeKind, sentence: str) -> None:
+        """Tell the user something, already in his language."""
+        self.noticed.emit(kind, sentence)
+
+    def report_problem(self, error: AdibasError) -> None:
+        """Tell the user what failed and what to do."""
+        self.tell("bad", describe(error))
+
+    def attempt(self, action: Callable[[], None]) -> bool:
+        """Do something short in the store; a failure is told. Return whether it went well."""
+        try:
+            action()
+        except AdibasError as error:
+            self.report_problem(error)
+            return False
+        return True
