@@ -6,7 +6,7 @@ from pathlib import Path
 
 from adibas.errors import RecordingError
 from adibas.recordings import create_recording, open_recording
-from adibas.recordings.ports import RecordingOptions
+from adibas.recordings.ports import RecordingOptions, RecordingReader
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +53,26 @@ def convert(
             "in .mcap.",
             file=target.name,
         )
+    with open_recording(source) as reader:
+        return write_all(reader, target, plain=plain, progress=progress)
+
+
+def write_all(
+    reader: RecordingReader,
+    target: Path,
+    *,
+    plain: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> ConversionSummary:
+    """Write the frames of an open recording as `target`, as `convert` does.
+
+    Raises
+    ------
+    RecordingError
+        A frame is damaged, the target cannot hold it, or the disk is full. No target is left.
+    """
     options = RecordingOptions(is_plain=plain, is_live=False)
-    with open_recording(source) as reader, create_recording(target, reader.info, options) as writer:
+    with create_recording(target, reader.info, options) as writer:
         for number, frame in enumerate(reader, 1):
             writer.write(frame)
             if progress is not None:

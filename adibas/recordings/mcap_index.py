@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO
 
 from adibas.recordings import mcap_records as mcap
-from adibas.recordings.mcap_records import Cursor
-from adibas.recordings.mcap_writer import END_NAME, INFO_NAME
+from adibas.recordings.mcap_records import END_NAME, INFO_NAME, Cursor
 from adibas.recordings.ports import MAX_TIMESTAMP_NS
 from adibas.recordings.reading import DamagedError
 
@@ -63,6 +62,20 @@ def read_index(file: BinaryIO) -> McapIndex:
         _read_summary(file, size, index)
     except (DamagedError, struct.error):
         _walk(file, size, data_start, index)
+    return index
+
+
+def read_index_without_summary(file: BinaryIO) -> McapIndex:
+    """Return the index of an MCAP file as if it were cut; for an end that is not to be believed.
+
+    Raises
+    ------
+    DamagedError
+        Not even the beginning can be read.
+    """
+    size = file.seek(0, os.SEEK_END)
+    index, data_start = _read_head(file, size)
+    _walk(file, size, data_start, index)
     return index
 
 

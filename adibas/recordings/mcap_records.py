@@ -26,6 +26,8 @@ CHUNK_HEAD_SIZE = CHUNK_FIELDS.size + 4 + len("zstd") + 8
 MESSAGE_FIELDS = struct.Struct("<HIQQ")
 CHUNK_INDEX_FIELDS = struct.Struct("<QQQQ")
 
+INFO_NAME, END_NAME = "adibas", "adibas.end"
+"""Names of our metadata records."""
 MAX_CHUNK = 1 << 28
 """Largest chunk that is unpacked, bytes: a frame of 64 million pixels is smaller."""
 MAX_SMALL_RECORD = 1 << 24
@@ -41,6 +43,16 @@ class Message:
     log_time_ns: int
     publish_time_ns: int
     data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Registry:
+    """All schema and channel records, as they stand before the first chunk and in the summary."""
+
+    schemas: bytes
+    channels: bytes
+    n_schemas: int
+    n_channels: int
 
 
 def record(opcode: int, content: bytes) -> bytes:
@@ -73,8 +85,14 @@ class PackedChunk:
     message_indexes: bytes
     index_offsets: tuple[tuple[int, int], ...]
     time_ns: int
+    compression: str
     compressed_size: int
     uncompressed_size: int
+
+    @property
+    def content(self) -> bytes:
+        """What stands in the chunk record: times, size, sum, compression and the records."""
+        return self.chunk[PREFIX.size :]
 
     def index_record(self, start: int) -> bytes:
         """Return the chunk index record of this chunk at file position `start`."""
@@ -85,26 +103,24 @@ class PackedChunk:
             CHUNK_INDEX_FIELDS.pack(self.time_ns, self.time_ns, start, len(self.chunk))
             + text(offsets)
             + struct.pack("<Q", len(self.message_indexes))
-            + text("zstd")
+            + text(self.compression)
             + sizes
         )
         return record(CHUNK_INDEX, content)
 
 
-def pack_chunk(messages: list[Message], level: int) -> PackedChunk:
+def pack_chunk(messages: list[Message], level: int | None) -> PackedChunk:
     """Return the `messages` of one frame, all of one log time, as a chunk.
 
-    The head of the first message is a block of its own in the compressed bytes, so that a search
-    through a cut file learns the frame's number without unpacking the frame.
+    `level` is zstd's; None stores the messages as they are.
     """
     records = [message_record(message) for message in messages]
     plain = b"".join(records)
-    packer = zstandard.ZstdCompressor(level=level).compressobj(size=len(plain))
-    head = PREFIX.size + MESSAGE_FIELDS.size
-    packed = packer.compress(plain[:head]) + packer.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK)
-    packed += packer.compress(plain[head:]) + packer.flush()
+    compression = "" if level is None else "zstd"
+    packed = plain if level is None else _pack_zstd(plain, level)
     time_ns = messages[0].log_time_ns
-    content = CHUNK_FIELDS.pack(time_ns, time_ns, len(plain), zlib.crc32(plain)) + text("zstd")
+    content = CHUNK_FIELDS.pack(time_ns, time_ns, len(plain), zlib.crc32(plain))
+    content += text(compression)
     indexes = b""
     offsets = []
     place = 0
@@ -118,9 +134,22 @@ def pack_chunk(messages: list[Message], level: int) -> PackedChunk:
         message_indexes=indexes,
         index_offsets=tuple(offsets),
         time_ns=time_ns,
+        compression=compression,
         compressed_size=len(packed),
         uncompressed_size=len(plain),
     )
+
+
+def _pack_zstd(plain: bytes, level: int) -> bytes:
+    """Compress message records.
+
+    The head of the first message is a block of its own, so that a search through a cut file learns
+    the frame's number without unpacking the frame.
+    """
+    packer = zstandard.ZstdCompressor(level=level).compressobj(size=len(plain))
+    head = PREFIX.size + MESSAGE_FIELDS.size
+    packed = packer.compress(plain[:head]) + packer.flush(zstandard.COMPRESSOBJ_FLUSH_BLOCK)
+    return packed + packer.compress(plain[head:]) + packer.flush()
 
 
 class Cursor:
@@ -184,7 +213,7 @@ def unpack_chunk(content: bytes) -> bytes:
     if size > MAX_CHUNK:
         raise DamagedError("the chunk is too large")
     if compression == "zstd":
-        plain = _unpack_zstd(packed, size)
+        plain = unpack_zstd(packed, size)
     elif compression == "":
         plain = packed
     else:
@@ -194,7 +223,7 @@ def unpack_chunk(content: bytes) -> bytes:
     return plain
 
 
-def _unpack_zstd(packed: bytes, size: int) -> bytes:
+def unpack_zstd(packed: bytes, size: int) -> bytes:
     """Return exactly `size` bytes; never more memory than that, whatever `packed` says."""
     try:
         declared = zstandard.frame_content_size(packed)
@@ -210,13 +239,15 @@ def peek_sequence(head: bytes) -> int:
     """Return the number of the first message in a chunk from the first bytes of its content."""
     cursor = Cursor(head)
     cursor.take(CHUNK_FIELDS.size)
-    cursor.text()
+    compression = cursor.text()
     cursor.take(8)
-    try:
-        with zstandard.ZstdDecompressor().stream_reader(cursor.take(cursor.n_left)) as reader:
-            start = reader.read(PREFIX.size + MESSAGE_FIELDS.size)
-    except zstandard.ZstdError as error:
-        raise DamagedError("the chunk cannot be unpacked") from error
+    start = cursor.take(cursor.n_left)
+    if compression == "zstd":
+        try:
+            with zstandard.ZstdDecompressor().stream_reader(start) as reader:
+                start = reader.read(PREFIX.size + MESSAGE_FIELDS.size)
+        except zstandard.ZstdError as error:
+            raise DamagedError("the chunk cannot be unpacked") from error
     if len(start) < PREFIX.size + MESSAGE_FIELDS.size or start[0] != MESSAGE:
         raise DamagedError("the chunk does not begin with a message")
     return int(MESSAGE_FIELDS.unpack_from(start, PREFIX.size)[1])

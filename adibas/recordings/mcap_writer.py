@@ -2,11 +2,13 @@
 
 import struct
 import zlib
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.recordings import mcap_records as mcap
+from adibas.recordings import mcap_sealed
 from adibas.recordings.decoding import encode_color
 from adibas.recordings.messages import (
     CAMERA_CALIBRATION,
@@ -22,11 +24,10 @@ from adibas.recordings.messages import (
 from adibas.recordings.part_file import PartFile
 from adibas.recordings.ports import DropCount, RecordingOptions, RecordingWriter, check_frame
 from adibas.recordings.protobuf import MessageType, file_descriptor_set
+from adibas.recordings.seal import PayloadSeal
 from adibas.recordings.source_info import info_to_texts
 
 LIBRARY = "adibas 1"
-INFO_NAME = "adibas"
-END_NAME = "adibas.end"
 DEPTH, COLOR, INFRARED, COLOR_CALIBRATION, DEPTH_CALIBRATION = 1, 2, 3, 4, 5
 TOPICS = {
     DEPTH: "/depth",
@@ -40,22 +41,46 @@ ZSTD_LEVEL = 1
 
 
 class McapWriter(RecordingWriter):
-    """An MCAP file in the making."""
+    """An MCAP file in the making.
 
-    def __init__(self, path: Path, info: SourceInfo, options: RecordingOptions) -> None:
+    Parameters
+    ----------
+    path : Path
+        Where.
+    info : SourceInfo
+        What holds for every frame.
+    options : RecordingOptions
+        A sealed recording is never plain.
+    seal : PayloadSeal, optional
+        Makes everything but the number and the sizes of the frames unreadable.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        info: SourceInfo,
+        options: RecordingOptions,
+        seal: PayloadSeal | None = None,
+    ) -> None:
         self.path = path
-        self.options = options
+        self.options = options if seal is None else replace(options, is_plain=False)
+        self._seal = seal
+        self._registry = _registry(self.options) if seal is None else mcap_sealed.REGISTRY
         self.n_frames = 0
         self._info = info
         self._drops = DropCount(info.n_dropped)
         self._index: list[bytes] = []
-        self._counts = dict.fromkeys(TOPICS, 0)
-        self._times_ns: list[int] = []
+        self._counts: Counter[int] = Counter()
+        self._chunk_times_ns: list[int] = []
+        self._heads: list[mcap_sealed.FrameHead] = []
         self._metadata: list[bytes] = []
         self._is_open = True
         head = mcap.MAGIC + mcap.record(mcap.HEADER, mcap.text("") + mcap.text(LIBRARY))
-        head += self._metadata_record(INFO_NAME, info_to_texts(info), len(head))
-        self._file = PartFile(path, head + _registry(options))
+        texts = info_to_texts(info)
+        if seal is not None:
+            texts = mcap_sealed.seal_texts(seal, mcap_sealed.INFO, texts)
+        head += self._metadata_record(mcap.INFO_NAME, texts, len(head))
+        self._file = PartFile(path, head + self._registry.schemas + self._registry.channels)
 
     @property
     def n_dropped(self) -> int:
@@ -70,12 +95,15 @@ class McapWriter(RecordingWriter):
         """Append `frame`; it is handed to the system before this returns."""
         check_frame(frame, self.path.name)
         packed = mcap.pack_chunk(self._messages(frame), ZSTD_LEVEL)
+        head = mcap_sealed.FrameHead(frame.sequence, frame.timestamp_ns)
+        if self._seal is not None:
+            packed = mcap_sealed.seal_chunk(self._seal, self.n_frames, head, packed)
         start = self._file.size
         self._file.append(packed.chunk + packed.message_indexes)
         self._index.append(packed.index_record(start))
-        for channel, _ in packed.index_offsets:
-            self._counts[channel] += 1
-        self._times_ns.append(frame.timestamp_ns)
+        self._counts.update(channel for channel, _ in packed.index_offsets)
+        self._chunk_times_ns.append(packed.time_ns)
+        self._heads.append(head)
         self._drops.see(frame.sequence)
         self.n_frames += 1
 
@@ -116,8 +144,10 @@ class McapWriter(RecordingWriter):
             return
         self._is_open = False
         texts = {"n_frames": str(self.n_frames), "n_dropped": str(self.n_dropped)}
+        if self._seal is not None:
+            texts = mcap_sealed.seal_end(self._seal, texts, self._heads)
         try:
-            end = self._metadata_record(END_NAME, texts, self._file.size)
+            end = self._metadata_record(mcap.END_NAME, texts, self._file.size)
             end += mcap.record(mcap.DATA_END, struct.pack("<I", 0))
             self._file.append(end + self._summary(self._file.size + len(end)))
             self._file.finish()
@@ -139,8 +169,8 @@ class McapWriter(RecordingWriter):
     def _summary(self, start: int) -> bytes:
         """Return the summary section for position `start`, and what follows it."""
         groups = (
-            (mcap.SCHEMA, _schemas(self.options)),
-            (mcap.CHANNEL, _channels(self.options)),
+            (mcap.SCHEMA, self._registry.schemas),
+            (mcap.CHANNEL, self._registry.channels),
             (mcap.STATISTICS, self._statistics()),
             (mcap.METADATA_INDEX, b"".join(self._metadata)),
             (mcap.CHUNK_INDEX, b"".join(self._index)),
@@ -158,19 +188,18 @@ class McapWriter(RecordingWriter):
         return summary + struct.pack("<I", zlib.crc32(summary)) + mcap.MAGIC
 
     def _statistics(self) -> bytes:
-        counts = b"".join(struct.pack("<HQ", *count) for count in self._counts.items() if count[1])
-        n_schemas = len(_schema_numbers(self.options))
-        first_ns, last_ns = min(self._times_ns, default=0), max(self._times_ns, default=0)
+        counts = b"".join(struct.pack("<HQ", *count) for count in sorted(self._counts.items()))
+        times_ns = self._chunk_times_ns or [0]
         fields = struct.pack(
             "<QHIIIIQQ",
-            sum(self._counts.values()),
-            n_schemas,
-            len(TOPICS),
+            self._counts.total(),
+            self._registry.n_schemas,
+            self._registry.n_channels,
             0,
             len(self._metadata),
             self.n_frames,
-            first_ns,
-            last_ns,
+            min(times_ns),
+            max(times_ns),
         )
         return mcap.record(mcap.STATISTICS, fields + mcap.text(counts))
 
@@ -217,6 +246,6 @@ def _channels(options: RecordingOptions) -> bytes:
     )
 
 
-def _registry(options: RecordingOptions) -> bytes:
-    """Return all schemas and channels, as they stand before the first chunk."""
-    return _schemas(options) + _channels(options)
+def _registry(options: RecordingOptions) -> mcap.Registry:
+    n_schemas = len(_schema_numbers(options))
+    return mcap.Registry(_schemas(options), _channels(options), n_schemas, len(TOPICS))

@@ -4,7 +4,6 @@ It grows under a name of its own beside its place, ``NAME.part.mcap`` for ``NAME
 renamed when it is whole. A part file that a crash left is never overwritten.
 """
 
-import errno
 import os
 import time
 from contextlib import suppress
@@ -12,6 +11,7 @@ from io import FileIO
 from pathlib import Path
 
 from adibas.errors import RecordingError
+from adibas.files import FULL, flush_folder
 
 SECONDS_BETWEEN_SYNCS = 1.0
 
@@ -34,6 +34,7 @@ class PartFile:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self.part_path, self._file = _open_part(path)
+            flush_folder(path.parent)
         except OSError as error:
             raise cannot_record(path, error) from error
         try:
@@ -80,6 +81,7 @@ class PartFile:
             self.sync()
             self._file.close()
             self.part_path.replace(self.path)
+            flush_folder(self.path.parent)
         except OSError as error:
             raise cannot_record(self.path, error, kept=self.part_path) from error
 
@@ -110,7 +112,7 @@ def _open_part(path: Path) -> tuple[Path, FileIO]:
 
 def cannot_record(path: Path, error: OSError, kept: Path | None = None) -> RecordingError:
     """Say in words why `path` cannot be written, and where the frames until now are."""
-    is_full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    is_full = error.errno in FULL
     fields = {"file": path.name, "reason": error.strerror or str(error)}
     if is_full and kept is not None:
         return RecordingError(
