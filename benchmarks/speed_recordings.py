@@ -1,7 +1,9 @@
-"""How fast recordings are written, opened and read, beside the goals and 16-bit PNG."""
+"""How fast recordings are written, opened and read, plain and sealed, beside goals and PNG."""
 
+import os
 import tempfile
 import time
+import uuid
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -10,9 +12,17 @@ import numpy as np
 
 from adibas.arrays import UInt8Array, UInt16Array
 from adibas.data.frames import SensorFrame, SourceInfo
-from adibas.recordings import RecordingOptions, create_recording, open_recording
+from adibas.recordings import (
+    RecordingOptions,
+    RecordingReader,
+    RecordingWriter,
+    create_recording,
+    open_recording,
+)
 from adibas.recordings.decoding import encode_png
 from adibas.recordings.rvl import decode_rvl, encode_rvl
+from adibas.sessions.sealed_recordings import SealedRecordings
+from adibas.sessions.sealing import KEY_SIZE
 from benchmarks.table import Row
 
 FRAME_RATE_HZ = 30
@@ -28,6 +38,9 @@ def rows(*, quick: bool) -> Iterable[Row]:
     with tempfile.TemporaryDirectory() as folder:
         yield from _recording_rows(Path(folder), depth, color, n_frames=60 if quick else 300)
         yield from _opening_rows(Path(folder), n_frames=2000 if quick else N_LONG)
+        store = SealedRecordings(Path(folder) / "sealed")
+        yield from _sealed_rows(store, depth, color, n_frames=60 if quick else 300)
+        yield from _sealed_opening_rows(store, n_frames=2000 if quick else N_LONG)
 
 
 def _depth_image(rng: np.random.Generator) -> UInt16Array:
@@ -80,7 +93,8 @@ def _recording_rows(
     for choice, goal in (("jpeg", 0.5), ("png", None)):
         options = RecordingOptions(color="jpeg" if choice == "jpeg" else "png")
         path = folder / f"{choice}.mcap"
-        cpu_s = _record(path, depth, color, options, n_frames)
+        writer = create_recording(path, SourceInfo(), options)
+        cpu_s = _record(writer, depth, color, n_frames)
         name = f"record 640x480 depth + {choice.upper()} colour at 30 frames/s"
         share = cpu_s / n_frames * FRAME_RATE_HZ
         yield Row(name, share, "cores", goal, "" if goal is None else "goal <")
@@ -88,11 +102,9 @@ def _recording_rows(
         yield Row(f"size of a minute with {choice.upper()} colour", mebibytes, "MiB")
 
 
-def _record(
-    path: Path, depth: UInt16Array, color: UInt8Array, options: RecordingOptions, n_frames: int
-) -> float:
+def _record(writer: RecordingWriter, depth: UInt16Array, color: UInt8Array, n_frames: int) -> float:
     """Return the CPU seconds of `n_frames` frames."""
-    with create_recording(path, SourceInfo(), options) as writer:
+    with writer:
         writer.write(SensorFrame(0, 0, depth, color, 0))
         start_s = time.process_time()
         for i in range(1, n_frames + 1):
@@ -115,10 +127,44 @@ def _opening_rows(folder: Path, n_frames: int) -> Iterable[Row]:
     ours_ms = _median_ms(lambda: open_recording(path).close(), 3)
     yield Row(f"{name}, cut by a crash", ours_ms, "ms")
     with open_recording(folder / "jpeg.mcap") as reader:
-        numbers = np.random.default_rng(SEED).integers(0, len(reader), 100)
-        times = iter(np.tile(reader.timestamps_ns[numbers], 2))
-        indexes = iter(np.tile(numbers, 2))
-        ours_ms = _median_ms(lambda: reader.read(int(next(indexes))), 100)
-        yield Row("read any 640x480 frame by its number", ours_ms, "ms", 10, "goal <")
-        ours_ms = _median_ms(lambda: reader.read_at(int(next(times))), 100)
-        yield Row("read any 640x480 frame by its time", ours_ms, "ms", 10, "goal <")
+        yield from _reading_rows(reader, "read any 640x480 frame")
+
+
+def _reading_rows(reader: RecordingReader, name: str) -> Iterable[Row]:
+    """Read frames in a random order."""
+    numbers = np.random.default_rng(SEED).integers(0, len(reader), 100)
+    times = iter(np.tile(reader.timestamps_ns[numbers], 2))
+    indexes = iter(np.tile(numbers, 2))
+    ours_ms = _median_ms(lambda: reader.read(int(next(indexes))), 100)
+    yield Row(f"{name} by its number", ours_ms, "ms", 10, "goal <")
+    ours_ms = _median_ms(lambda: reader.read_at(int(next(times))), 100)
+    yield Row(f"{name} by its time", ours_ms, "ms", 10, "goal <")
+
+
+def _sealed_rows(
+    store: SealedRecordings, depth: UInt16Array, color: UInt8Array, n_frames: int
+) -> Iterable[Row]:
+    """Record and read what the session store keeps."""
+    recording_id, key = uuid.uuid4().hex, os.urandom(KEY_SIZE)
+    writer = store.create(recording_id, key, SourceInfo(), RecordingOptions(color="jpeg"))
+    share = _record(writer, depth, color, n_frames) / n_frames * FRAME_RATE_HZ
+    name = "record 640x480 depth + JPEG colour at 30 frames/s, sealed"
+    yield Row(name, share, "cores", 0.5, "goal <")
+    with store.open(recording_id, key) as reader:
+        yield from _reading_rows(reader, "read any sealed 640x480 frame")
+
+
+def _sealed_opening_rows(store: SealedRecordings, n_frames: int) -> Iterable[Row]:
+    """Open a long sealed recording of small frames; then the same file without its end."""
+    recording_id, key = uuid.uuid4().hex, os.urandom(KEY_SIZE)
+    small = np.full((48, 64), 2000, np.uint16)
+    with store.create(recording_id, key, SourceInfo(), RecordingOptions()) as writer:
+        for i in range(n_frames):
+            writer.write(SensorFrame(i, i * 33_333_333, depth_raw=small))
+    name = f"open a sealed recording of {n_frames:,} frames"
+    ours_ms = _median_ms(lambda: store.open(recording_id, key).close(), 10)
+    yield Row(name, ours_ms, "ms", 50, "goal <")
+    with store.path_of(recording_id).open("r+b") as file:
+        file.truncate(store.size(recording_id) - 100)
+    ours_ms = _median_ms(lambda: store.open(recording_id, key).close(), 3)
+    yield Row(f"{name}, cut by a crash", ours_ms, "ms")
