@@ -1,0 +1,138 @@
+"""The audit log: who did what to which thing and when, in lines chained by their hashes."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Literal
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session as Transaction
+
+from adibas.sessions.clock import Clock, to_text
+from adibas.sessions.database import Database
+from adibas.sessions.schema import AuditHead, AuditRecord
+
+Action = Literal["create", "view", "change", "export", "delete", "restore", "purge", "open"]
+
+BEGINNING = "0" * 64
+"""What the first line has for the hash before it."""
+
+SAME_VIEW = timedelta(minutes=1)
+"""A thing that one operator looks at again within this time is one look."""
+
+THE_HEAD = 1
+
+
+@dataclass(frozen=True, slots=True)
+class AuditEntry:
+    """One line.
+
+    Attributes
+    ----------
+    sequence : int
+        Counts from 1 without gaps; it decides the order, whatever the clock did.
+    time_utc : datetime
+        Never before the line before.
+    operator : str
+        Who.
+    action : str
+        One of `Action`.
+    subject : str
+        A pseudonym or an id, never a name.
+    detail : Mapping
+        What more there is to know, such as the fields that were changed; no contents.
+    """
+
+    sequence: int
+    time_utc: datetime
+    operator: str
+    action: str
+    subject: str
+    detail: Mapping[str, object]
+
+
+class AuditLog:
+    """Writes lines; every change and its line are one transaction.
+
+    Parameters
+    ----------
+    operator : str
+        Who works; may change.
+    """
+
+    def __init__(self, database: Database, clock: Clock, operator: str) -> None:
+        self.operator = operator
+        self._database = database
+        self._clock = clock
+        self._last_views: dict[tuple[str, str], datetime] = {}
+
+    def now(self) -> str:
+        """Return the time of day as the tables keep it."""
+        return to_text(self._clock())
+
+    def write(
+        self, transaction: Transaction, action: Action, subject: str, **detail: object
+    ) -> None:
+        """Append a line within `transaction`."""
+        head = transaction.get(AuditHead, THE_HEAD)
+        last = None if head is None else transaction.get(AuditRecord, head.sequence)
+        line = AuditRecord(
+            sequence=1 if head is None else head.sequence + 1,
+            time_utc=self.now() if last is None else max(self.now(), last.time_utc),
+            operator=self.operator,
+            action=action,
+            subject=subject,
+            detail=json.dumps(detail, sort_keys=True, ensure_ascii=False),
+            previous_hash=BEGINNING if head is None else head.hash,
+        )
+        line.hash = hash_of(line)
+        transaction.add(line)
+        if head is None:
+            transaction.add(AuditHead(only=THE_HEAD, sequence=line.sequence, hash=line.hash))
+        else:
+            head.sequence, head.hash = line.sequence, line.hash
+        transaction.flush()
+
+    def saw(self, subject: str) -> None:
+        """Append a line that `subject` was looked at, unless it was a moment ago."""
+        now = self._clock()
+        last = self._last_views.get((self.operator, subject))
+        if last is not None and timedelta(0) <= now - last < SAME_VIEW:
+            return
+        with self._database.logging() as transaction:
+            self.write(transaction, "view", subject)
+        self._last_views[self.operator, subject] = now
+
+    def append(self, action: Action, subject: str, **detail: object) -> None:
+        """Append a line in a transaction of its own."""
+        with self._database.logging() as transaction:
+            self.write(transaction, action, subject, **detail)
+
+    def entries(self, limit: int = 1000) -> tuple[AuditEntry, ...]:
+        """Return the last lines, newest first."""
+        newest = select(AuditRecord).order_by(AuditRecord.sequence.desc()).limit(limit)
+        with self._database.reading() as transaction:
+            return tuple(_entry(line) for line in transaction.scalars(newest))
+
+
+def hash_of(line: AuditRecord) -> str:
+    """Return the SHA-256 over the hash before and the canonical content of a line."""
+    content = json.dumps(
+        [line.sequence, line.time_utc, line.operator, line.action, line.subject, line.detail],
+        ensure_ascii=False,
+        separators=(",", ":"),
+    )
+    return hashlib.sha256(f"{line.previous_hash}\n{content}".encode()).hexdigest()
+
+
+def _entry(line: AuditRecord) -> AuditEntry:
+    return AuditEntry(
+        sequence=line.sequence,
+        time_utc=datetime.fromisoformat(line.time_utc),
+        operator=line.operator,
+        action=line.action,
+        subject=line.subject,
+        detail=json.loads(line.detail),
+    )

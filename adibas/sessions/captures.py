@@ -1,0 +1,266 @@
+"""The captures of a session, their pictures, and the corrections of their markers."""
+
+import uuid
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session as Transaction
+
+from adibas.arrays import UInt8Array
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.corrections import CorrectionHistory
+from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.posture import Provenance
+from adibas.data.sessions import Capture
+from adibas.errors import StoreError
+from adibas.markers.disparity import BurstDisparity
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.clock import to_text
+from adibas.sessions.correcting import history_of, save_history
+from adibas.sessions.database import Database
+from adibas.sessions.documents import (
+    calibration_line,
+    calibration_of_line,
+    from_json,
+    markers_from_json,
+    markers_to_json,
+    provenance_from_json,
+    provenance_to_json,
+    rejected_from_json,
+    rejected_to_json,
+    to_json,
+)
+from adibas.sessions.images import (
+    decode_picture,
+    decode_surface,
+    encode_picture,
+    encode_surface,
+    encode_thumbnail,
+)
+from adibas.sessions.kept_files import KeptFiles
+from adibas.sessions.schema import CaptureRecord
+from adibas.sessions.visits import found_session
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NewCapture:
+    """A capture before it is saved; the fields are those of `Capture`.
+
+    Attributes
+    ----------
+    recording_id : str
+        Of this store; empty where nothing was recorded.
+    captured_utc : datetime or None
+        None = now.
+    """
+
+    view: str
+    recording_id: str
+    first_frame: int
+    n_frames: int
+    calibration: RgbdCalibration
+    detected: tuple[Marker, ...]
+    rejected: tuple[RejectedBlob, ...]
+    provenance: Provenance
+    captured_utc: datetime | None = None
+    history: CorrectionHistory = field(default_factory=CorrectionHistory)
+    notices: tuple[str, ...] = ()
+
+
+class Captures:
+    """The captures of a store."""
+
+    def __init__(self, database: Database, audit: AuditLog, files: KeptFiles) -> None:
+        self._database = database
+        self._audit = audit
+        self._files = files
+
+    def add(
+        self,
+        session_id: str,
+        new: NewCapture,
+        picture_rgb: UInt8Array,
+        surface: BurstDisparity | None = None,
+    ) -> Capture:
+        """Save a capture with its (H, W, 3) picture; when this returns it is on the disk.
+
+        Raises
+        ------
+        StoreError
+            There is no such session, the store is read-only, or the disk is full.
+        """
+        new.history.markers(new.detected)
+        with self._database.reading() as transaction:
+            found_session(transaction, session_id)
+        payloads = [encode_picture(picture_rgb)]
+        if surface is not None:
+            payloads.append(encode_surface(surface))
+        files = self._files.write(payloads)
+        with self._database.changing() as transaction:
+            found_session(transaction, session_id)
+            self._files.keep(transaction, files)
+            record = self._record(transaction, session_id, new)
+            record.picture_id = files[0]
+            record.surface_id = files[1] if surface is not None else None
+            record.thumbnail = encode_thumbnail(picture_rgb)
+            transaction.add(record)
+            transaction.flush()
+            self._audit.write(transaction, "create", record.capture_id, session=session_id)
+            save_history(transaction, self._audit, record, new.history)
+            return _capture(transaction, record)
+
+    def get(self, capture_id: str) -> Capture:
+        """Return a capture, a hidden one too.
+
+        Raises
+        ------
+        StoreError
+            There is no such capture.
+        """
+        with self._database.reading() as transaction:
+            capture = _capture(transaction, found_capture(transaction, capture_id))
+        self._audit.saw(capture.session_id)
+        return capture
+
+    def of_session(self, session_id: str, *, with_deleted: bool = False) -> tuple[Capture, ...]:
+        """Return the captures of a session in the order in which they were taken."""
+        theirs = select(CaptureRecord).where(CaptureRecord.session_id == session_id)
+        if not with_deleted:
+            theirs = theirs.where(CaptureRecord.is_deleted.is_(False))
+        with self._database.reading() as transaction:
+            found = transaction.scalars(theirs.order_by(CaptureRecord.number))
+            captures = tuple(_capture(transaction, record) for record in found)
+        if captures:
+            self._audit.saw(session_id)
+        return captures
+
+    def correct(self, capture_id: str, history: CorrectionHistory) -> Capture:
+        """Save the history of corrections as it is now; the log gets a line for each change.
+
+        Raises
+        ------
+        ValueError
+            The history does not fit the markers.
+        StoreError
+            There is no such capture, the store is read-only, or the disk is full.
+        """
+        with self._database.changing() as transaction:
+            record = found_capture(transaction, capture_id)
+            history.markers(markers_from_json(record.detected))
+            save_history(transaction, self._audit, record, history)
+            return _capture(transaction, record)
+
+    def delete(self, capture_id: str) -> None:
+        """Hide a capture, until `restore` or a purge of its session.
+
+        Raises
+        ------
+        StoreError
+            There is no such capture, the store is read-only, or the disk is full.
+        """
+        self._hide(capture_id, is_deleted=True)
+
+    def restore(self, capture_id: str) -> None:
+        """Show a hidden capture again.
+
+        Raises
+        ------
+        StoreError
+            There is no such capture, the store is read-only, or the disk is full.
+        """
+        self._hide(capture_id, is_deleted=False)
+
+    def picture(self, capture_id: str) -> UInt8Array:
+        """Return the (H, W, 3) RGB picture.
+
+        Raises
+        ------
+        StoreError
+            There is no such capture, or its picture is missing or damaged.
+        """
+        with self._database.reading() as transaction:
+            picture_id = found_capture(transaction, capture_id).picture_id
+        return decode_picture(self._files.read(picture_id))
+
+    def thumbnail(self, capture_id: str) -> UInt8Array:
+        """Return the (h, w, 3) RGB picture with a longer side of 160 pixels at most.
+
+        Raises
+        ------
+        StoreError
+            There is no such capture.
+        """
+        with self._database.reading() as transaction:
+            return decode_picture(found_capture(transaction, capture_id).thumbnail)
+
+    def surface(self, capture_id: str) -> BurstDisparity | None:
+        """Return the depth of the burst; None where it was not kept.
+
+        Raises
+        ------
+        StoreError
+            There is no such capture, or the file is missing or damaged.
+        """
+        with self._database.reading() as transaction:
+            surface_id = found_capture(transaction, capture_id).surface_id
+        return None if surface_id is None else decode_surface(self._files.read(surface_id))
+
+    def _record(self, transaction: Transaction, session_id: str, new: NewCapture) -> CaptureRecord:
+        last = select(func.max(CaptureRecord.number)).where(CaptureRecord.session_id == session_id)
+        captured_utc = new.captured_utc
+        return CaptureRecord(
+            capture_id=uuid.uuid4().hex,
+            session_id=session_id,
+            number=(transaction.scalar(last) or 0) + 1,
+            view=new.view,
+            captured_utc=self._audit.now() if captured_utc is None else to_text(captured_utc),
+            recording_id=new.recording_id or None,
+            first_frame=new.first_frame,
+            n_frames=new.n_frames,
+            calibration=calibration_line(new.calibration),
+            detected=markers_to_json(new.detected),
+            rejected=rejected_to_json(new.rejected),
+            provenance=provenance_to_json(new.provenance),
+            notices=to_json(list(new.notices)),
+            n_done=0,
+            is_deleted=False,
+        )
+
+    def _hide(self, capture_id: str, *, is_deleted: bool) -> None:
+        with self._database.changing() as transaction:
+            record = found_capture(transaction, capture_id)
+            if record.is_deleted != is_deleted:
+                record.is_deleted = is_deleted
+                self._audit.write(transaction, "delete" if is_deleted else "restore", capture_id)
+
+
+def found_capture(transaction: Transaction, capture_id: str) -> CaptureRecord:
+    """Return the record, or raise StoreError."""
+    record = transaction.get(CaptureRecord, capture_id)
+    if record is None:
+        raise StoreError(
+            "There is no capture {capture_id} in this store; perhaps it was purged. Choose another "
+            "one.",
+            capture_id=capture_id,
+        )
+    return record
+
+
+def _capture(transaction: Transaction, record: CaptureRecord) -> Capture:
+    return Capture(
+        capture_id=record.capture_id,
+        session_id=record.session_id,
+        view=record.view,
+        captured_utc=datetime.fromisoformat(record.captured_utc),
+        recording_id=record.recording_id or "",
+        first_frame=record.first_frame,
+        n_frames=record.n_frames,
+        calibration=calibration_of_line(record.calibration),
+        detected=markers_from_json(record.detected),
+        rejected=rejected_from_json(record.rejected),
+        provenance=provenance_from_json(record.provenance),
+        history=history_of(transaction, record),
+        notices=tuple(from_json(record.notices)),
+        is_deleted=record.is_deleted,
+    )

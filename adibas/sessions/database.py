@@ -1,0 +1,194 @@
+"""The encrypted database: one connection, one transaction at a time, sentences for failures."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import sqlcipher3.dbapi2 as sqlcipher
+from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.exc import DatabaseError
+from sqlalchemy.orm import Session as Transaction
+from sqlalchemy.pool import StaticPool
+
+from adibas.errors import StoreError
+
+DATABASE_FILE = "adibas.db"
+SECONDS_TO_WAIT = 10.0
+
+PRAGMAS = (
+    "PRAGMA cipher_log_level = NONE",
+    "PRAGMA journal_mode = WAL",
+    "PRAGMA synchronous = FULL",
+    "PRAGMA foreign_keys = ON",
+    "PRAGMA secure_delete = ON",
+    "PRAGMA temp_store = MEMORY",
+)
+
+
+class Database:
+    """`adibas.db`, opened.
+
+    Parameters
+    ----------
+    folder : Path
+        The store.
+    key : bytes
+        32 bytes, used as they are.
+    is_read_only : bool
+        Refuse every change but lines of the audit log.
+
+    Raises
+    ------
+    StoreError
+        The file is no database, or damaged, or of another key.
+    """
+
+    def __init__(self, folder: Path, key: bytes, *, is_read_only: bool) -> None:
+        self.path = folder / DATABASE_FILE
+        self.is_read_only = is_read_only
+        self._lock = threading.RLock()
+        self._is_inside = False
+        self._is_closed = False
+        self._engine = _engine(self.path, key)
+        event.listen(self._engine, "begin", self._begin)
+        self._begin_word = "BEGIN"
+        with self.reading() as transaction:
+            _check_readable(transaction.connection())
+
+    @contextmanager
+    def reading(self) -> Iterator[Transaction]:
+        """Give a transaction that sees one state of the database."""
+        with self._transaction("BEGIN") as transaction:
+            yield transaction
+
+    @contextmanager
+    def changing(self) -> Iterator[Transaction]:
+        """Give a transaction that is on the disk when the block is left, or undone after an error.
+
+        Raises
+        ------
+        StoreError
+            The store is read-only, or the disk is full; nothing was changed then.
+        """
+        if self.is_read_only:
+            raise StoreError(
+                "The patient store is open in another window, and this one can only read. Close "
+                "the other window, then open the store again."
+            )
+        with self._transaction("BEGIN IMMEDIATE") as transaction:
+            yield transaction
+
+    @contextmanager
+    def logging(self) -> Iterator[Transaction]:
+        """Give a transaction for a line of the audit log alone: a reader writes one too."""
+        with self._transaction("BEGIN IMMEDIATE") as transaction:
+            yield transaction
+
+    def empty_journal(self) -> None:
+        """Bring everything into the database file, so that the journal keeps no old content."""
+        with self._alone():
+            connection = self._engine.raw_connection()
+            try:
+                connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+            finally:
+                connection.close()
+
+    def copy_to(self, path: Path, key: bytes) -> None:
+        """Write a copy, encrypted with the same key."""
+        with self._alone():
+            source = self._engine.raw_connection()
+            target = _connect(path, key)
+            try:
+                source.driver_connection.backup(target)  # type: ignore[union-attr]
+            finally:
+                target.close()
+                source.close()
+
+    def close(self) -> None:
+        """Let go of the file; closing twice does no harm."""
+        with self._lock:
+            self._is_closed = True
+            self._engine.dispose()
+
+    def _begin(self, connection: Connection) -> None:
+        connection.exec_driver_sql(self._begin_word)
+
+    @contextmanager
+    def _transaction(self, begin_word: str) -> Iterator[Transaction]:
+        with self._alone():
+            self._begin_word = begin_word
+            with (
+                Transaction(self._engine, expire_on_commit=False) as transaction,
+                transaction.begin(),
+            ):
+                yield transaction
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        with self._lock:
+            if self._is_inside:
+                raise RuntimeError("a transaction stands within another one")
+            if self._is_closed:
+                raise StoreError("The patient store is closed. Open it again.")
+            self._is_inside = True
+            try:
+                yield
+            except DatabaseError as error:
+                raise _explained(error) from error
+            finally:
+                self._is_inside = False
+
+
+def _engine(path: Path, key: bytes) -> Engine:
+    return create_engine(
+        "sqlite://",
+        module=sqlcipher,
+        creator=lambda: _connect(path, key),
+        poolclass=StaticPool,
+    )
+
+
+def _connect(path: Path, key: bytes) -> sqlcipher.Connection:
+    connection = sqlcipher.connect(
+        str(path), isolation_level=None, check_same_thread=False, timeout=SECONDS_TO_WAIT
+    )
+    log_level, *rest = PRAGMAS
+    try:
+        for statement in (log_level, f"PRAGMA key = \"x'{key.hex()}'\"", *rest):
+            connection.execute(statement).fetchall()
+    except sqlcipher.DatabaseError:
+        connection.close()
+        raise
+    return connection
+
+
+def _check_readable(connection: Connection) -> None:
+    """Read the first page: with a wrong key this fails."""
+    connection.exec_driver_sql("SELECT count(*) FROM sqlite_master").scalar_one()
+
+
+def _explained(error: DatabaseError) -> StoreError:
+    """Say in words what the database says; its own words may hold what was being written."""
+    reason = str(error.orig).lower()
+    if "full" in reason:
+        return StoreError(
+            "The disk is full, and nothing of this was saved. Free some space and try again."
+        )
+    if "locked" in reason or "busy" in reason:
+        return StoreError(
+            "Another program holds the patient store, and nothing of this was saved. Close backup "
+            "or synchronisation programs and try again."
+        )
+    if "not a database" in reason or "malformed" in reason or "encrypted" in reason:
+        return StoreError(
+            "{file} of the patient store is damaged, or is no database of this store. Nothing was "
+            "changed. Restore the store's folder from a backup.",
+            file=DATABASE_FILE,
+        )
+    return StoreError(
+        "{file} of the patient store cannot be used ({reason}), and nothing of this was saved. "
+        "Check the disk and try again.",
+        file=DATABASE_FILE,
+        reason=type(error.orig).__name__,
+    )

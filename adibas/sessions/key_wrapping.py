@@ -1,0 +1,121 @@
+"""A key behind a passphrase: Argon2id makes a second key, which seals the first one."""
+
+import base64
+import binascii
+import secrets
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from cryptography.exceptions import InvalidTag
+from cryptography.hazmat.primitives.ciphers.aead import AESGCM
+from cryptography.hazmat.primitives.kdf.argon2 import Argon2id
+
+KEY_BYTES = 32
+SALT_BYTES = 16
+NONCE_BYTES = 12
+SHORTEST_PASSPHRASE = 8
+MOST_ITERATIONS = 100
+MOST_LANES = 64
+MOST_MEMORY_KIB = 4 * 1024 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class Argon2Params:
+    """How costly one guess of a passphrase is.
+
+    Source: RFC 9106, section 4, the second recommended choice (for less memory than 2 GiB).
+
+    Attributes
+    ----------
+    iterations : int
+        Passes over the memory: 3.
+    lanes : int
+        Computed side by side: 4.
+    memory_kib : int
+        64 MiB.
+    """
+
+    iterations: int = 3
+    lanes: int = 4
+    memory_kib: int = 64 * 1024
+
+    def __post_init__(self) -> None:
+        is_sane = (
+            1 <= self.iterations <= MOST_ITERATIONS
+            and 1 <= self.lanes <= MOST_LANES
+            and 8 * self.lanes <= self.memory_kib <= MOST_MEMORY_KIB
+        )
+        if not is_sane:
+            raise ValueError(f"no use for Argon2id: {self}")
+
+
+def wrap_key(key: bytes, passphrase: str, bound_to: str, params: Argon2Params) -> dict[str, object]:
+    """Return `key` sealed by `passphrase`, as plain values for a JSON document.
+
+    Parameters
+    ----------
+    key : bytes
+        What is sealed.
+    bound_to : str
+        The sealed key opens only together with this text.
+    """
+    salt, nonce = secrets.token_bytes(SALT_BYTES), secrets.token_bytes(NONCE_BYTES)
+    sealed = AESGCM(_derive(passphrase, salt, params)).encrypt(nonce, key, bound_to.encode())
+    return {
+        "argon2id": asdict(params),
+        "salt": _to_text(salt),
+        "nonce": _to_text(nonce),
+        "sealed_key": _to_text(sealed),
+    }
+
+
+def unwrap_key(document: Mapping[str, object], passphrase: str, bound_to: str) -> bytes | None:
+    """Return the key; None where the passphrase is another one.
+
+    Raises
+    ------
+    ValueError
+        The document is damaged.
+    """
+    numbers = document.get("argon2id")
+    if not isinstance(numbers, Mapping):
+        raise ValueError("argon2id is missing")  # noqa: TRY004  (the file's fault)
+    names = ("iterations", "lanes", "memory_kib")
+    if not all(type(numbers.get(name)) is int for name in names):
+        raise ValueError("the numbers of argon2id are missing")
+    params = Argon2Params(*(numbers[name] for name in names))
+    salt, nonce, sealed = (_to_bytes(document, name) for name in ("salt", "nonce", "sealed_key"))
+    if (len(salt), len(nonce), len(sealed)) != (SALT_BYTES, NONCE_BYTES, KEY_BYTES + 16):
+        raise ValueError("the sealed key is cut short")
+    try:
+        return AESGCM(_derive(passphrase, salt, params)).decrypt(nonce, sealed, bound_to.encode())
+    except InvalidTag:
+        return None
+
+
+def _derive(passphrase: str, salt: bytes, params: Argon2Params) -> bytes:
+    # Keyboards of different systems compose accents differently.
+    secret = unicodedata.normalize("NFC", passphrase).encode()
+    derivation = Argon2id(
+        salt=salt,
+        length=KEY_BYTES,
+        iterations=params.iterations,
+        lanes=params.lanes,
+        memory_cost=params.memory_kib,
+    )
+    return derivation.derive(secret)
+
+
+def _to_text(data: bytes) -> str:
+    return base64.b64encode(data).decode()
+
+
+def _to_bytes(document: Mapping[str, object], name: str) -> bytes:
+    value = document.get(name)
+    if not isinstance(value, str):
+        raise ValueError(f"{name} is missing")  # noqa: TRY004  (the file's fault)
+    try:
+        return base64.b64decode(value, validate=True)
+    except binascii.Error as error:
+        raise ValueError(f"{name} is damaged") from error

@@ -1,0 +1,82 @@
+"""Brings the tables to the present revision, or refuses those of a later program."""
+
+from pathlib import Path
+
+from sqlalchemy import Connection
+
+from adibas.errors import StoreError
+from adibas.files import written_whole
+from adibas.sessions.database import DATABASE_FILE, Database
+
+HEAD = "0001"
+"""The last revision under `migrations/versions` (a test compares), to start without Alembic."""
+
+KNOWN = ("0001",)
+
+
+def bring_up_to_date(database: Database, key: bytes) -> None:
+    """Make the tables of a new database, or migrate an old one after keeping a copy of it.
+
+    Raises
+    ------
+    StoreError
+        The database is of a later version, or an old one that this opener may not change.
+    FileError
+        The copy cannot be written.
+    """
+    with database.reading() as transaction:
+        revision = _revision(transaction.connection())
+    if revision == HEAD:
+        return
+    if revision is not None and revision not in KNOWN:
+        raise StoreError(
+            "The patient store was used with a later version of ADiBAS (its tables are {found}, "
+            "this version knows {known}). Nothing was changed. Update the program.",
+            found=revision,
+            known=HEAD,
+        )
+    if revision is not None:
+        _keep_copy(database, key, revision)
+    with database.changing() as transaction:
+        _upgrade(transaction.connection())
+
+
+def copies(folder: Path) -> list[Path]:
+    """Return the copies that were kept before migrations."""
+    return sorted(folder.glob(f"{DATABASE_FILE}.before-*"))
+
+
+def _revision(connection: Connection) -> str | None:
+    """Return the revision of the tables; None of an empty database."""
+    tables = connection.exec_driver_sql("SELECT name FROM sqlite_master").scalars().all()
+    if not tables:
+        return None
+    if "alembic_version" not in tables:
+        raise StoreError(
+            "{file} is no database of ADiBAS. Nothing was changed. Restore the store's folder "
+            "from a backup.",
+            file=DATABASE_FILE,
+        )
+    found = connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one()
+    return str(found)
+
+
+def _keep_copy(database: Database, key: bytes, revision: str) -> None:
+    if database.is_read_only:
+        raise StoreError(
+            "The patient store is of an older version and is open in another window. Close that "
+            "window, then open the store again."
+        )
+    kept = database.path.with_name(f"{DATABASE_FILE}.before-{HEAD}-from-{revision}")
+    with written_whole(kept) as path:
+        database.copy_to(path, key)
+
+
+def _upgrade(connection: Connection) -> None:
+    from alembic import command
+    from alembic.config import Config
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config.attributes["connection"] = connection
+    command.upgrade(config, "head")

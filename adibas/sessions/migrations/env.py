@@ -1,0 +1,13 @@
+"""Alembic runs this: the revisions act on the connection that the store gives."""
+
+from alembic import context
+
+from adibas.sessions.schema import Record
+
+context.configure(
+    connection=context.config.attributes["connection"],
+    target_metadata=Record.metadata,
+    render_as_batch=True,
+    transaction_per_migration=False,
+)
+context.run_migrations()

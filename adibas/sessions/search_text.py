@@ -1,0 +1,35 @@
+"""Texts as the search compares them: small letters without accents."""
+
+import unicodedata
+from datetime import date
+
+from adibas.data.patients import Identity
+
+ESCAPE = "\\"
+
+
+def simplified(text: str) -> str:
+    """Return `text` in small letters, without accents, with single spaces."""
+    parts = unicodedata.normalize("NFKD", text.casefold())
+    plain = "".join(letter for letter in parts if not unicodedata.combining(letter))
+    return " ".join(plain.split())
+
+
+def searchable(identity: Identity, pseudonym: str) -> str:
+    """Return everything by which a patient is found: name, number, pseudonym, birth date."""
+    known = [identity.name, identity.record_number, pseudonym, *_dates(identity.birth_date)]
+    return simplified(" ".join(known))
+
+
+def patterns(text: str) -> list[str]:
+    """Return a LIKE pattern for each word of a search."""
+    escaped = simplified(text)
+    for letter in (ESCAPE, "%", "_"):
+        escaped = escaped.replace(letter, ESCAPE + letter)
+    return [f"%{word}%" for word in escaped.split()]
+
+
+def _dates(day: date | None) -> list[str]:
+    if day is None:
+        return []
+    return [day.isoformat(), f"{day:%d/%m/%Y}", f"{day:%d.%m.%Y}"]

@@ -1,0 +1,176 @@
+"""The store of patients and sessions: opened once, used from any thread."""
+
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import platformdirs
+
+from adibas.errors import StoreError
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.captures import Captures
+from adibas.sessions.clock import Clock, utc_now
+from adibas.sessions.database import DATABASE_FILE, Database
+from adibas.sessions.kept_files import KeptFiles
+from adibas.sessions.key_file import KEY_FILE
+from adibas.sessions.key_wrapping import Argon2Params
+from adibas.sessions.keys import load_key, make_key
+from adibas.sessions.lock import StoreLock, cannot_use
+from adibas.sessions.migrating import bring_up_to_date
+from adibas.sessions.patients import Patients
+from adibas.sessions.sealed_files import SealedFiles
+from adibas.sessions.visits import Sessions
+
+PICTURES, RECORDINGS = "pictures", "recordings"
+STORE_AS_SUBJECT = "store"
+"""The audit log's word for the whole store."""
+
+
+class SessionStore:
+    """Everything that is kept of the patients; made by `open_store`.
+
+    Calls are made one after the other, from whatever thread. As a context manager it is closed at
+    the end.
+
+    Attributes
+    ----------
+    folder : Path
+        Where it is.
+    is_read_only : bool
+        True while another process or window holds it: every change raises StoreError.
+    patients, sessions, captures
+        See `Patients`, `Sessions`, `Captures`.
+    audit : AuditLog
+        Who did what.
+    """
+
+    def __init__(self, folder: Path, database: Database, lock: StoreLock, audit: AuditLog) -> None:
+        self.folder = folder
+        self.is_read_only = database.is_read_only
+        self.audit = audit
+        files = KeptFiles(database, SealedFiles(folder / PICTURES))
+        self.patients = Patients(database, audit)
+        self.sessions = Sessions(database, audit)
+        self.captures = Captures(database, audit, files)
+        self._database = database
+        self._lock = lock
+        if not self.is_read_only:
+            files.finish()
+
+    @property
+    def operator(self) -> str:
+        """Who works: stands in new sessions and in the audit log."""
+        return self.audit.operator
+
+    @operator.setter
+    def operator(self, name: str) -> None:
+        self.audit.operator = name
+
+    def note_export(self, kind: str, *ids: str) -> None:
+        """Write into the audit log that something left the store.
+
+        Parameters
+        ----------
+        kind : str
+            Of what, such as ``excel`` or ``recording``.
+        ids : str
+            Of whom: pseudonyms or ids.
+        """
+        for subject in ids:
+            self.audit.append("export", subject, kind=kind)
+
+    def close(self) -> None:
+        """Let go of the store; closing twice does no harm."""
+        self._database.close()
+        self._lock.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def default_store_folder() -> Path:
+    """Return where this user's store is if none is named."""
+    return platformdirs.user_data_path("adibas", appauthor=False) / "store"
+
+
+def open_store(
+    folder: Path,
+    passphrase: str | None = None,
+    *,
+    operator: str = "",
+    clock: Clock = utc_now,
+    key_params: Argon2Params | None = None,
+) -> SessionStore:
+    """Open a store; a new one is made where there is none.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the store.
+    passphrase : str, optional
+        A new store's key is kept behind it; without it, in the desktop's keyring.
+    operator : str
+        Who works.
+    clock : callable
+        Gives the time of day.
+    key_params : Argon2Params, optional
+        Of a new store's passphrase.
+
+    Raises
+    ------
+    PassphraseError
+        A passphrase is needed, wrong, too short, or of no use.
+    StoreError
+        The key is lost; the database is missing, damaged or of a later version; the folder cannot
+        be used. Nothing is changed.
+    FileError
+        The key of a new store cannot be written.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise cannot_use(folder, error) from error
+    lock = StoreLock(folder)
+    try:
+        key = _key(folder, passphrase, key_params or Argon2Params(), may_make=lock.is_held)
+        database = Database(folder, key, is_read_only=not lock.is_held)
+    except BaseException:
+        lock.release()
+        raise
+    try:
+        bring_up_to_date(database, key)
+        audit = AuditLog(database, clock, operator)
+        store = SessionStore(folder, database, lock, audit)
+        audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
+    except BaseException:
+        database.close()
+        lock.release()
+        raise
+    return store
+
+
+def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> bytes:
+    """Return the key; one is made only where no trace of an older store is."""
+    has_key = (folder / KEY_FILE).exists()
+    has_data = any((folder / name).exists() for name in (PICTURES, RECORDINGS))
+    has_database = (folder / DATABASE_FILE).exists()
+    if has_key and has_data and not has_database:
+        raise StoreError(
+            "{file} of the patient store is missing. Restore the store's folder from a backup.",
+            file=DATABASE_FILE,
+        )
+    if has_key or has_data or has_database:
+        return load_key(folder, passphrase)
+    if not may_make:
+        raise StoreError(
+            "Another window is just making this patient store. Wait a moment and open it again."
+        )
+    return make_key(folder, passphrase, params)
