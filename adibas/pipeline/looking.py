@@ -1,0 +1,150 @@
+"""What is seen in one live frame: the stages in the order of a burst, for the screen."""
+
+from dataclasses import dataclass, field, replace
+
+from adibas.alignment.registration import register_pixels
+from adibas.arrays import Float32Array, FloatArray, UInt8Array
+from adibas.body.floor import find_floor
+from adibas.calibration.files import check_fits
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
+from adibas.errors import CalibrationError, MarkerError, RecordingError
+from adibas.geometry.planes import Plane
+from adibas.markers.detection import Detections
+from adibas.markers.led import LedParams
+from adibas.pipeline import hints
+from adibas.pipeline.acquisition import Arrival
+from adibas.pipeline.live_frames import LiveFrame
+from adibas.pipeline.plumb import plumb_line
+from adibas.pipeline.posture import (
+    MarkerTarget,
+    PostureParams,
+    Sight,
+    check_selective,
+    find_markers,
+    see_person,
+)
+from adibas.recordings.decoding import decode_color
+from adibas.texts import Message
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """What to look for in live frames.
+
+    Attributes
+    ----------
+    target : MarkerTarget or None
+        None before it is learned.
+    calibration : RgbdCalibration or None
+        Takes the place of the source's own.
+    params : PostureParams
+        As in the measuring of a burst.
+    """
+
+    target: MarkerTarget | None = None
+    calibration: RgbdCalibration | None = None
+    params: PostureParams = field(default_factory=PostureParams)
+
+    def calibration_of(self, info: SourceInfo) -> RgbdCalibration | None:
+        """Return the calibration in use for a source."""
+        return self.calibration or info.calibration
+
+
+def look_at(arrival: Arrival, look: Look) -> LiveFrame:
+    """Return what is seen in a frame; what cannot be seen is left out and told as a hint."""
+    frame = arrival.frame
+    color_rgb = _color(frame)
+    depth_m = None
+    if frame.depth_raw is not None:
+        depth_m = depth_in_metres(frame.depth_raw, arrival.info.depth_unit_m)
+    plain = LiveFrame(
+        sequence=frame.sequence,
+        timestamp_ns=frame.timestamp_ns,
+        color_rgb=color_rgb,
+        depth_m=depth_m,
+        hints=() if color_rgb is not None else (hints.NO_COLOR,),
+        frame_rate_hz=arrival.frame_rate_hz,
+        n_dropped=arrival.n_dropped,
+    )
+    if color_rgb is None or depth_m is None:
+        return plain
+    calibration = look.calibration_of(arrival.info)
+    if calibration is None or not _fits(calibration, color_rgb, depth_m):
+        return replace(plain, hints=(hints.NO_CALIBRATION,))
+    return _seen(plain, color_rgb, calibration.depth_bias.correct(depth_m), calibration, look)
+
+
+def _seen(
+    plain: LiveFrame,
+    color_rgb: UInt8Array,
+    depth_m: Float32Array,
+    calibration: RgbdCalibration,
+    look: Look,
+) -> LiveFrame:
+    floor = _floor(depth_m, calibration, look.params)
+    sight = see_person(depth_m, floor, calibration, look.params)
+    registration = register_pixels(depth_m, calibration) if sight is None else sight.registration
+    detections, told = _markers(color_rgb, sight, calibration, look)
+    up = _up(floor, calibration)
+    body = None if sight is None else sight.body.pixels
+    stance = hints.stance_hints(depth_m, body, look.params.up if up is None else up)
+    plumb = None
+    if up is not None and calibration.color is not None:
+        plumb = plumb_line(calibration.color_from_depth.rotation @ up, calibration.color)
+    return replace(
+        plain,
+        depth_m=depth_m,
+        depth_in_color_m=registration.depth_m,
+        outline=None if sight is None else sight.outline,
+        detections=detections,
+        plumb=plumb,
+        hints=stance + told,
+    )
+
+
+def _markers(
+    color_rgb: UInt8Array, sight: Sight | None, calibration: RgbdCalibration, look: Look
+) -> tuple[Detections | None, tuple[Message, ...]]:
+    if sight is None or look.target is None:
+        return None, ()
+    found = find_markers(color_rgb, sight, calibration, look.target, look.params)
+    try:
+        check_selective(found, look.target, look.params)
+    except MarkerError:
+        is_led = isinstance(look.target, LedParams)
+        return None, (hints.TOO_BRIGHT if is_led else hints.COLOR_FITS_ALL,)
+    return found, ()
+
+
+def _floor(
+    depth_m: Float32Array, calibration: RgbdCalibration, params: PostureParams
+) -> Plane | None:
+    if calibration.floor is not None or calibration.depth is None:
+        return calibration.floor
+    return find_floor(depth_m, calibration.depth, params.up)
+
+
+def _up(floor: Plane | None, calibration: RgbdCalibration) -> FloatArray | None:
+    """Return up in the depth camera's axes, None where nothing tells it."""
+    if floor is not None:
+        return floor.normal
+    return None if calibration.gravity is None else -calibration.gravity
+
+
+def _color(frame: SensorFrame) -> UInt8Array | None:
+    """Return the colour image, None where there is none or it is damaged."""
+    if frame.color is None:
+        return None
+    try:
+        return decode_color(frame.color, frame.sequence)
+    except RecordingError:
+        return None
+
+
+def _fits(calibration: RgbdCalibration, color_rgb: UInt8Array, depth_m: Float32Array) -> bool:
+    try:
+        check_fits(calibration, color_rgb.shape[:2], depth_m.shape)
+    except CalibrationError:
+        return False
+    return True
