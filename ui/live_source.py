@@ -1,8 +1,8 @@
 """The sensor of the core, told to the window in the window's own thread."""
 
-from adibas.pipeline.live import LiveFrame, LiveView, SensorState
 from PySide6.QtCore import QObject
 
+from adibas.pipeline.live import LiveFrame, LiveView, SensorState
 from adibas.pipeline.posture import MarkerTarget
 from adibas.sensors.ports import SensorOptions
 from ui.events import Event
@@ -20,7 +20,7 @@ class QtLiveSource(QObject):
         self._frames = NewestBridge(self._on_frame, self)
         self._states = CallBridge(self._on_state, self)
         self._view = LiveView(_Listener(self._frames, self._states))
-        self._state = SensorState()
+        self._state = SensorState("closed")
 
     @property
     def newest(self) -> LiveFrame | None:

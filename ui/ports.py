@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
-from adibas.pipeline.live import LiveFrame, LiveView, SensorState
-
 from adibas.errors import AdibasError
+from adibas.pipeline.live import LiveFrame, LiveView, SensorState
 from adibas.pipeline.posture import MarkerTarget
 from adibas.sensors.ports import SensorOptions
 from ui.events import Event

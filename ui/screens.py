@@ -10,4 +10,4 @@ from ui.workspace import Workspace
 
 def build_screens(workspace: Workspace, theme: Theme, parent: QWidget) -> tuple[Screen, ...]:
     """Return every screen, wired to the workspace."""
-    return (build_settings_screen(workspace, theme, parent),)
+    return (build_settings_screen(workspace, parent),)

@@ -120,7 +120,7 @@ class MainWindow(QMainWindow):
         is_open = self._outer.currentWidget() is not self.unlock_page
         return page.name if is_open and isinstance(page, Screen) else ""
 
-    def screen(self, name: str) -> Screen:
+    def screen_named(self, name: str) -> Screen:
         """Return a screen by its name."""
         return self._screens[name]
 

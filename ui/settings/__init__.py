@@ -1,0 +1,1 @@
+"""Preferences, protection of the store, this computer, and what the program is."""

@@ -1,0 +1,118 @@
+"""How the program looks and speaks, and how it captures."""
+
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QFormLayout,
+    QLabel,
+    QLineEdit,
+    QSpinBox,
+    QWidget,
+)
+
+from adibas.texts import LANGUAGES, message
+from adibas.texts import translate as _
+from ui.preferences import FONT_SCALES, THEMES, Preferences
+
+THEME_NAMES = {
+    "system": message("As the desktop"),
+    "light": message("Light"),
+    "dark": message("Dark"),
+}
+
+
+class GeneralPage(QWidget):
+    """A form; every change counts at once."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._change: Callable[..., None] = _ignore
+        self._language, self._theme, self._scale = (QComboBox(self) for _ in range(3))
+        self._operator = QLineEdit(self)
+        self._countdown, self._frames = QSpinBox(self), QSpinBox(self)
+        self._countdown.setRange(0, 60)
+        self._frames.setRange(1, 300)
+        self._sound = QCheckBox(self)
+        self._labels = {
+            widget: QLabel(self)
+            for widget in (
+                self._language,
+                self._theme,
+                self._scale,
+                self._operator,
+                self._countdown,
+                self._frames,
+            )
+        }
+        form = QFormLayout(self)
+        form.setSpacing(12)
+        for widget, label in self._labels.items():
+            label.setBuddy(widget)
+            form.addRow(label, widget)
+        form.addRow("", self._sound)
+        for language, own_name in LANGUAGES.items():
+            self._language.addItem(own_name, language)
+        for theme in THEMES:
+            self._theme.addItem("", theme)
+        for scale in FONT_SCALES:
+            self._scale.addItem(f"{scale:.0%}", scale)
+        self._connect()
+        self.retranslate()
+
+    def _connect(self) -> None:
+        self._language.activated.connect(
+            lambda _i: self._send(language=self._language.currentData())
+        )
+        self._theme.activated.connect(lambda _i: self._send(theme=self._theme.currentData()))
+        self._scale.activated.connect(lambda _i: self._send(font_scale=self._scale.currentData()))
+        self._operator.editingFinished.connect(
+            lambda: self._send(operator=self._operator.text().strip())
+        )
+        self._countdown.valueChanged.connect(lambda value: self._send(countdown_s=value))
+        self._frames.valueChanged.connect(lambda value: self._send(burst_frames=value))
+        self._sound.toggled.connect(lambda is_on: self._send(has_sound=is_on))
+
+    def bind(self, change: Callable[..., None]) -> None:
+        """Send changes to `change`."""
+        self._change = change
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        for widget, text in (
+            (self._language, _("&Language")),
+            (self._theme, _("&Colours of the window")),
+            (self._scale, _("Si&ze of letters")),
+            (self._operator, _("Who &works here (for the audit trail)")),
+            (self._countdown, _("Count&down before a capture")),
+            (self._frames, _("&Frames in a capture")),
+        ):
+            self._labels[widget].setText(text)
+        self._countdown.setSuffix(" s")
+        self._sound.setText(_("&Sound with the countdown"))
+        for index, theme in enumerate(THEMES):
+            self._theme.setItemText(index, _(THEME_NAMES[theme]))
+
+    def show_preferences(self, preferences: Preferences) -> None:
+        """Show what holds now."""
+        widgets = (self._countdown, self._frames, self._sound)
+        for widget in widgets:
+            widget.blockSignals(True)
+        self._language.setCurrentIndex(self._language.findData(preferences.language))
+        self._theme.setCurrentIndex(self._theme.findData(preferences.theme))
+        self._scale.setCurrentIndex(self._scale.findData(preferences.font_scale))
+        self._operator.setText(preferences.operator)
+        self._countdown.setValue(preferences.countdown_s)
+        self._frames.setValue(preferences.burst_frames)
+        self._sound.setChecked(preferences.has_sound)
+        for widget in widgets:
+            widget.blockSignals(False)
+
+    def _send(self, **changes: Any) -> None:
+        self._change(**changes)
+
+
+def _ignore(**_changes: Any) -> None:
+    """Send changes nowhere: nobody is bound yet."""

@@ -1,0 +1,96 @@
+"""What the settings screen shows and changes. Knows nothing of Qt."""
+
+from typing import Any, Protocol
+
+from adibas.sensors.doctor import Finding, findings
+from adibas.sessions import KeyState, VerifyReport, change_passphrase, key_state
+from adibas.texts import translate as _
+from ui.ports import JobControl
+from ui.preferences import Preferences
+from ui.workspace import Workspace
+
+
+class SettingsView(Protocol):
+    """The screen, as this presenter needs it."""
+
+    def show_preferences(self, preferences: Preferences) -> None:
+        """Show what holds now."""
+
+    def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
+        """Show where the store lies and what keeps its key."""
+
+    def show_findings(self, found: tuple[Finding, ...]) -> None:
+        """Show what this computer has and lacks."""
+
+    def show_check(self, sentences: tuple[str, ...]) -> None:
+        """Show what a check of the store found; nothing = all is well."""
+
+    def clear_passphrases(self) -> None:
+        """Forget what was typed."""
+
+
+class SettingsPresenter:
+    """Changes preferences at once; what takes time runs as a job."""
+
+    def __init__(self, view: SettingsView, workspace: Workspace) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._end = workspace.preferences.changed.subscribe(view.show_preferences)
+        view.show_preferences(workspace.preferences.now)
+        self._show_protection()
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._end()
+
+    def change(self, **changes: Any) -> None:
+        """Take new values of preferences."""
+        self._workspace.preferences.change(**changes)
+
+    def examine_computer(self) -> None:
+        """Look at what this computer has and lacks."""
+
+        def work(_control: JobControl) -> tuple[Finding, ...]:
+            return findings(self._workspace.store.folder)
+
+        self._workspace.jobs.start(_("Looking at this computer"), work, self._view.show_findings)
+
+    def check_store(self) -> None:
+        """Check the audit trail and every file of the store."""
+
+        def work(control: JobControl) -> VerifyReport:
+            return self._workspace.store.verify(control.progress)
+
+        self._workspace.jobs.start(
+            _("Checking the patient store"),
+            work,
+            lambda report: self._view.show_check(tuple(report.sentences())),
+        )
+
+    def change_passphrase(self, old: str, new: str, repeated: str) -> None:
+        """Put the store's key behind a new passphrase."""
+        if new != repeated:
+            self._workspace.tell("bad", _("The two passphrases differ. Type the same one twice."))
+            return
+        folder = self._workspace.store.folder
+
+        def work(_control: JobControl) -> None:
+            has_one = key_state(folder) is KeyState.PASSPHRASE
+            change_passphrase(folder, old if has_one else None, new)
+
+        self._workspace.jobs.start(_("Changing the passphrase"), work, lambda _: self._changed())
+
+    def _changed(self) -> None:
+        self._view.clear_passphrases()
+        self._show_protection()
+        self._workspace.tell("good", _("From now on the new passphrase opens the patient store."))
+
+    def _show_protection(self) -> None:
+        store = self._workspace.store
+        self._workspace.attempt(
+            lambda: self._view.show_protection(
+                str(store.folder),
+                has_passphrase=key_state(store.folder) is KeyState.PASSPHRASE,
+                is_read_only=store.is_read_only,
+            )
+        )

@@ -1,0 +1,14 @@
+"""Builds the settings screen: the one place where its view, its presenter and the core meet."""
+
+from PySide6.QtWidgets import QWidget
+
+from ui.settings.presenter import SettingsPresenter
+from ui.settings.view import SettingsScreen
+from ui.workspace import Workspace
+
+
+def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -> SettingsScreen:
+    """Return the settings screen, wired to `workspace`."""
+    view = SettingsScreen(parent)
+    view.bind(SettingsPresenter(view, workspace))
+    return view

@@ -1,0 +1,101 @@
+"""The settings screen: four pages. No decisions."""
+
+from PySide6.QtWidgets import QLabel, QScrollArea, QTabWidget, QTextBrowser, QVBoxLayout, QWidget
+
+from adibas import __version__
+from adibas.resources import resource_path
+from adibas.sensors.doctor import Finding
+from adibas.texts import spoken_language
+from adibas.texts import translate as _
+from ui.preferences import Preferences
+from ui.settings.computer_page import ComputerPage
+from ui.settings.general_page import GeneralPage
+from ui.settings.presenter import SettingsPresenter
+from ui.settings.protection_page import ProtectionPage
+from ui.widgets.screen import Screen
+
+COMPUTER_TAB = 2
+
+
+class SettingsScreen(Screen):
+    """General, protection, this computer, about."""
+
+    name = "settings"
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._title = QLabel(self)
+        self._title.setProperty("kind", "title")
+        self._tabs = QTabWidget(self)
+        self._general, self._protection = GeneralPage(self), ProtectionPage(self)
+        self._computer, self._about = ComputerPage(self), QTextBrowser(self)
+        self._about.setOpenLinks(False)
+        for page in (_scrolled(self._general), _scrolled(self._protection)):
+            self._tabs.addTab(page, "")
+        for whole_page in (self._computer, self._about):
+            self._tabs.addTab(whole_page, "")
+        layout = QVBoxLayout(self)
+        layout.addWidget(self._title)
+        layout.addWidget(self._tabs)
+        self.retranslate()
+
+    def bind(self, presenter: SettingsPresenter) -> None:
+        """Send changes to `presenter`, and own it."""
+        self._presenter = presenter
+        self._general.bind(presenter.change)
+        self._protection.bind(presenter.change)
+        self._protection.check_asked.connect(presenter.check_store)
+        self._protection.passphrase_given.connect(presenter.change_passphrase)
+        self._computer.asked.connect(presenter.examine_computer)
+        self._tabs.currentChanged.connect(self._on_tab)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._title.setText(_("Settings"))
+        titles = (_("General"), _("Protection"), _("This computer"), _("About"))
+        for index, title in enumerate(titles):
+            self._tabs.setTabText(index, title)
+        for page in (self._general, self._protection, self._computer):
+            page.retranslate()
+        self._about.setMarkdown(_about_text())
+        self._about.setAccessibleName(_("About"))
+
+    def closed(self) -> None:
+        self._presenter.close()
+
+    def show_preferences(self, preferences: Preferences) -> None:
+        self._general.show_preferences(preferences)
+        self._protection.show_preferences(preferences)
+
+    def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
+        self._protection.show_protection(
+            folder, has_passphrase=has_passphrase, is_read_only=is_read_only
+        )
+
+    def show_findings(self, found: tuple[Finding, ...]) -> None:
+        self._computer.show_findings(found)
+
+    def show_check(self, sentences: tuple[str, ...]) -> None:
+        self._protection.show_check(sentences)
+
+    def clear_passphrases(self) -> None:
+        self._protection.clear_passphrases()
+
+    def _on_tab(self, index: int) -> None:
+        if index == COMPUTER_TAB:
+            self._presenter.examine_computer()
+
+
+def _scrolled(page: QWidget) -> QScrollArea:
+    """Let a page be scrolled where large letters need more room than there is."""
+    area = QScrollArea()
+    area.setWidgetResizable(True)
+    area.setWidget(page)
+    area.setFrameShape(QScrollArea.Shape.NoFrame)
+    return area
+
+
+def _about_text() -> str:
+    page = resource_path("about", f"{spoken_language()}.md")
+    told = page.read_text(encoding="utf-8") if page.is_file() else ""
+    return f"# ADiBAS {__version__}\n\n{told}"
