@@ -79,12 +79,16 @@ def is_dark(theme: str) -> bool:
     return theme == "dark"
 
 
+LEAST_FONT_PT = 10.5
+TITLE_SHARE = 1.6
+
+
 class Theme:
     """Dresses the application; widgets ask it for what they paint themselves."""
 
     def __init__(self, app: QApplication) -> None:
         self._app = app
-        self._font_pt = app.font().pointSizeF()
+        self._font_pt = max(app.font().pointSizeF(), LEAST_FONT_PT)
         self.tokens = LIGHT
         app.setStyle("Fusion")
 
@@ -95,7 +99,7 @@ class Theme:
         font.setPointSizeF(self._font_pt * font_scale)
         self._app.setFont(font)
         self._app.setPalette(_palette(self.tokens))
-        self._app.setStyleSheet(_style_sheet(self.tokens))
+        self._app.setStyleSheet(_style_sheet(self.tokens, font.pointSizeF()))
         _rendered.cache_clear()
 
     def icon(self, name: str, color: str | None = None) -> QIcon:
@@ -143,8 +147,9 @@ def _palette(tokens: Tokens) -> QPalette:
     return palette
 
 
-def _style_sheet(tokens: Tokens) -> str:
+def _style_sheet(tokens: Tokens, font_pt: float) -> str:
     sheet = resource_path("style", "window.qss").read_text(encoding="utf-8")
+    sheet = sheet.replace("@title_pt@", f"{TITLE_SHARE * font_pt:.1f}")
     for name in Tokens.__dataclass_fields__:
         sheet = sheet.replace(f"@{name}@", getattr(tokens, name))
     return sheet
