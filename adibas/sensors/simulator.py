@@ -1,21 +1,33 @@
 """The simulated clinic as a camera."""
 
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
+
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import SensorError
 from adibas.sensors.pace import Pacer
 from adibas.sensors.ports import DEFAULT_OPTIONS, READ_TIMEOUT_S, DepthCamera, SensorOptions
 from adibas.simulation.scenes import open_scene, scene_names
 
+N_RENDERERS = 2
+"""Frames in work side by side, ahead of `read`."""
+
+SMALL_COLOR = (640, 480)
+
 
 class SimulatorCamera(DepthCamera):
     """Gives the frames of a scene, each as soon as it is computed or at the scene's own pace.
+
+    Every frame is computed anew, and is the same whatever was asked for before. Where the computer
+    is slower than the scene's clock the frames come later than their times say, and none is left
+    out.
 
     Parameters
     ----------
     scene : str, optional
         One of `scene_names()`; the first one by default.
     options : SensorOptions
-        `seed` of the noise, and `is_paced`.
+        `seed` of the noise, `is_paced`, and `color_size`: 640 x 480, or 1280 x 1024 for any other.
 
     Raises
     ------
@@ -31,9 +43,12 @@ class SimulatorCamera(DepthCamera):
                 scene=scene,
                 scenes=", ".join(names),
             )
-        self._scene = open_scene(scene or names[0], seed=options.seed)
+        size = (480, 640) if options.color_size == SMALL_COLOR else (1024, 1280)
+        self._scene = open_scene(scene or names[0], seed=options.seed, color_size=size)
         self._pacer = Pacer() if options.is_paced else None
         self._next_index = 0
+        self._renderers = ThreadPoolExecutor(N_RENDERERS, thread_name_prefix="simulator")
+        self._ahead: deque[Future[SensorFrame]] = deque()
 
     @property
     def info(self) -> SourceInfo:
@@ -47,14 +62,26 @@ class SimulatorCamera(DepthCamera):
 
     def read(self, timeout_s: float = READ_TIMEOUT_S) -> SensorFrame | None:  # noqa: ARG002
         """Return the next frame, None at the end of the scene; `timeout_s` has no meaning here."""
-        n_frames = self._scene.n_frames
-        if n_frames is not None and self._next_index >= n_frames:
+        self._render_ahead()
+        if not self._ahead:
             return None
-        frame = self._scene.frame(self._next_index).sensor_frame
-        self._next_index += 1
+        frame = self._ahead.popleft().result()
+        self._render_ahead()
         if self._pacer is not None:
             self._pacer.wait_for(frame.timestamp_ns)
         return frame
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Wait for the frames in work."""
+        self._renderers.shutdown(cancel_futures=True)
+
+    def _render_ahead(self) -> None:
+        n_frames = self._scene.n_frames
+        while len(self._ahead) < N_RENDERERS:
+            if n_frames is not None and self._next_index >= n_frames:
+                return
+            self._ahead.append(self._renderers.submit(self._render, self._next_index))
+            self._next_index += 1
+
+    def _render(self, index: int) -> SensorFrame:
+        return self._scene.frame(index).sensor_frame

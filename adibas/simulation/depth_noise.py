@@ -161,18 +161,19 @@ class DepthSensor:
         weights = np.array(self._noise.temporal_weights)
         weights *= self._noise.disparity_sd / np.sqrt((weights**2).sum())
         wanted = range(moment, moment - len(weights), -1)
-        self._recent = {m: self._moment(m) for m in wanted}
+        # A dictionary of its own: frames may be asked for by several threads.
+        fields = {m: self._moment(m) for m in wanted}
+        self._recent = fields
         disparity = self._static.copy()
         for m, weight in zip(wanted, weights.astype(np.float32), strict=True):
-            cv2.scaleAdd(self._recent[m], float(weight), disparity, dst=disparity)
+            cv2.scaleAdd(fields[m], float(weight), disparity, dst=disparity)
         rng = np.random.default_rng([self._seed, 0x0F, moment + 16])
         jitter_u, jitter_v = (self._cut(bank, rng) for bank in self._jitter)
         return NoiseFields(disparity, jitter_u, jitter_v, self._cut(self._luck, rng))
 
     def _moment(self, moment: int) -> Float32Array:
-        if moment in self._recent:
-            return self._recent[moment]
-        return self._unit_field((self._seed, 0x4E, moment + 16))
+        known = self._recent.get(moment)
+        return self._unit_field((self._seed, 0x4E, moment + 16)) if known is None else known
 
     def _unit_field(self, key: tuple[int, ...]) -> Float32Array:
         """Return noise of standard deviation 1, averaged over the window of correlation."""

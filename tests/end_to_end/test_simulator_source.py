@@ -24,6 +24,25 @@ def test_it_gives_the_frames_of_the_scene():
             assert frame.timestamp_ns == expected.timestamp_ns
 
 
+def test_its_colour_has_the_wished_size():
+    options = SensorOptions(color_size=(640, 480))
+    with open_source("simulator", options) as camera:
+        assert camera.read().color.shape == (480, 640, 3)
+        assert camera.info.calibration.color.width == 640
+
+
+def test_frames_rendered_side_by_side_are_those_of_one_after_the_other():
+    options = SensorOptions(color_size=(640, 480), seed=4)
+    scene = open_scene(scene_names()[0], seed=4, color_size=(480, 640))
+    expected = [scene.frame(index).sensor_frame for index in range(6)]
+    with open_source("simulator", options) as camera:
+        for one in expected:
+            frame = camera.read()
+            assert (frame.sequence, frame.timestamp_ns) == (one.sequence, one.timestamp_ns)
+            np.testing.assert_array_equal(frame.depth_raw, one.depth_raw)
+            np.testing.assert_array_equal(frame.color, one.color)
+
+
 def test_it_is_recorded_for_the_seconds_asked(tmp_path):
     with open_source("simulator") as camera:
         summary = record(camera, tmp_path / "a.mcap", seconds=0.1)
