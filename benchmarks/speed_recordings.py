@@ -21,6 +21,7 @@ from adibas.recordings import (
 )
 from adibas.recordings.decoding import encode_png
 from adibas.recordings.rvl import decode_rvl, encode_rvl
+from adibas.recordings.tum_writer import NOTES_FILE
 from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.sessions.sealing import KEY_SIZE
 from benchmarks.table import Row
@@ -38,6 +39,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
     with tempfile.TemporaryDirectory() as folder:
         yield from _recording_rows(Path(folder), depth, color, n_frames=60 if quick else 300)
         yield from _opening_rows(Path(folder), n_frames=2000 if quick else N_LONG)
+        yield from _folder_rows(Path(folder) / "long", n_frames=2000 if quick else N_LONG)
         store = SealedRecordings(Path(folder) / "sealed")
         yield from _sealed_rows(store, depth, color, n_frames=60 if quick else 300)
         yield from _sealed_opening_rows(store, n_frames=2000 if quick else N_LONG)
@@ -168,3 +170,17 @@ def _sealed_opening_rows(store: SealedRecordings, n_frames: int) -> Iterable[Row
         file.truncate(store.size(recording_id) - 100)
     ours_ms = _median_ms(lambda: store.open(recording_id, key).close(), 3)
     yield Row(f"{name}, cut by a crash", ours_ms, "ms")
+
+
+def _folder_rows(path: Path, n_frames: int) -> Iterable[Row]:
+    """Open a long TUM folder of depth and colour; then the same as others write it."""
+    depth, color = np.full((48, 64), 2000, np.uint16), np.full((48, 64, 3), 90, np.uint8)
+    with create_recording(path, SourceInfo(), RecordingOptions(color="jpeg")) as writer:
+        for i in range(n_frames):
+            time_ns = i * 33_333_333
+            writer.write(SensorFrame(i, time_ns, depth, color, time_ns + 4_000_000))
+    name = f"open a TUM folder of {n_frames:,} frames"
+    yield Row(name, _median_ms(lambda: open_recording(path).close(), 10), "ms", 50, "goal <")
+    (path / NOTES_FILE).unlink()
+    ours_ms = _median_ms(lambda: open_recording(path).close(), 10)
+    yield Row(f"{name} of others", ours_ms, "ms", 50, "goal <")

@@ -9,7 +9,7 @@ import numpy as np
 
 from adibas.arrays import IntArray
 from adibas.recordings import oni_records as oni
-from adibas.recordings.association import associate
+from adibas.recordings.association import NONE, associate
 from adibas.recordings.oni_writer import NO_IMAGE, NS_PER_US, TRAILER_MAGIC, trailer_rows
 from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS
 from adibas.recordings.reading import DamagedError
@@ -173,13 +173,13 @@ def _rows(images: dict[int, list[tuple[int, int, int]]]) -> IntArray:
     depth = np.array(images[kind], np.int64).reshape(-1, 3)
     infrared_at = {time_us: position for time_us, _, position in images[oni.INFRARED_NODE]}
     rows = []
-    for i, j in associate(depth[:, 0] * NS_PER_US, color[:, 0] * NS_PER_US):
-        time_us, number, position = (depth[i] if i is not None else color[j or 0]).tolist()
-        color_us, color_position = (NO_IMAGE, NO_IMAGE) if j is None else color[j, [0, 2]].tolist()
-        color_ns = NO_IMAGE if j is None else color_us * NS_PER_US
-        is_depth = i is not None and kind == oni.DEPTH_NODE
+    for i, j in associate(depth[:, 0] * NS_PER_US, color[:, 0] * NS_PER_US).tolist():
+        time_us, number, position = (color[j] if i == NONE else depth[i]).tolist()
+        color_us, color_position = (NO_IMAGE, NO_IMAGE) if j == NONE else color[j, [0, 2]].tolist()
+        color_ns = NO_IMAGE if j == NONE else color_us * NS_PER_US
+        is_depth = i != NONE and kind == oni.DEPTH_NODE
         depth_position = position if is_depth else NO_IMAGE
-        infrared = infrared_at.get(time_us, NO_IMAGE) if i is not None else NO_IMAGE
+        infrared = NO_IMAGE if i == NONE else infrared_at.get(time_us, NO_IMAGE)
         times_ns = (time_us * NS_PER_US, color_ns)
         rows.append((number, *times_ns, depth_position, color_position, infrared))
     return np.array(rows, np.int64).reshape(-1, 6)

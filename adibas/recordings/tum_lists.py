@@ -4,15 +4,18 @@ Source: TUM RGB-D benchmark, file formats. Times are decimal seconds; they are k
 nanosecond and never pass through a floating-point number.
 """
 
+from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from adibas.arrays import IntArray
 from adibas.errors import RecordingError
 from adibas.recordings.ports import MAX_TIMESTAMP_NS
+from adibas.recordings.tum_regular import N_DECIMALS, NS_PER_S, parse_regular
 
-NS_PER_S = 1_000_000_000
-N_DECIMALS = 9
 MAX_LIST_BYTES = 64 * 1024 * 1024
 DEPTH_LIST, COLOR_LIST, INFRARED_LIST = "depth.txt", "rgb.txt", "infrared.txt"
 
@@ -22,6 +25,27 @@ class ListedImage(NamedTuple):
 
     time_ns: int
     name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageList:
+    """A whole list.
+
+    Attributes
+    ----------
+    times_ns : (N,) array
+    names : list of str
+        Each once.
+    """
+
+    times_ns: IntArray
+    names: list[str]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __getitem__(self, index: int) -> ListedImage:
+        return ListedImage(int(self.times_ns[index]), self.names[index])
 
 
 def format_list(title: str, images: list[ListedImage]) -> str:
@@ -34,36 +58,52 @@ def format_list(title: str, images: list[ListedImage]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def read_list(folder: Path, name: str) -> list[ListedImage]:
+def read_list(folder: Path, name: str) -> ImageList:
     """Return the lines of the list `name`; nothing if there is no such list.
+
+    A name that is listed twice keeps its first place and gets its last time.
 
     Raises
     ------
     RecordingError
         The list cannot be read, a line makes no sense, or it points out of the folder.
     """
+    data = _read_bytes(folder, name)
+    times_ns, names = parse_regular(data) or _parse_lines(data, folder, name)
+    last_place = dict(zip(names, range(len(names)), strict=True))
+    if len(last_place) == len(names):
+        return ImageList(times_ns, names)
+    return ImageList(times_ns[list(last_place.values())], list(last_place))
+
+
+def _read_bytes(folder: Path, name: str) -> bytes:
     path = folder / name
     if not path.is_file():
-        return []
+        return b""
     try:
         if path.stat().st_size > MAX_LIST_BYTES:
             raise _bad_list(folder, name, 1)
-        lines = path.read_bytes().decode("utf-8", "replace").splitlines()
+        return path.read_bytes()
     except OSError as error:
         raise RecordingError(
             "{file} cannot be read: {reason}. Check the folder.",
             file=f"{folder.name}/{name}",
             reason=error.strerror or str(error),
         ) from error
+
+
+def _parse_lines(data: bytes, folder: Path, name: str) -> tuple[IntArray, list[str]]:
+    """Return times and names one line after the other, or refuse the first bad line."""
     images = []
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(data.decode("utf-8", "replace").splitlines(), 1):
         parts = line.split(maxsplit=2)
         if parts and parts[0][0] != "#":
             image = _parse_line(parts)
             if image is None:
                 raise _bad_list(folder, name, number)
             images.append(image)
-    return images
+    times_ns = np.array([image.time_ns for image in images], np.int64)
+    return times_ns, [image.name for image in images]
 
 
 def _parse_line(parts: list[str]) -> ListedImage | None:

@@ -1,18 +1,15 @@
 """Reads TUM RGB-D folders: our own, those of the benchmark, and others written like them."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from adibas.arrays import UInt16Array
+from adibas.arrays import IntArray, UInt16Array
 from adibas.calibration.files import read_calibration
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
-from adibas.recordings.association import associate
 from adibas.recordings.decoding import (
     JPEG_SIGNATURE,
     PNG_SIGNATURE,
@@ -20,33 +17,19 @@ from adibas.recordings.decoding import (
     is_whole_image,
     max_pixels,
 )
-from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS, RecordingReader
+from adibas.recordings.ports import RecordingReader
 from adibas.recordings.reading import DamagedError, cannot_read, damaged_frame
 from adibas.recordings.rvl import MAX_PIXELS
 from adibas.recordings.source_info import info_from_texts
-from adibas.recordings.tum_lists import (
-    COLOR_LIST,
-    DEPTH_LIST,
-    INFRARED_LIST,
-    ListedImage,
-    read_list,
-)
+from adibas.recordings.tum_frames import list_frames, read_notes
+from adibas.recordings.tum_lists import ListedImage
 from adibas.recordings.tum_writer import CALIBRATION_FILE, NOTES_FILE
 
 TUM_UNIT_M = 1 / 5000
 """The benchmark's own scale; it holds where neither file beside the lists says otherwise."""
 DEFAULT_RATE_HZ = 30.0
-MAX_NOTES_BYTES = 64 * 1024 * 1024
 MAX_IMAGE_BYTES = 1 << 28
 PNG_16_BIT_GREY = (16, 0)
-
-
-class _Frame(NamedTuple):
-    sequence: int
-    time_ns: int
-    depth: ListedImage | None
-    color: ListedImage | None
-    infrared: ListedImage | None
 
 
 class TumReader(RecordingReader):
@@ -55,10 +38,9 @@ class TumReader(RecordingReader):
     def __init__(self, path: Path) -> None:
         self._path = path
         self.notice = None
-        notes = _read_notes(path / NOTES_FILE)
-        self._frames = _frames(path, notes)
-        times_ns = [frame.time_ns for frame in self._frames]
-        self.timestamps_ns = np.array(times_ns, np.int64)
+        notes = read_notes(path / NOTES_FILE)
+        self._frames = list_frames(path, notes)
+        self.timestamps_ns = self._frames.times_ns
         self.timestamps_ns.flags.writeable = False
         beside = path / CALIBRATION_FILE
         calibration = read_calibration(beside) if beside.is_file() else None
@@ -66,17 +48,17 @@ class TumReader(RecordingReader):
 
     def read(self, index: int) -> SensorFrame:
         """Return frame `index`, counted from 0."""
-        if not 0 <= index < len(self._frames):
-            raise IndexError(f"no frame {index} among {len(self._frames)}")
-        frame = self._frames[index]
+        if not 0 <= index < len(self):
+            raise IndexError(f"no frame {index} among {len(self)}")
+        depth, color, infrared = self._frames.images(index)
         try:
             return SensorFrame(
-                sequence=frame.sequence,
-                timestamp_ns=frame.time_ns,
-                depth_raw=decode_png16(self._load(frame.depth)) if frame.depth else None,
-                color=_encoded(self._load(frame.color)) if frame.color else None,
-                color_timestamp_ns=frame.color.time_ns if frame.color else None,
-                infrared_raw=decode_png16(self._load(frame.infrared)) if frame.infrared else None,
+                sequence=int(self._frames.sequences[index]),
+                timestamp_ns=int(self.timestamps_ns[index]),
+                depth_raw=decode_png16(self._load(depth)) if depth else None,
+                color=_encoded(self._load(color)) if color else None,
+                color_timestamp_ns=color.time_ns if color else None,
+                infrared_raw=decode_png16(self._load(infrared)) if infrared else None,
             )
         except OSError as error:
             raise cannot_read(f"{self._path.name}: {error.filename}", error) from error
@@ -134,82 +116,11 @@ def _encoded(payload: bytes) -> EncodedImage:
     raise DamagedError("neither JPEG nor PNG")
 
 
-def _read_notes(path: Path) -> dict[str, object]:
-    """Return what our writer noted; nothing in folders of others."""
-    if not path.is_file():
-        return {}
-    try:
-        with path.open("rb") as file:
-            notes = json.loads(file.read(MAX_NOTES_BYTES))
-    except OSError as error:
-        raise cannot_read(path.name, error) from error
-    except (ValueError, RecursionError) as error:
-        raise _bad_notes() from error
-    if not isinstance(notes, dict):
-        raise _bad_notes()
-    return notes
-
-
-def _bad_notes() -> RecordingError:
-    return RecordingError(
-        "{file} is damaged. Restore it from a copy, or remove it: then frames are numbered anew.",
-        file=NOTES_FILE,
-    )
-
-
-def _frames(path: Path, notes: dict[str, object]) -> list[_Frame]:
-    """Return the frames of the lists: first as the notes pair them, the rest by time."""
-    depth = {image.name: image for image in read_list(path, DEPTH_LIST)}
-    color = {image.name: image for image in read_list(path, COLOR_LIST)}
-    infrared = {image.name: image for image in read_list(path, INFRARED_LIST)}
-    frames = []
-    rows = notes.get("frames", [])
-    for row in rows if isinstance(rows, list) else ():
-        if not _is_row(row):
-            raise _bad_notes()
-        sequence, noted_ns, *names = row
-        lists = (depth, color, infrared)
-        images = [listed.pop(name, None) for listed, name in zip(lists, names, strict=True)]
-        if any(images):
-            of_depth = images[0] or images[2]
-            time_ns = noted_ns if of_depth is None else of_depth.time_ns
-            frames.append(_Frame(sequence, time_ns, *images))
-    frames += _pair_by_time(list(depth.values()), list(color.values()), len(frames))
-    return frames
-
-
-def _is_row(row: object) -> bool:
-    """Say whether `row` is (sequence, time in ns, three names or None)."""
-    if not (isinstance(row, list) and len(row) == 5):  # noqa: PLR2004
-        return False
-    sequence, time_ns, *names = row
-    are_numbers = isinstance(sequence, int) and isinstance(time_ns, int)
-    in_range = are_numbers and 0 <= sequence <= MAX_SEQUENCE and 0 <= time_ns <= MAX_TIMESTAMP_NS
-    return in_range and all(name is None or isinstance(name, str) for name in names)
-
-
-def _pair_by_time(
-    depth: list[ListedImage], color: list[ListedImage], first_sequence: int
-) -> list[_Frame]:
-    pairs = associate(
-        np.array([image.time_ns for image in depth], np.int64),
-        np.array([image.time_ns for image in color], np.int64),
-    )
-    frames = []
-    for number, (i, j) in enumerate(pairs):
-        of_depth = None if i is None else depth[i]
-        of_color = None if j is None else color[j]
-        first = of_depth or of_color
-        time_ns = 0 if first is None else first.time_ns
-        frames.append(_Frame(first_sequence + number, time_ns, of_depth, of_color, None))
-    return frames
-
-
 def _info(
     path: Path,
     notes: dict[str, object],
     calibration: RgbdCalibration | None,
-    times_ns: np.ndarray[tuple[int], np.dtype[np.int64]],
+    times_ns: IntArray,
 ) -> SourceInfo:
     texts = {key: value for key, value in notes.items() if isinstance(value, str)}
     if texts:

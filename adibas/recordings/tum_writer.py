@@ -24,6 +24,8 @@ from adibas.recordings.tum_lists import (
 
 NOTES_FILE = "adibas.json"
 CALIBRATION_FILE = "calibration.json"
+NOTED = ("sequence", "timestamp_ns", "depth", "color", "infrared")
+"""Of each frame, one column each; columns are read several times as fast as rows."""
 TITLES = {
     DEPTH_LIST: "depth images, 16-bit PNG",
     COLOR_LIST: "colour images",
@@ -120,8 +122,8 @@ class TumWriter(RecordingWriter):
                 text = format_list(TITLES[name], images)
                 (self._part / name).write_text(text, encoding="utf-8")
         info = replace(self._info, calibration=None, n_dropped=self.n_dropped)
-        columns = ("sequence", "timestamp_ns", "depth", "color", "infrared")
-        notes = {**info_to_texts(info), "columns": columns, "frames": self._frames}
+        columns = zip(*self._frames, strict=True) if self._frames else ([] for _ in NOTED)
+        notes = {**info_to_texts(info), "frames": dict(zip(NOTED, columns, strict=True))}
         (self._part / NOTES_FILE).write_text(json.dumps(notes), encoding="utf-8")
 
     def abandon(self) -> None:

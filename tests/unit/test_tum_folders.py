@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from adibas.calibration.files import write_calibration
 from adibas.errors import AdibasError, RecordingError
 from adibas.recordings import create_recording, open_recording
-from adibas.recordings.association import MAX_DIFFERENCE_NS, associate
+from adibas.recordings.association import MAX_DIFFERENCE_NS, NEIGHBOURS, associate
 from adibas.recordings.tum_lists import ListedImage, format_list, read_list
+from adibas.recordings.tum_regular import parse_regular
 from tests.unit.recorded_frames import (
     CALIBRATION,
     INFO,
@@ -99,6 +100,7 @@ def test_either_list_may_be_missing(folder, missing):
         "1.0",
         "now depth/a.png",
         "-1 depth/a.png",
+        ". depth/a.png",
         "nan depth/a.png",
         "inf depth/a.png",
         "1e400 depth/a.png",
@@ -154,17 +156,70 @@ def test_a_missing_image_is_named(folder):
 def test_times_pass_through_the_list_without_a_rounding(tmp_path_factory, time_ns):
     path = tmp_path_factory.mktemp("list")
     (path / "rgb.txt").write_text(format_list("t", [ListedImage(time_ns, "a.png")]))
-    assert read_list(path, "rgb.txt") == [ListedImage(time_ns, "a.png")]
+    assert list(read_list(path, "rgb.txt")) == [ListedImage(time_ns, "a.png")]
     shutil.rmtree(path)
 
 
 def test_times_in_other_notations_are_read(tmp_path):
     (tmp_path / "rgb.txt").write_text("1.5e3 a.png\n+2.25 b.png\n3. c.png\n")
-    assert [image.time_ns for image in read_list(tmp_path, "rgb.txt")] == [
-        1_500_000_000_000,
-        2_250_000_000,
-        3_000_000_000,
+    times_ns = read_list(tmp_path, "rgb.txt").times_ns
+    np.testing.assert_array_equal(times_ns, [1_500_000_000_000, 2_250_000_000, 3_000_000_000])
+
+
+def test_a_file_that_is_listed_twice_keeps_its_place_and_gets_the_last_time(tmp_path):
+    (tmp_path / "rgb.txt").write_text("1.0 a.png\n2.0 b.png\n3.0 a.png\n")
+    assert list(read_list(tmp_path, "rgb.txt")) == [
+        ListedImage(3_000_000_000, "a.png"),
+        ListedImage(2_000_000_000, "b.png"),
     ]
+
+
+number_parts = st.sampled_from(["", "0", "7", "13", "9223372036", "9999999999", "0123456789", "x"])
+list_times = st.one_of(
+    st.decimals(0, 9_223_372_037, places=6).map(str),
+    st.builds("{}.{}".format, number_parts, number_parts),
+    st.sampled_from(["5", "1e3", "+2.5", "-1.0", "#3.0", "1.2.3", "٣.0", "1_0.0", ".5", "3."]),
+)
+list_names = st.text("ab./#-", min_size=1, max_size=8) | st.sampled_from(
+    ["rgb/1.5.png", "a..b", "../a", "/a", "a/..", "C:a", "a\\b", "a\0", "é.png", "a b", "a\x7f"]
+)
+regular_lines = st.builds("{:.6f} rgb/{}.png".format, st.floats(0, 2e9), st.integers(0, 99))
+list_lines = regular_lines | st.builds(
+    "{}{}{}".format, list_times, st.sampled_from([" "] * 5 + ["  ", "\t", "\x0b"]), list_names
+)
+comments = st.sampled_from(["# times: files", "#", "# é", "# a\x0b1.0 b.png", "# a\r1.0 c.png"])
+line_ends = st.sampled_from(["\n"] * 8 + ["\r\n", "\r", "\n\n", " \n"])
+list_texts = st.builds(
+    lambda head, lines, end: "\n".join([*head, ""]) * bool(head) + end.join(lines),
+    st.lists(comments, max_size=3),
+    st.lists(list_lines | regular_lines | comments, max_size=6),
+    line_ends,
+)
+
+
+def lines_or_complaint(path, text):
+    (path / "rgb.txt").write_bytes(text.encode())
+    try:
+        return list(read_list(path, "rgb.txt"))
+    except RecordingError as error:
+        return str(error)
+
+
+@given(list_texts, st.sampled_from(["", "\n", "\r\n"]))
+def test_a_regular_list_says_the_same_as_with_a_blank_line_that_makes_it_irregular(
+    tmp_path_factory, text, end
+):
+    path = tmp_path_factory.mktemp("list")
+    assert parse_regular((text + "\n \n").encode()) is None
+    assert lines_or_complaint(path, text + end) == lines_or_complaint(path, text + "\n \n")
+    shutil.rmtree(path)
+
+
+@pytest.mark.parametrize("text", [DEPTH_LIST.replace("\n\n", "\n"), COLOR_LIST, "", "1. a", "#"])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_lists_of_programs_are_read_all_at_once(tmp_path, text, line_end):
+    times_ns, names = parse_regular(text.replace("\n", line_end).encode())
+    assert len(times_ns) == len(names) == len(lines_or_complaint(tmp_path, text + "\n \n"))
 
 
 def nearest_first(depth_ns, color_ns):
@@ -182,16 +237,59 @@ def nearest_first(depth_ns, color_ns):
     return chosen
 
 
+def one_after_another(depth_ns, color_ns):
+    """Take the near pairs one by one, the nearest first; only the next neighbours count."""
+    order = sorted(range(len(color_ns)), key=lambda j: color_ns[j])
+    candidates = []
+    for i, time_ns in enumerate(depth_ns):
+        n_before = sum(other < time_ns for other in color_ns)
+        near = order[max(n_before - NEIGHBOURS, 0) : n_before + NEIGHBOURS]
+        candidates += [(abs(time_ns - color_ns[j]), i, j) for j in near]
+    chosen = {}
+    for difference_ns, i, j in sorted(candidates):
+        if difference_ns <= MAX_DIFFERENCE_NS and i not in chosen and j not in chosen.values():
+            chosen[i] = j
+    pairs = [(i, chosen.get(i, -1)) for i in range(len(depth_ns))]
+    pairs += [(-1, j) for j in range(len(color_ns)) if j not in chosen.values()]
+    return sorted(pairs, key=lambda pair: color_ns[pair[1]] if pair[0] < 0 else depth_ns[pair[0]])
+
+
+def associated(depth_ns, color_ns):
+    pairs = associate(np.array(depth_ns, np.int64), np.array(color_ns, np.int64))
+    return [tuple(pair) for pair in pairs.tolist()]
+
+
 times = st.lists(st.integers(0, 12).map(lambda n: n * 7_000_000), max_size=12, unique=True)
+any_times = st.lists(st.integers(0, 12).map(lambda n: n * 5_000_000), max_size=12)
 
 
 @given(times, times)
 def test_images_are_paired_as_by_brute_force_and_used_once(depth_ns, color_ns):
-    pairs = associate(np.array(depth_ns, np.int64), np.array(color_ns, np.int64))
-    both = {i: j for i, j in pairs if i is not None and j is not None}
-    assert both == nearest_first(depth_ns, color_ns)
-    assert sorted(i for i, _ in pairs if i is not None) == list(range(len(depth_ns)))
-    assert sorted(j for _, j in pairs if j is not None) == list(range(len(color_ns)))
+    pairs = associated(depth_ns, color_ns)
+    assert {i: j for i, j in pairs if i >= 0 and j >= 0} == nearest_first(depth_ns, color_ns)
+    assert sorted(i for i, _ in pairs if i >= 0) == list(range(len(depth_ns)))
+    assert sorted(j for _, j in pairs if j >= 0) == list(range(len(color_ns)))
+
+
+@given(any_times, any_times)
+def test_images_of_equal_times_are_paired_as_one_after_another(depth_ns, color_ns):
+    assert associated(depth_ns, color_ns) == one_after_another(depth_ns, color_ns)
+
+
+@pytest.mark.parametrize("jitter_ns", [1_000_000, 15_000_000, 40_000_000])
+def test_long_lists_are_paired_as_one_after_another(jitter_ns):
+    rng = np.random.default_rng(jitter_ns)
+    steps_ns = 10**9 + np.arange(300) * 33_333_333
+    depth_ns, color_ns = (
+        (steps_ns + rng.integers(-jitter_ns, jitter_ns, 300))[rng.random(300) < 0.9].tolist()
+        for _ in range(2)
+    )
+    assert associated(depth_ns, color_ns) == one_after_another(depth_ns, color_ns)
+
+
+def test_the_last_time_there_is_has_neighbours_too():
+    last_ns = 2**63 - 1
+    assert associated([last_ns], [last_ns - 5, last_ns]) == [(-1, 0), (0, 1)]
 
 
 def test_a_line_taken_out_of_a_list_takes_the_image_out_of_the_recording(tmp_path):
@@ -205,9 +303,54 @@ def test_a_line_taken_out_of_a_list_takes_the_image_out_of_the_recording(tmp_pat
         assert reader.read(3).depth_raw is None
 
 
+ONE_FRAME = {"sequence": [7], "timestamp_ns": [5], "depth": ["depth/b.png"], "color": [None]}
+
+
+def noted(**changes):
+    return json.dumps({"frames": ONE_FRAME | {"infrared": [None]} | changes})
+
+
+def test_notes_pair_their_images_and_the_rest_is_paired_by_time(folder):
+    (folder / "adibas.json").write_text(noted(color=["rgb/c.png"], infrared=["gone.png"]))
+    with open_recording(folder) as reader:
+        frames = list(reader)
+    assert [frame.sequence for frame in frames] == [7, 1, 2, 3]
+    assert [frame.timestamp_ns for frame in frames] == [
+        1305031453_404816000,
+        1305031453_374112000,
+        1305031453_391690000,
+        1305031453_436000000,
+    ]
+    colors = [frame.color_timestamp_ns for frame in frames]
+    assert colors[:1] + colors[2:] == [1305031453_500000000, 1305031453_391690000, None]
+
+
+def test_noted_frames_of_which_nothing_is_left_are_left_out(folder):
+    (folder / "adibas.json").write_text(noted(depth=["gone.png"]))
+    with open_recording(folder) as reader:
+        assert [reader.read(i).sequence for i in range(len(reader))] == [0, 1, 2, 3]
+
+
 @pytest.mark.parametrize(
     "notes",
-    ["{", "[]", '{"frames": [[1]]}', '{"frames": [[-1, 0, null, null, null]]}', "[" * 100_000],
+    [
+        "{",
+        "[]",
+        "[" * 100_000,
+        '{"frames": [[1]]}',
+        '{"frames": {}}',
+        noted(sequence=[0, 1]),
+        noted(sequence=[-1]),
+        noted(sequence=[2**32]),
+        noted(sequence=[0.0]),
+        noted(sequence=[None]),
+        noted(timestamp_ns=[2**63]),
+        noted(timestamp_ns=[10**30]),
+        noted(timestamp_ns="1"),
+        noted(color=[1]),
+        noted(depth=[["a"]]),
+        noted(infrared=None),
+    ],
 )
 def test_damaged_notes_are_told(folder, notes):
     (folder / "adibas.json").write_text(notes)
