@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygon
 from adibas.arrays import BoolArray
 from ui.theme import DRAWN
 from ui.widgets.image_geometry import ImagePlacement
-from ui.widgets.overlays import Dot, Line, Overlay, Region, Role, Text
+from ui.widgets.overlays import Curve, Dot, Line, Overlay, Region, Role, Text
 
 GRAB_PX = 9.0
 LEAST_RADIUS_PX = 6.0
@@ -26,6 +26,8 @@ def paint_overlay(painter: QPainter, placement: ImagePlacement, overlay: Overlay
         _paint_dot(painter, placement, overlay)
     elif isinstance(overlay, Line):
         _paint_line(painter, placement, overlay)
+    elif isinstance(overlay, Curve):
+        _paint_curve(painter, placement, overlay)
     elif isinstance(overlay, Text):
         x, y = placement.to_widget(overlay.u, overlay.v)
         _paint_text(painter, QPointF(x, y), overlay.text, overlay.role)
@@ -58,6 +60,15 @@ def _paint_line(painter: QPainter, placement: ImagePlacement, line: Line) -> Non
         painter.drawLine(start, end)
     if line.text:
         _paint_text(painter, (start + end) / 2 + QPointF(4, -4), line.text, line.role)
+
+
+def _paint_curve(painter: QPainter, placement: ImagePlacement, curve: Curve) -> None:
+    points = [QPointF(*placement.to_widget(u, v)) for u, v in curve.points]
+    for pen in _pens(curve.role):
+        painter.setPen(pen)
+        painter.drawPolyline(QPolygonF(points))
+    if curve.text:
+        _paint_text(painter, points[len(points) // 2] + QPointF(6, -4), curve.text, curve.role)
 
 
 def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:

@@ -14,7 +14,8 @@ Role = Literal[
 class Dot:
     """A marker: a circle about it, and its name.
 
-    `is_movable` dots can be dragged; `radius_px` is the marker's own.
+    `is_movable` dots can be dragged, `is_pickable` ones only chosen; a press is told with `name`.
+    `radius_px` is the marker's own.
     """
 
     u: float
@@ -24,6 +25,14 @@ class Dot:
     role: Role = "marker"
     is_movable: bool = False
     tooltip: str = ""
+    is_pickable: bool = False
+    key: str = ""
+    """Tells dots without a label apart."""
+
+    @property
+    def name(self) -> str:
+        """What the dot is called in signals."""
+        return self.key or self.label
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +43,15 @@ class Line:
     v1: float
     u2: float
     v2: float
+    role: Role = "measure"
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """From pixel (u, v) to pixel, with a text at its middle."""
+
+    points: tuple[tuple[float, float], ...]
     role: Role = "measure"
     text: str = ""
 
@@ -57,4 +75,4 @@ class Region:
     is_filled: bool = False
 
 
-Overlay: TypeAlias = Dot | Line | Text | Region
+Overlay: TypeAlias = Dot | Line | Curve | Text | Region
