@@ -31,6 +31,13 @@ def write_colors(path: Path, model: ColorModel) -> None:
     FileError
         The disk is full, or the folder cannot be written.
     """
+    text = json.dumps(colors_to_json(model), indent=1, allow_nan=False)
+    with written_whole(path) as unfinished:
+        unfinished.write_text(text + "\n", "utf-8")
+
+
+def colors_to_json(model: ColorModel) -> dict[str, object]:
+    """Return the document that `colours.json` holds."""
     document: dict[str, object] = {
         "format": FORMAT,
         "version": VERSION,
@@ -40,8 +47,7 @@ def write_colors(path: Path, model: ColorModel) -> None:
     }
     if model.surround_lab is not None:
         document["surround_lab"] = model.surround_lab.tolist()
-    with written_whole(path) as unfinished:
-        unfinished.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", "utf-8")
+    return document
 
 
 def read_colors(path: Path) -> ColorModel:
@@ -54,7 +60,7 @@ def read_colors(path: Path) -> ColorModel:
     """
     try:
         with path.open("rb") as file:
-            model = _from_document(json.loads(file.read(MAX_BYTES)))
+            model = colors_from_json(json.loads(file.read(MAX_BYTES)))
     except OSError as error:
         raise MarkerError(
             "{file} cannot be read: {reason}. Check the name, or learn the colours with "
@@ -84,7 +90,14 @@ def _is_possible(model: ColorModel) -> bool:
     return bool(are_colors.all()) and model.threshold <= GREATEST_THRESHOLD
 
 
-def _from_document(document: object) -> ColorModel:
+def colors_from_json(document: object) -> ColorModel:
+    """Return the colour model in the document of a `colours.json`.
+
+    Raises
+    ------
+    ValueError, TypeError, KeyError, OverflowError
+        It is no such document.
+    """
     if not isinstance(document, Mapping) or document.get("format") != FORMAT:
         raise ValueError("another format")
     if document.get("version") != VERSION:

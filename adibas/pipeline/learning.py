@@ -5,33 +5,21 @@ from pathlib import Path
 from typing import Literal
 
 import cv2
-import numpy as np
 
 from adibas.arrays import BoolArray, UInt8Array
 from adibas.data.frames import EncodedImage
 from adibas.errors import FileError, RecordingError
 from adibas.files import check_place, written_whole
 from adibas.markers.color_files import preview, read_colors, write_colors
-from adibas.markers.color_model import (
-    ColorModel,
-    LearningParams,
-    grow_region,
-    learn_colors,
-    surround_of,
-)
-from adibas.markers.lab import rgb_to_lab
+from adibas.markers.color_model import ColorModel, LearningParams
 from adibas.markers.led import LedParams
+from adibas.pipeline.learning_board import LearningBoard
 from adibas.pipeline.posture import MarkerTarget
 from adibas.recordings import open_recording
 from adibas.recordings.decoding import decode_color
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg")
 LED = "led"
-SEED = 0
-"""Of k-means: the same clicks give the same colours."""
-
-MOST_PIXELS = 20_000
-"""For k-means; of a larger region every n-th pixel is taken, which says the same sooner."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +87,7 @@ def learn_from_file(request: LearningRequest, out: Path) -> Learned:
     """
     preview_path = out.with_suffix(".preview.png")
     _check_out(request.image, out, preview_path)
-    color_rgb = _read_picture(request)
+    color_rgb = read_picture(request.image, request.frame)
     model, taken = learn_from_picture(color_rgb, request)
     _write_png(preview_path, preview(color_rgb, taken))
     write_colors(out, model)
@@ -115,23 +103,13 @@ def learn_from_picture(
         params = replace(params, sensitivity=request.sensitivity)
     if request.n_clusters is not None:
         params = replace(params, n_clusters=request.n_clusters)
-    lab = rgb_to_lab(color_rgb)
-    taken = np.zeros(lab.shape[:2], np.bool_)
-    surrounds = []
-    for seed_uv in request.seeds:
-        region = grow_region(lab, seed_uv, params.sensitivity)
-        surrounds.append(surround_of(lab, region))
-        taken |= region
-    source = {
-        "seeds": [list(seed_uv) for seed_uv in request.seeds],
-        "sensitivity": params.sensitivity,
-        "n_pixels": int(taken.sum()),
-    }
-    pixels_lab = lab[taken].astype(np.float64)
-    pixels_lab = pixels_lab[:: -(-len(pixels_lab) // MOST_PIXELS)]
-    model = learn_colors(pixels_lab, np.random.default_rng(SEED), params, source)
-    known = [surround for surround in surrounds if surround is not None]
-    return replace(model, surround_lab=np.array(known) if known else None), taken
+    board = LearningBoard(color_rgb, params)
+    for u, v in request.seeds:
+        board.click(u, v)
+    model = board.model()
+    if model is None:
+        raise ValueError("learning needs a click")
+    return model, board.taken()
 
 
 def _check_out(image: Path, out: Path, preview_path: Path) -> None:
@@ -149,44 +127,51 @@ def _check_out(image: Path, out: Path, preview_path: Path) -> None:
     check_place(out)
 
 
-def _read_picture(request: LearningRequest) -> UInt8Array:
-    if request.image.suffix.lower() not in PICTURE_SUFFIXES:
-        return _read_frame(request)
+def read_picture(path: Path, frame: int = 0) -> UInt8Array:
+    """Read a PNG or JPEG picture, or the colour of one frame of a recording, (H, W, 3) RGB.
+
+    Raises
+    ------
+    FileError, RecordingError
+        The picture or the frame cannot be read.
+    """
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        return _read_frame(path, frame)
     try:
-        payload = request.image.read_bytes()
+        payload = path.read_bytes()
     except OSError as error:
         raise FileError(
             "{file} cannot be read: {reason}. Check the name of the picture.",
-            file=request.image.name,
+            file=path.name,
             reason=error.strerror or str(error),
         ) from error
-    encoding: Literal["png", "jpeg"] = "png" if request.image.suffix.lower() == ".png" else "jpeg"
+    encoding: Literal["png", "jpeg"] = "png" if path.suffix.lower() == ".png" else "jpeg"
     try:
         return decode_color(EncodedImage(encoding, payload), sequence=0)
     except RecordingError as error:
         raise FileError(
-            "{file} is no whole PNG or JPEG picture. Choose another one.", file=request.image.name
+            "{file} is no whole PNG or JPEG picture. Choose another one.", file=path.name
         ) from error
 
 
-def _read_frame(request: LearningRequest) -> UInt8Array:
-    with open_recording(request.image) as recording:
-        if not 0 <= request.frame < len(recording):
+def _read_frame(path: Path, frame: int) -> UInt8Array:
+    with open_recording(path) as recording:
+        if not 0 <= frame < len(recording):
             raise RecordingError(
                 "{file} has {n_frames} frames, and none with the number {frame}. Choose another "
                 "with --frame.",
-                file=request.image.name,
+                file=path.name,
                 n_frames=len(recording),
-                frame=request.frame,
+                frame=frame,
             )
-        frame = recording.read(request.frame)
-    if frame.color is None:
+        found = recording.read(frame)
+    if found.color is None:
         raise RecordingError(
             "{file} has no colour in frame {frame}. Choose another frame.",
-            file=request.image.name,
-            frame=request.frame,
+            file=path.name,
+            frame=frame,
         )
-    return decode_color(frame.color, frame.sequence)
+    return decode_color(found.color, found.sequence)
 
 
 def _write_png(path: Path, picture_rgb: UInt8Array) -> None:
