@@ -56,9 +56,18 @@ class Burst:
     def __len__(self) -> int:
         return len(self.frames)
 
+    def frame(self, index: int) -> RgbdFrame:
+        """Return a frame in metres.
+
+        Raises
+        ------
+        RecordingError
+            It lacks depth or colour, or its colour image is damaged.
+        """
+        return to_rgbd(self.frames[index], self.info)
+
     def __iter__(self) -> Iterator[RgbdFrame]:
-        """Give the frames in metres, each converted when it is asked for."""
-        return (to_rgbd(frame, self.info) for frame in self.frames)
+        return (self.frame(index) for index in range(len(self)))
 
 
 class BurstRecording:

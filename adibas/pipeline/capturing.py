@@ -1,0 +1,232 @@
+"""From the live sensor to a saved capture: record a burst, find its markers, keep both."""
+
+from collections.abc import Iterator
+from concurrent.futures import wait
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+from adibas.arrays import UInt8Array
+from adibas.calibration.files import check_fits
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.frames import RgbdFrame
+from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.sessions import Capture
+from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorError, StoreError
+from adibas.markers.disparity import BurstDisparity, fuse_depth
+from adibas.pipeline.burst_recording import Burst, Progress
+from adibas.pipeline.live import LiveView
+from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
+from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.session import Clock, utc_now
+from adibas.recordings import RecordingWriter
+from adibas.recordings.checksum import recording_sha256
+from adibas.sessions import NewCapture, SessionStore
+from adibas.texts import describe, message
+
+POLL_S = 0.1
+
+NOT_SOUGHT = message("No marker was looked for, because no marker colour was learned.")
+NOT_FOUND = message("No marker was found in the burst.")
+LOST_FRAMES = message("The sensor lost frames inside the burst.")
+BEGAN_ANEW = message("The recording that was played began anew inside the burst.")
+
+
+@dataclass(frozen=True, slots=True)
+class CaptureRequest:
+    """What to capture.
+
+    Attributes
+    ----------
+    session_id : str
+        Of the store.
+    view : str
+        One of `VIEWS`, or empty.
+    n_frames : int
+        Of the burst: 30 are a second, in which a patient sways by a millimetre or two.
+    target : MarkerTarget or None
+        None keeps picture and recording, for markers that are set by hand.
+    """
+
+    session_id: str
+    view: str = ""
+    n_frames: int = 30
+    target: MarkerTarget | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaptureFindings:
+    """What a burst shows, ready to be saved.
+
+    Attributes
+    ----------
+    markers : tuple of Marker
+        From top to bottom; empty where none was found or looked for.
+    rejected : tuple of RejectedBlob
+        What was refused in the last frame that showed somebody.
+    surface : BurstDisparity
+        For the positions of markers that are set by hand.
+    picture_rgb : (H, W, 3) uint8 array
+        Of the middle frame.
+    notices : tuple of str
+        What the reader must know; message ids, where they have no fields.
+    """
+
+    markers: tuple[Marker, ...]
+    rejected: tuple[RejectedBlob, ...]
+    surface: BurstDisparity
+    picture_rgb: UInt8Array
+    notices: tuple[str, ...]
+
+
+def take_capture(
+    store: SessionStore,
+    live: LiveView,
+    request: CaptureRequest,
+    progress: Progress,
+    clock: Clock = utc_now,
+) -> Capture:
+    """Record a burst into the store, find its markers, and save the capture.
+
+    The recording is finished only when the markers were looked for. What fails before that, or is
+    cancelled, leaves nothing in the store: half a burst is no measure, and the patient is still
+    there for another one. Where only the last step fails, the finished recording stays in the
+    session.
+
+    Parameters
+    ----------
+    store : SessionStore
+        Where it is kept.
+    live : LiveView
+        With a live sensor; its settings and calibration are used.
+    request : CaptureRequest
+        What to capture.
+    progress : callable
+        Told (steps done, steps in all), ten times a second at least while frames come. What it
+        raises cancels the capture and is raised again.
+
+    Raises
+    ------
+    SensorError
+        No sensor is live, or it was lost in the burst.
+    CalibrationError
+        There is no calibration, or it does not fit.
+    RecordingError, StoreError
+        The store cannot be written, or the disk is full or too slow.
+    """
+    info, calibration = live.state.info, live.calibration
+    if info is None:
+        raise SensorError("No sensor is live. Choose a source and wait for its picture.")
+    if calibration is None:
+        raise CalibrationError(
+            "This source brings no calibration, so nothing can be measured. Give one for it, or "
+            "choose another source."
+        )
+    params, begun_utc = live.params, clock()
+    writer = store.recordings.create(request.session_id, info)
+    with ExitStack() as undo:
+        undo.callback(writer.abandon)
+        try:
+            burst = _recorded(live, writer, request.n_frames, progress)
+            findings = analyse_capture(burst, calibration, request.target, params, progress)
+            writer.close()
+        except AdibasError as error:
+            told = _with_nothing_kept(error)
+            if told is error:
+                raise
+            raise told from error
+        undo.pop_all()
+    new = NewCapture(
+        view=request.view,
+        recording_id=writer.recording_id,
+        first_frame=0,
+        n_frames=len(burst),
+        calibration=calibration,
+        detected=findings.markers,
+        rejected=findings.rejected,
+        provenance=provenance_of(
+            recording_sha256(writer.path), calibration, request.target, params, clock()
+        ),
+        captured_utc=begun_utc,
+        notices=findings.notices,
+    )
+    return store.captures.add(request.session_id, new, findings.picture_rgb, findings.surface)
+
+
+def analyse_capture(
+    burst: Burst,
+    calibration: RgbdCalibration,
+    target: MarkerTarget | None,
+    params: PostureParams,
+    progress: Progress,
+) -> CaptureFindings:
+    """Find the markers of a burst; a burst without any is worth keeping, too.
+
+    Raises
+    ------
+    CalibrationError
+        The calibration is for another resolution.
+    RecordingError
+        A frame lacks depth or colour, or its colour image is damaged.
+    """
+    middle = burst.frame(len(burst) // 2)
+    check_fits(calibration, middle.color_rgb.shape[:2], middle.depth_m.shape)
+    notices: list[str] = [LOST_FRAMES] * (burst.n_dropped > 0)
+    notices += [BEGAN_ANEW] * (burst.n_restarts > 0)
+    found = None
+    if target is None:
+        notices.append(NOT_SOUGHT)
+    else:
+        try:
+            found = analyse_burst(_counted(burst, progress), calibration, target, params)
+        except MarkerError as error:
+            notices.append(describe(error) if error.fields else error.message_id)
+        else:
+            notices += [NOT_FOUND] * (not found.markers)
+    if found is None:
+        found = MarkerFindings((), (), _surface(burst, calibration, params))
+    return CaptureFindings(
+        found.markers, found.rejected, found.surface, middle.color_rgb, tuple(notices)
+    )
+
+
+def _surface(burst: Burst, calibration: RgbdCalibration, params: PostureParams) -> BurstDisparity:
+    return fuse_depth(
+        (frame.depth_m for frame in burst),
+        calibration.depth_bias,
+        least_share=params.least_pixel_share,
+        greatest_sd_per_m=params.greatest_scatter_per_m,
+    )
+
+
+def _counted(burst: Burst, progress: Progress) -> Iterator[RgbdFrame]:
+    """Give the frames and tell of each: the second half of the work."""
+    for done, frame in enumerate(burst, 1):
+        progress(len(burst) + done, 2 * len(burst))
+        yield frame
+
+
+def _recorded(live: LiveView, writer: RecordingWriter, n_frames: int, progress: Progress) -> Burst:
+    """Wait for a burst; `progress` may raise to cancel it."""
+    future = live.capture(n_frames, writer)
+    try:
+        while not wait([future], timeout=POLL_S).done:
+            progress(min(writer.n_frames, n_frames), 2 * n_frames)
+    except BaseException:
+        live.cancel_capture()
+        wait([future])  # the writer is not ours before
+        raise
+    return future.result()
+
+
+def _with_nothing_kept(error: AdibasError) -> AdibasError:
+    """Return `error`, or where the disk failed, one that does not promise that frames are kept."""
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, OSError):
+        cause = cause.__cause__
+    if cause is None:
+        return error
+    return StoreError(
+        "The capture is not saved: {reason}. Nothing of it is kept. Free some space on the disk, "
+        "or check it, and capture again.",
+        reason=cause.strerror or str(cause),
+    )
