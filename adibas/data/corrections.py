@@ -46,6 +46,10 @@ class FreeMeasure:
         if len(self.labels) not in (2, 3) or len(set(self.labels)) != len(self.labels):
             raise ValueError(f"a measure needs two or three markers, got {self.labels}")
 
+    def renamed(self, before: str, after: str) -> "FreeMeasure":
+        """Return the same measure after one of the markers got another name."""
+        return FreeMeasure(tuple(after if label == before else label for label in self.labels))
+
 
 @dataclass(frozen=True, slots=True)
 class MeasureCorrection:
@@ -133,9 +137,15 @@ class CorrectionHistory:
         return frozenset(labels)
 
     def measures(self) -> tuple[FreeMeasure, ...]:
-        """Return the free measures in the order in which they were asked for."""
+        """Return the free measures in the order in which they were asked for.
+
+        They follow the names of their markers, and go with a marker that is deleted.
+        """
         measures: list[FreeMeasure] = []
-        for correction in self._in_force(MeasureCorrection):
+        for correction in self.corrections[: self.n_done]:
+            if isinstance(correction, MarkerCorrection):
+                measures = _following(measures, correction)
+                continue
             if correction.before is not None:
                 measures.remove(correction.before)
             if correction.after is not None:
@@ -144,6 +154,16 @@ class CorrectionHistory:
 
     def _in_force(self, kind: type[AnyCorrection]) -> list[AnyCorrection]:
         return [one for one in self.corrections[: self.n_done] if isinstance(one, kind)]
+
+
+def _following(measures: list[FreeMeasure], correction: MarkerCorrection) -> list[FreeMeasure]:
+    """Return the measures after a marker was corrected."""
+    before, after = correction.before, correction.after
+    if before is None:
+        return measures
+    if after is None:
+        return [measure for measure in measures if before.label not in measure.labels]
+    return [measure.renamed(before.label, after.label) for measure in measures]
 
 
 def _with_correction(markers: dict[str, Marker], correction: MarkerCorrection) -> dict[str, Marker]:

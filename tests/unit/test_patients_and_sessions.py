@@ -144,6 +144,23 @@ def test_free_measures_come_and_go():
     assert history.after(removed).measures() == (distance,)
 
 
+def test_a_free_measure_follows_the_name_of_its_marker():
+    history = CorrectionHistory().after(MeasureCorrection(None, FreeMeasure(("a", "b", "c"))))
+    renamed = history.after(MarkerCorrection(marker("b"), marker("knee")))
+    assert renamed.measures() == (FreeMeasure(("a", "knee", "c")),)
+    assert renamed.undone().measures() == history.measures()
+
+
+def test_a_free_measure_goes_with_its_marker_and_comes_back_with_it():
+    kept, lost = FreeMeasure(("a", "c")), FreeMeasure(("a", "b"))
+    history = CorrectionHistory()
+    for measure in (lost, kept):
+        history = history.after(MeasureCorrection(None, measure))
+    deleted = history.after(MarkerCorrection(marker("b"), None))
+    assert deleted.measures() == (kept,)
+    assert deleted.undone().measures() == (lost, kept)
+
+
 @given(st.lists(st.sampled_from(["do", "undo", "redo"]), max_size=30))
 def test_undo_takes_back_and_redo_brings_again(steps):
     history, done, undone = CorrectionHistory(), [], []
