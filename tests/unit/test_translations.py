@@ -125,6 +125,20 @@ def test_translations_begin_and_end_as_their_source(language):
 
 
 @pytest.mark.parametrize("language", TRANSLATED)
+def test_what_has_a_key_in_the_source_has_one_in_the_translation(language):
+    """`&Language` is reached with Alt+L: a translation offers a key as well."""
+    key = re.compile(r"&\w")
+    wrong = [
+        form
+        for message in read_catalogue(language)
+        if message.id
+        for source, form in pairs(message)
+        if len(key.findall(source)) != len(key.findall(form))
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("language", TRANSLATED)
 def test_the_compiled_catalogue_is_the_written_one(language):
     with catalogue_path(language, ".mo").open("rb") as file:
         compiled = read_mo(file)
