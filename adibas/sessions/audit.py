@@ -14,7 +14,9 @@ from adibas.sessions.clock import Clock, to_text
 from adibas.sessions.database import Database
 from adibas.sessions.schema import AuditHead, AuditRecord
 
-Action = Literal["create", "view", "change", "export", "delete", "restore", "purge", "open"]
+Action = Literal[
+    "create", "view", "change", "export", "delete", "restore", "purge", "open", "recover"
+]
 
 BEGINNING = "0" * 64
 """What the first line has for the hash before it."""

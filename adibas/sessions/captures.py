@@ -39,7 +39,7 @@ from adibas.sessions.images import (
     encode_thumbnail,
 )
 from adibas.sessions.kept_files import KeptFiles
-from adibas.sessions.schema import CaptureRecord
+from adibas.sessions.schema import CaptureRecord, RecordingRecord
 from adibas.sessions.visits import found_session
 
 
@@ -93,17 +93,18 @@ class Captures:
         new.history.markers(new.detected)
         with self._database.reading() as transaction:
             found_session(transaction, session_id)
+            _check_recording(transaction, session_id, new.recording_id)
         payloads = [encode_picture(picture_rgb)]
         if surface is not None:
             payloads.append(encode_surface(surface))
-        files = self._files.write(payloads)
-        with self._database.changing() as transaction:
+        thumbnail = encode_thumbnail(picture_rgb)
+        with self._files.written(payloads) as files, self._database.changing() as transaction:
             found_session(transaction, session_id)
             self._files.keep(transaction, files)
             record = self._record(transaction, session_id, new)
             record.picture_id = files[0]
             record.surface_id = files[1] if surface is not None else None
-            record.thumbnail = encode_thumbnail(picture_rgb)
+            record.thumbnail = thumbnail
             transaction.add(record)
             transaction.flush()
             self._audit.write(transaction, "create", record.capture_id, session=session_id)
@@ -245,6 +246,12 @@ def found_capture(transaction: Transaction, capture_id: str) -> CaptureRecord:
             capture_id=capture_id,
         )
     return record
+
+
+def _check_recording(transaction: Transaction, session_id: str, recording_id: str) -> None:
+    record = transaction.get(RecordingRecord, recording_id) if recording_id else None
+    if recording_id and (record is None or record.session_id != session_id):
+        raise ValueError(f"no recording {recording_id} of session {session_id}")
 
 
 def _capture(transaction: Transaction, record: CaptureRecord) -> Capture:

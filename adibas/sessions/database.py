@@ -7,7 +7,7 @@ from pathlib import Path
 
 import sqlcipher3.dbapi2 as sqlcipher
 from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.exc import DatabaseError
+from sqlalchemy.exc import DatabaseError, IntegrityError
 from sqlalchemy.orm import Session as Transaction
 from sqlalchemy.pool import StaticPool
 
@@ -134,6 +134,8 @@ class Database:
             self._is_inside = True
             try:
                 yield
+            except IntegrityError:
+                raise  # a bug, or an attempt to rewrite the audit log
             except DatabaseError as error:
                 raise _explained(error) from error
             finally:
@@ -146,6 +148,7 @@ def _engine(path: Path, key: bytes) -> Engine:
         module=sqlcipher,
         creator=lambda: _connect(path, key),
         poolclass=StaticPool,
+        hide_parameters=True,  # they may be names, and errors end up in logs
     )
 
 

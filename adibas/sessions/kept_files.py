@@ -1,23 +1,24 @@
 """Sealed files and their keys in step: no crash leaves a file that nobody knows.
 
 A file's key is in the database, marked as pending, before the file is written; the change that
-uses the file marks it as kept. A file that shall go is marked first. What a crash leaves pending or
-going is removed at the next opening.
+uses the file ends that. A purge destroys the key and notes the file as a leftover in one change,
+and removes the file then. What a crash leaves pending or left over goes at the next opening.
 """
 
 import secrets
 import uuid
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session as Transaction
 
+from adibas.errors import StoreError
 from adibas.sessions.database import Database
-from adibas.sessions.schema import FileRecord
+from adibas.sessions.schema import FileRecord, LeftoverRecord
 from adibas.sessions.sealed_files import SealedFiles
+from adibas.sessions.sealed_folder import SealedFolder
 from adibas.sessions.sealing import KEY_SIZE
-
-PENDING, KEPT, GOING = "pending", "kept", "going"
 
 
 class KeptFiles:
@@ -27,8 +28,9 @@ class KeptFiles:
         self._database = database
         self._files = files
 
-    def write(self, payloads: Sequence[bytes]) -> list[str]:
-        """Seal each payload in a file, pending until `keep`; return their ids.
+    @contextmanager
+    def written(self, payloads: Sequence[bytes]) -> Iterator[list[str]]:
+        """Seal each payload in a file and give their ids; the block keeps them, or they go.
 
         Raises
         ------
@@ -38,21 +40,21 @@ class KeptFiles:
         made = [(uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)) for _ in payloads]
         with self._database.changing() as transaction:
             for file_id, key in made:
-                transaction.add(FileRecord(file_id=file_id, state=PENDING, key=key, sha256=""))
+                transaction.add(FileRecord(file_id=file_id, key=key, sha256=None))
         ids = [file_id for file_id, _ in made]
         try:
             for (file_id, key), payload in zip(made, payloads, strict=True):
                 self._files.write(file_id, key, payload)
+            yield ids
         except BaseException:
-            self.remove(ids)
+            with suppress(StoreError):  # then they go at the next opening
+                self._remove(ids)
             raise
-        return ids
 
     def keep(self, transaction: Transaction, ids: Sequence[str]) -> None:
         """Mark files as kept, with the change that uses them."""
         for file_id in ids:
-            record = transaction.get_one(FileRecord, file_id)
-            record.state, record.sha256 = KEPT, self._files.sha256(file_id)
+            transaction.get_one(FileRecord, file_id).sha256 = self._files.sha256(file_id)
 
     def read(self, file_id: str) -> bytes:
         """Return the content of a file.
@@ -66,18 +68,32 @@ class KeptFiles:
             key = transaction.get_one(FileRecord, file_id).key
         return self._files.read(file_id, key)
 
-    def remove(self, ids: Sequence[str]) -> None:
-        """Remove files that nothing uses any more, and then their keys."""
+    def _remove(self, ids: Sequence[str]) -> None:
+        """Remove pending files, and then their keys."""
         for file_id in ids:
             self._files.delete(file_id)
         with self._database.changing() as transaction:
             transaction.execute(delete(FileRecord).where(FileRecord.file_id.in_(ids)))
 
     def finish(self) -> None:
-        """Remove what a crash left pending or going."""
-        left = select(FileRecord.file_id).where(FileRecord.state != KEPT)
+        """Remove what a crash left pending."""
+        pending = select(FileRecord.file_id).where(FileRecord.sha256.is_(None))
         with self._database.reading() as transaction:
-            ids = list(transaction.scalars(left))
+            ids = list(transaction.scalars(pending))
         if ids:
-            self.remove(ids)
+            self._remove(ids)
         self._files.remove_unfinished()
+
+
+def remove_leftovers(database: Database, folders: Sequence[SealedFolder]) -> None:
+    """Remove purged files from the disk."""
+    by_name = {folder.folder.name: folder for folder in folders}
+    with database.reading() as transaction:
+        left = list(transaction.scalars(select(LeftoverRecord)))
+    if not left:
+        return
+    for leftover in left:
+        by_name[leftover.folder].delete(leftover.file_id)
+    ids = [leftover.file_id for leftover in left]
+    with database.changing() as transaction:
+        transaction.execute(delete(LeftoverRecord).where(LeftoverRecord.file_id.in_(ids)))

@@ -5,6 +5,7 @@ import binascii
 import enum
 import secrets
 import uuid
+from contextlib import suppress
 from pathlib import Path
 
 import keyring
@@ -137,6 +138,9 @@ def change_passphrase(
     if file is None:
         raise StoreError("The patient store has lost its key.json. Restore it from a backup.")
     write_key_file(folder, _behind_passphrase(file.store_id, key, new, params or Argon2Params()))
+    if file.place == "keyring":
+        with suppress(KeyringError):  # then the keyring keeps a second way in
+            keyring.delete_password(SERVICE, file.store_id)
 
 
 def _behind_passphrase(store_id: str, key: bytes, passphrase: str, params: Argon2Params) -> KeyFile:

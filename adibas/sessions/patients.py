@@ -1,6 +1,7 @@
 """The patients of the store: identity, consents, and what hides or restores them."""
 
 import secrets
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date, datetime
 
@@ -43,9 +44,10 @@ class PatientRow:
 class Patients:
     """The patients of a store."""
 
-    def __init__(self, database: Database, audit: AuditLog) -> None:
+    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
         self._database = database
         self._audit = audit
+        self._purge = purge
 
     def add(self, identity: Identity, *, sex: str = "", notes: str = "") -> Patient:
         """Save a new patient under a random pseudonym.
@@ -195,6 +197,16 @@ class Patients:
             There is no such patient, the store is read-only, or the disk is full.
         """
         self._hide(pseudonym, is_deleted=False)
+
+    def purge(self, pseudonym: str) -> None:
+        """Remove a patient for good, with pictures, recordings and their keys.
+
+        Raises
+        ------
+        StoreError
+            There is no such patient, a recording is being made, or the store is read-only.
+        """
+        self._purge(pseudonym)
 
     def _hide(self, pseudonym: str, *, is_deleted: bool) -> None:
         with self._database.changing() as transaction:

@@ -90,7 +90,10 @@ class SessionRecord(Record):
 
 
 class RecordingRecord(Record):
-    """A sealed recording and its key, which is here before the first frame is written."""
+    """A sealed recording and its key, which is here before the first frame is written.
+
+    `is_closed` is False while it is being made; a crash leaves it so.
+    """
 
     __tablename__ = "recordings"
 
@@ -98,7 +101,7 @@ class RecordingRecord(Record):
     session_id: Mapped[str] = mapped_column(
         ForeignKey("sessions.session_id", ondelete="CASCADE"), index=True
     )
-    state: Mapped[str]
+    is_closed: Mapped[bool]
     key: Mapped[bytes] = mapped_column(LargeBinary)
     created_utc: Mapped[str]
     n_frames: Mapped[int]
@@ -110,14 +113,25 @@ class RecordingRecord(Record):
 
 
 class FileRecord(Record):
-    """A sealed picture or surface and its key, which is here before the file is written."""
+    """A sealed picture or surface and its key, which is here before the file is written.
+
+    `sha256` is None until a capture uses the file.
+    """
 
     __tablename__ = "files"
 
     file_id: Mapped[str] = mapped_column(primary_key=True)
-    state: Mapped[str]
     key: Mapped[bytes] = mapped_column(LargeBinary)
-    sha256: Mapped[str]
+    sha256: Mapped[str | None]
+
+
+class LeftoverRecord(Record):
+    """A purged file that is still to be removed from the disk; its key is gone already."""
+
+    __tablename__ = "leftovers"
+
+    file_id: Mapped[str] = mapped_column(primary_key=True)
+    folder: Mapped[str]
 
 
 class CaptureRecord(Record):
@@ -130,7 +144,9 @@ class CaptureRecord(Record):
     number: Mapped[int]
     view: Mapped[str]
     captured_utc: Mapped[str]
-    recording_id: Mapped[str | None] = mapped_column(ForeignKey("recordings.recording_id"))
+    recording_id: Mapped[str | None] = mapped_column(
+        ForeignKey("recordings.recording_id", ondelete="SET NULL")
+    )
     first_frame: Mapped[int]
     n_frames: Mapped[int]
     calibration: Mapped[str]

@@ -11,14 +11,18 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.captures import Captures
 from adibas.sessions.clock import Clock, utc_now
 from adibas.sessions.database import DATABASE_FILE, Database
-from adibas.sessions.kept_files import KeptFiles
+from adibas.sessions.kept_files import KeptFiles, remove_leftovers
 from adibas.sessions.key_file import KEY_FILE
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import load_key, make_key
 from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
+from adibas.sessions.purging import Purge
 from adibas.sessions.sealed_files import SealedFiles
+from adibas.sessions.sealed_recordings import SealedRecordings
+from adibas.sessions.stored_recordings import Recordings
+from adibas.sessions.verification import Progress, Verification, VerifyReport
 from adibas.sessions.visits import Sessions
 
 PICTURES, RECORDINGS = "pictures", "recordings"
@@ -38,8 +42,8 @@ class SessionStore:
         Where it is.
     is_read_only : bool
         True while another process or window holds it: every change raises StoreError.
-    patients, sessions, captures
-        See `Patients`, `Sessions`, `Captures`.
+    patients, sessions, recordings, captures
+        See `Patients`, `Sessions`, `Recordings`, `Captures`.
     audit : AuditLog
         Who did what.
     """
@@ -48,14 +52,33 @@ class SessionStore:
         self.folder = folder
         self.is_read_only = database.is_read_only
         self.audit = audit
-        files = KeptFiles(database, SealedFiles(folder / PICTURES))
-        self.patients = Patients(database, audit)
-        self.sessions = Sessions(database, audit)
-        self.captures = Captures(database, audit, files)
+        pictures = SealedFiles(folder / PICTURES)
+        self._files = KeptFiles(database, pictures)
+        self.recordings = Recordings(database, audit, SealedRecordings(folder / RECORDINGS))
+        purge = Purge(database, audit, pictures, self.recordings)
+        self.patients = Patients(database, audit, purge.patient)
+        self.sessions = Sessions(database, audit, purge.session)
+        self.captures = Captures(database, audit, self._files)
+        self._verification = Verification(database, audit, pictures, self.recordings)
+        self._sealed = (pictures, self.recordings.sealed)
         self._database = database
         self._lock = lock
-        if not self.is_read_only:
-            files.finish()
+
+    def tidy(self) -> None:
+        """Finish what a crash interrupted; for the one opener that may write."""
+        self._files.finish()
+        remove_leftovers(self._database, self._sealed)
+        self.recordings.recover()
+
+    def verify(self, progress: Progress | None = None) -> VerifyReport:
+        """Check the database, the chain of the audit log, and every file against its checksum.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with (things checked, things in all).
+        """
+        return self._verification.run(progress)
 
     @property
     def operator(self) -> str:
@@ -147,9 +170,12 @@ def open_store(
         raise
     try:
         bring_up_to_date(database, key)
+        _mark_as_made(folder)
         audit = AuditLog(database, clock, operator)
         store = SessionStore(folder, database, lock, audit)
         audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
+        if not store.is_read_only:
+            store.tidy()
     except BaseException:
         database.close()
         lock.release()
@@ -157,11 +183,21 @@ def open_store(
     return store
 
 
+def _mark_as_made(folder: Path) -> None:
+    """Make the folders of the files, so that a database that vanishes later is missed."""
+    try:
+        for name in (PICTURES, RECORDINGS):
+            (folder / name).mkdir(exist_ok=True)
+    except OSError as error:
+        raise cannot_use(folder, error) from error
+
+
 def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> bytes:
     """Return the key; one is made only where no trace of an older store is."""
     has_key = (folder / KEY_FILE).exists()
     has_data = any((folder / name).exists() for name in (PICTURES, RECORDINGS))
-    has_database = (folder / DATABASE_FILE).exists()
+    database = folder / DATABASE_FILE
+    has_database = database.exists() and database.stat().st_size > 0
     if has_key and has_data and not has_database:
         raise StoreError(
             "{file} of the patient store is missing. Restore the store's folder from a backup.",

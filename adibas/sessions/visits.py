@@ -1,6 +1,7 @@
 """The sessions of the patients: one visit each, with how it was taken."""
 
 import uuid
+from collections.abc import Callable
 from datetime import datetime
 
 from sqlalchemy import select
@@ -18,9 +19,10 @@ from adibas.sessions.schema import CaptureRecord, PatientRecord, SessionRecord
 class Sessions:
     """The sessions of a store."""
 
-    def __init__(self, database: Database, audit: AuditLog) -> None:
+    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
         self._database = database
         self._audit = audit
+        self._purge = purge
 
     def start(self, pseudonym: str, setup: SessionSetup) -> Session:
         """Begin a session of a patient now.
@@ -120,6 +122,16 @@ class Sessions:
             There is no such session, the store is read-only, or the disk is full.
         """
         self._hide(session_id, is_deleted=False)
+
+    def purge(self, session_id: str) -> None:
+        """Remove a session for good, with pictures, recordings and their keys.
+
+        Raises
+        ------
+        StoreError
+            There is no such session, a recording is being made, or the store is read-only.
+        """
+        self._purge(session_id)
 
     def _hide(self, session_id: str, *, is_deleted: bool) -> None:
         with self._database.changing() as transaction:

@@ -107,7 +107,9 @@ def _sessions() -> None:
 def _recordings() -> None:
     op.create_table(
         "recordings",
-        *(_text(name) for name in ("recording_id", "session_id", "state")),
+        _text("recording_id"),
+        _text("session_id"),
+        _flag("is_closed"),
         _bytes("key"),
         _text("created_utc"),
         *(_whole(name) for name in ("n_frames", "n_dropped", "duration_ns", "size_bytes")),
@@ -120,10 +122,15 @@ def _recordings() -> None:
     op.create_table(
         "files",
         _text("file_id"),
-        _text("state"),
         _bytes("key"),
-        _text("sha256"),
+        sa.Column("sha256", sa.String(), nullable=True),
         sa.PrimaryKeyConstraint("file_id", name="pk_files"),
+    )
+    op.create_table(
+        "leftovers",
+        _text("file_id"),
+        _text("folder"),
+        sa.PrimaryKeyConstraint("file_id", name="pk_leftovers"),
     )
 
 
@@ -146,7 +153,12 @@ def _captures() -> None:
         _bytes("thumbnail"),
         _flag("is_deleted"),
         _reference("session_id", "sessions.session_id", "captures"),
-        _plain_reference("recording_id", "recordings.recording_id"),
+        sa.ForeignKeyConstraint(
+            ["recording_id"],
+            ["recordings.recording_id"],
+            name="fk_captures_recording_id",
+            ondelete="SET NULL",
+        ),
         _plain_reference("picture_id", "files.file_id"),
         _plain_reference("surface_id", "files.file_id"),
         sa.PrimaryKeyConstraint("capture_id", name="pk_captures"),

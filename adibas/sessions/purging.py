@@ -1,0 +1,104 @@
+"""Purging: data that must be gone, keys first, with one line in the log without identity."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session as Transaction
+
+from adibas.errors import StoreError
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.database import Database
+from adibas.sessions.kept_files import remove_leftovers
+from adibas.sessions.migrating import copies
+from adibas.sessions.patients import found_patient
+from adibas.sessions.schema import (
+    CaptureRecord,
+    FileRecord,
+    LeftoverRecord,
+    PatientRecord,
+    RecordingRecord,
+    SessionRecord,
+)
+from adibas.sessions.sealed_files import SealedFiles
+from adibas.sessions.sealed_folder import cannot_save
+from adibas.sessions.stored_recordings import Recordings
+from adibas.sessions.visits import found_session
+
+
+class Purge:
+    """Removes patients and sessions for good."""
+
+    def __init__(
+        self, database: Database, audit: AuditLog, pictures: SealedFiles, recordings: Recordings
+    ) -> None:
+        self._database = database
+        self._audit = audit
+        self._pictures = pictures
+        self._recordings = recordings
+
+    def patient(self, pseudonym: str) -> None:
+        """Remove a patient with everything that belongs to it.
+
+        Raises
+        ------
+        StoreError
+            There is no such patient, a recording is being made, or the store is read-only.
+        """
+        theirs = select(SessionRecord.session_id).where(SessionRecord.pseudonym == pseudonym)
+        with self._database.changing() as transaction:
+            found_patient(transaction, pseudonym)
+            sessions = list(transaction.scalars(theirs))
+            self._let_go(transaction, sessions)
+            transaction.execute(delete(PatientRecord).where(PatientRecord.pseudonym == pseudonym))
+            self._audit.write(transaction, "purge", pseudonym, sessions=len(sessions))
+        self._clean()
+
+    def session(self, session_id: str) -> None:
+        """Remove a session with its captures and recordings.
+
+        Raises
+        ------
+        StoreError
+            There is no such session, a recording is being made, or the store is read-only.
+        """
+        with self._database.changing() as transaction:
+            found_session(transaction, session_id)
+            self._let_go(transaction, [session_id])
+            transaction.execute(delete(SessionRecord).where(SessionRecord.session_id == session_id))
+            self._audit.write(transaction, "purge", session_id)
+        self._clean()
+
+    def _let_go(self, transaction: Transaction, sessions: Sequence[str]) -> None:
+        """Destroy the keys of all files of `sessions`, and remember to remove the files."""
+        captures = CaptureRecord.session_id.in_(sessions)
+        recordings = RecordingRecord.session_id.in_(sessions)
+        recording_ids = list(
+            transaction.scalars(select(RecordingRecord.recording_id).where(recordings))
+        )
+        if self._recordings.in_the_making.intersection(recording_ids):
+            raise StoreError(
+                "A recording of this patient is being made. Stop it first, then purge."
+            )
+        pairs = transaction.execute(
+            select(CaptureRecord.picture_id, CaptureRecord.surface_id).where(captures)
+        )
+        file_ids = [file_id for pair in pairs for file_id in pair if file_id is not None]
+        transaction.execute(delete(CaptureRecord).where(captures))
+        transaction.execute(delete(FileRecord).where(FileRecord.file_id.in_(file_ids)))
+        transaction.execute(delete(RecordingRecord).where(recordings))
+        for folder, ids in (
+            (self._pictures.folder, file_ids),
+            (self._recordings.sealed.folder, recording_ids),
+        ):
+            transaction.add_all(LeftoverRecord(file_id=i, folder=folder.name) for i in ids)
+        transaction.flush()
+
+    def _clean(self) -> None:
+        """Remove the files, and the data from the journal and from copies of the database."""
+        remove_leftovers(self._database, (self._pictures, self._recordings.sealed))
+        self._database.empty_journal()
+        try:
+            for copy in copies(self._database.path.parent):
+                copy.unlink(missing_ok=True)
+        except OSError as error:
+            raise cannot_save(error) from error

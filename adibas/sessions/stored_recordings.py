@@ -1,0 +1,310 @@
+"""The recordings of the sessions: sealed files whose keys and facts are in the database."""
+
+import logging
+import secrets
+import uuid
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session as Transaction
+
+from adibas.data.frames import SensorFrame, SourceInfo
+from adibas.errors import AdibasError, StoreError
+from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.database import Database
+from adibas.sessions.schema import RecordingRecord
+from adibas.sessions.sealed_recordings import SealedRecordings, SealedRecordingWriter
+from adibas.sessions.sealing import KEY_SIZE
+from adibas.sessions.visits import found_session
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingFacts:
+    """What is known of a recording without opening it.
+
+    Attributes
+    ----------
+    duration_ns : int
+        From the first frame to the last.
+    size_bytes : int
+        On the disk.
+    notice : str
+        What a crash took of it; empty where nothing is missing.
+    """
+
+    recording_id: str
+    session_id: str
+    created_utc: datetime
+    n_frames: int
+    n_dropped: int
+    duration_ns: int
+    size_bytes: int
+    notice: str
+
+
+class StoredRecordingWriter(RecordingWriter):
+    """A recording of the store in the making; it is listed when it is closed.
+
+    Attributes
+    ----------
+    recording_id : str
+        Its name in the store.
+    """
+
+    def __init__(self, sealed: SealedRecordingWriter, recordings: "Recordings") -> None:
+        self.recording_id = sealed.recording_id
+        self.path = sealed.path
+        self.options = sealed.options
+        self._sealed = sealed
+        self._recordings = recordings
+        self._is_open = True
+        self._span_ns: tuple[int, int] | None = None
+
+    @property
+    def n_frames(self) -> int:  # type: ignore[override]
+        """Frames written up to now."""
+        return self._sealed.n_frames
+
+    @property
+    def n_dropped(self) -> int:
+        """Frames that the sensor counted and that are not in the file, up to now."""
+        return self._sealed.n_dropped
+
+    @property
+    def duration_ns(self) -> int:
+        """From the first frame to the last."""
+        return 0 if self._span_ns is None else self._span_ns[1] - self._span_ns[0]
+
+    def write(self, frame: SensorFrame) -> None:
+        """Append `frame`.
+
+        Raises
+        ------
+        StoreError
+            The disk is full; the frames until now are kept.
+        RecordingError
+            No recording can hold the frame's number or time.
+        """
+        self._sealed.write(frame)
+        time_ns = frame.timestamp_ns
+        first, last = self._span_ns or (time_ns, time_ns)
+        self._span_ns = min(first, time_ns), max(last, time_ns)
+
+    def count_dropped(self, n_frames: int) -> None:
+        """Note frames that were lost without a gap in the sensor's count."""
+        self._sealed.count_dropped(n_frames)
+
+    def close(self) -> None:
+        """Finish the recording and list it; a second call does nothing.
+
+        Raises
+        ------
+        StoreError
+            The disk is full; what was recorded is listed at the next opening of the store.
+        """
+        if self._is_open:
+            self._sealed.close()
+            self._recordings.register(self)
+            self._is_open = False
+
+    def abandon(self) -> None:
+        """Remove everything that was written."""
+        self._sealed.abandon()
+        if self._is_open:
+            self._recordings.forget(self.recording_id)
+            self._is_open = False
+
+
+class Recordings:
+    """The recordings of a store."""
+
+    def __init__(self, database: Database, audit: AuditLog, sealed: SealedRecordings) -> None:
+        self._database = database
+        self._audit = audit
+        self.sealed = sealed
+        self.in_the_making: set[str] = set()
+
+    def create(
+        self, session_id: str, info: SourceInfo, options: RecordingOptions | None = None
+    ) -> StoredRecordingWriter:
+        """Begin a recording of a session.
+
+        Raises
+        ------
+        StoreError
+            There is no such session, the store is read-only, or the disk is full.
+        """
+        recording_id, key = uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)
+        with self._database.changing() as transaction:
+            found_session(transaction, session_id)
+            record = RecordingRecord(
+                recording_id=recording_id,
+                session_id=session_id,
+                is_closed=False,
+                key=key,
+                created_utc=self._audit.now(),
+                n_frames=0,
+                n_dropped=0,
+                duration_ns=0,
+                size_bytes=0,
+                sha256="",
+                notice="",
+            )
+            transaction.add(record)
+            self.in_the_making.add(recording_id)
+        try:
+            sealed = self.sealed.create(recording_id, key, info, options or RecordingOptions())
+        except BaseException:
+            self.forget(recording_id)
+            raise
+        return StoredRecordingWriter(sealed, self)
+
+    def open(self, recording_id: str) -> RecordingReader:
+        """Open a recording.
+
+        Raises
+        ------
+        StoreError
+            There is no such recording, it is still being made, or its file is missing or damaged.
+        RecordingError
+            It cannot be read.
+        """
+        with self._database.reading() as transaction:
+            record = _found(transaction, recording_id)
+        self._audit.saw(record.session_id)
+        return self.sealed.open(recording_id, record.key)
+
+    def facts(self, recording_id: str) -> RecordingFacts:
+        """Return what is known of a recording.
+
+        Raises
+        ------
+        StoreError
+            There is no such recording, or it is still being made.
+        """
+        with self._database.reading() as transaction:
+            return _facts(_found(transaction, recording_id))
+
+    def of_session(self, session_id: str) -> tuple[RecordingFacts, ...]:
+        """Return the finished recordings of a session, oldest first."""
+        theirs = (
+            select(RecordingRecord)
+            .where(RecordingRecord.session_id == session_id, RecordingRecord.is_closed)
+            .order_by(RecordingRecord.created_utc)
+        )
+        with self._database.reading() as transaction:
+            return tuple(_facts(record) for record in transaction.scalars(theirs))
+
+    def export(
+        self, recording_id: str, path: Path, progress: Callable[[int, int], None] | None = None
+    ) -> None:
+        """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
+
+        The log gets its line before anything is written.
+
+        Raises
+        ------
+        StoreError
+            There is no such recording, or its file is missing or damaged.
+        RecordingError
+            A frame is damaged, or `path` cannot be written. Nothing is left there.
+        """
+        with self._database.logging() as transaction:
+            record = _found(transaction, recording_id)
+            self._audit.write(
+                transaction, "export", recording_id, kind="recording", session=record.session_id
+            )
+            key = record.key
+        self.sealed.export(recording_id, key, path, progress)
+
+    def register(self, writer: StoredRecordingWriter) -> None:
+        """List a recording whose file is whole."""
+        recording_id = writer.recording_id
+        sha256, size_bytes = self.sealed.sha256(recording_id), self.sealed.size(recording_id)
+        with self._database.changing() as transaction:
+            record = transaction.get_one(RecordingRecord, recording_id)
+            record.is_closed = True
+            record.n_frames, record.n_dropped = writer.n_frames, writer.n_dropped
+            record.duration_ns = writer.duration_ns
+            record.sha256, record.size_bytes = sha256, size_bytes
+            self._audit.write(transaction, "create", recording_id, session=record.session_id)
+        self.in_the_making.discard(recording_id)
+
+    def forget(self, recording_id: str) -> None:
+        """Take a recording without a file off the list."""
+        with self._database.changing() as transaction:
+            record = transaction.get(RecordingRecord, recording_id)
+            if record is not None:
+                transaction.delete(record)
+        self.in_the_making.discard(recording_id)
+
+    def recover(self) -> None:
+        """List what a crash left unfinished, with the frames that are whole."""
+        with self._database.reading() as transaction:
+            left = list(
+                transaction.scalars(
+                    select(RecordingRecord).where(RecordingRecord.is_closed.is_(False))
+                )
+            )
+        for record in left:
+            try:
+                self._recover(record)
+            except AdibasError as error:
+                # The other recordings and the store are well; `verify` tells the user of this one.
+                logger.warning("recording %s is not recovered: %s", record.recording_id, error)
+
+    def _recover(self, record: RecordingRecord) -> None:
+        recording_id = record.recording_id
+        self.sealed.recover(recording_id, record.key)
+        if recording_id not in self.sealed.ids():
+            self.forget(recording_id)
+            return
+        with self.sealed.open(recording_id, record.key) as reader:
+            times_ns, n_dropped = reader.timestamps_ns, reader.info.n_dropped
+            notice = reader.notice or ""
+        sha256, size_bytes = self.sealed.sha256(recording_id), self.sealed.size(recording_id)
+        with self._database.changing() as transaction:
+            found = transaction.get_one(RecordingRecord, recording_id)
+            found.is_closed = True
+            found.n_frames, found.n_dropped = len(times_ns), n_dropped
+            found.duration_ns = int(times_ns.max() - times_ns.min()) if len(times_ns) else 0
+            found.sha256, found.size_bytes, found.notice = sha256, size_bytes, notice
+            self._audit.write(
+                transaction, "recover", recording_id, session=found.session_id, frames=len(times_ns)
+            )
+
+
+def _found(transaction: Transaction, recording_id: str) -> RecordingRecord:
+    record = transaction.get(RecordingRecord, recording_id)
+    if record is None:
+        raise StoreError(
+            "There is no recording {recording_id} in this store; perhaps it was purged. Choose "
+            "another one.",
+            recording_id=recording_id,
+        )
+    if not record.is_closed:
+        raise StoreError(
+            "The recording {recording_id} is not finished. Stop it; after a crash, close the store "
+            "and open it again.",
+            recording_id=recording_id,
+        )
+    return record
+
+
+def _facts(record: RecordingRecord) -> RecordingFacts:
+    return RecordingFacts(
+        recording_id=record.recording_id,
+        session_id=record.session_id,
+        created_utc=datetime.fromisoformat(record.created_utc),
+        n_frames=record.n_frames,
+        n_dropped=record.n_dropped,
+        duration_ns=record.duration_ns,
+        size_bytes=record.size_bytes,
+        notice=record.notice,
+    )
