@@ -7,7 +7,7 @@ from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out
 from adibas.errors import AdibasError, FileError
 from adibas.files import check_place
-from adibas.texts import message
+from adibas.texts import message, spoken_language
 from adibas.texts import translate as _
 
 SIMULATOR = "ADiBAS simulator"
@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Record, learn, analyse, report, and say where the report lies."""
     from adibas.pipeline.demo import run_demo
-    from adibas.reports import write_posture_report
+    from adibas.pipeline.session_report import report_of_analysis
+    from adibas.reports import write_report
     from adibas.reports.json_report import posture_to_json
 
     report = arguments.out / "report.xlsx"
@@ -37,7 +38,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     check_place(report)
     with console.progress(_("Demo session")) as progress:
         demo = run_demo(arguments.out, progress)
-    write_posture_report(demo.analysis, report)
+    shown = report_of_analysis(demo.analysis, spoken_language())
+    write_report(shown, report)
     console.say(_("The recording lies in {file}.").format(file=demo.recording))
     console.say(_("The report lies in {file}.").format(file=report))
     console.give(

@@ -4,7 +4,9 @@ import argparse
 import math
 from pathlib import Path
 
+from adibas.data.report import PictureChoice
 from adibas.errors import RecordingError
+from adibas.texts import LANGUAGES, spoken_language
 from adibas.texts import translate as _
 
 LARGEST_SIDE_PX = 65_535
@@ -15,6 +17,22 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     """Offer `--json`."""
     parser.add_argument(
         "--json", action="store_true", help=_("print one JSON document and nothing else on stdout")
+    )
+
+
+def add_report_options(parser: argparse.ArgumentParser) -> None:
+    """Offer `--language` and `--pictures`."""
+    parser.add_argument(
+        "--language",
+        choices=tuple(LANGUAGES),
+        default=spoken_language(),
+        help=_("of the report; the program's own if not given"),
+    )
+    parser.add_argument(
+        "--pictures",
+        choices=tuple(choice.value for choice in PictureChoice),
+        default=PictureChoice.AS_IS.value,
+        help=_("how much of the patient the report's pictures show; as they are if not given"),
     )
 
 

@@ -95,6 +95,7 @@ def analyse_recording(
             recording_sha256(request.recording), calibration, target, request.params, clock()
         ),
         notices=notices,
+        surface_per_m=findings.surface.mean_per_m,
     )
 
 

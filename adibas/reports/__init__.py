@@ -2,27 +2,35 @@
 
 from pathlib import Path
 
-from adibas.data.posture import PostureAnalysis
+from adibas.data.report import SessionReport
+
+KINDS = (".xlsx", ".csv", ".json")
 
 
-def write_posture_report(analysis: PostureAnalysis, path: Path) -> None:
-    """Write the format that the file's ending names: ``.xlsx`` or ``.csv``.
+def write_report(report: SessionReport, path: Path) -> None:
+    """Write the format that the file's ending, one of `KINDS`, names.
 
     Raises
     ------
     ValueError
         Another ending.
+    ReportError
+        The pictures cannot be as the report asks.
     FileError
         The disk is full, or the folder cannot be written.
     """
     match path.suffix.lower():
         case ".xlsx":
-            from adibas.reports.excel import write_posture_workbook
+            from adibas.reports.excel import write_workbook
 
-            write_posture_workbook(analysis, path)
+            write_workbook(report, path)
         case ".csv":
-            from adibas.reports.csv_report import write_posture_csv
+            from adibas.reports.csv_report import write_csv
 
-            write_posture_csv(analysis, path)
+            write_csv(report, path)
+        case ".json":
+            from adibas.reports.json_report import write_json
+
+            write_json(report, path)
         case suffix:
             raise ValueError(f"no report ends in {suffix!r}")

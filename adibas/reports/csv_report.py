@@ -1,13 +1,16 @@
-"""The numbers of a posture analysis as one tidy CSV table, a value a row."""
+"""The numbers of a session as one tidy CSV table, a value a row."""
 
 import csv
 from collections.abc import Iterator
 from pathlib import Path
 
 from adibas.data.posture import PostureAnalysis
+from adibas.data.report import CaptureReport, SessionReport
 from adibas.files import written_whole
 from adibas.reports.cells import neutralised
-from adibas.reports.rows import angle_rows, distance_rows, marker_rows
+from adibas.reports.facts import capture_names
+from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows
+from adibas.texts import speaking
 
 HEADER = ("quantity", "a", "vertex", "b", "value", "unit", "ci95_low", "ci95_high")
 AXES = ("x", "y", "z")
@@ -15,22 +18,38 @@ AXES = ("x", "y", "z")
 Row = tuple[str | float, ...]
 
 
-def write_posture_csv(analysis: PostureAnalysis, path: Path) -> None:
+def write_csv(report: SessionReport, path: Path) -> None:
     """Write every marker position, distance and angle; empty = not measured.
+
+    Where there are several captures each row begins with the view.
 
     Raises
     ------
     FileError
         The disk is full, or the folder cannot be written.
     """
+    with speaking(report.language):
+        names = capture_names(report)
     with (
         written_whole(path) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.writer(file)
-        writer.writerow(HEADER)
-        for row in (*_markers(analysis), *_distances(analysis), *_angles(analysis)):
-            writer.writerow([neutralised(cell) if isinstance(cell, str) else cell for cell in row])
+        is_single = len(names) == 1
+        writer.writerow(HEADER if is_single else ("view", *HEADER))
+        for name, capture in zip(names, report.captures, strict=True):
+            for row in _rows(capture):
+                whole = row if is_single else (name, *row)
+                writer.writerow(
+                    [neutralised(cell) if isinstance(cell, str) else cell for cell in whole]
+                )
+
+
+def _rows(capture: CaptureReport) -> Iterator[Row]:
+    yield from _markers(capture.analysis)
+    yield from _distances(capture.analysis)
+    yield from _angles(capture.analysis)
+    yield from _free_measures(capture)
 
 
 def _markers(analysis: PostureAnalysis) -> Iterator[Row]:
@@ -50,3 +69,10 @@ def _distances(analysis: PostureAnalysis) -> Iterator[Row]:
 def _angles(analysis: PostureAnalysis) -> Iterator[Row]:
     for row in angle_rows(analysis):
         yield "angle", row.a, row.vertex, row.c, row.deg, "deg", row.low_deg, row.high_deg
+
+
+def _free_measures(capture: CaptureReport) -> Iterator[Row]:
+    for row in free_rows(capture):
+        quantity = "free_angle" if row.vertex else "free_distance"
+        numbers = ["" if number is None else number for number in (row.value, row.low, row.high)]
+        yield quantity, row.a, row.vertex, row.c, numbers[0], row.unit, *numbers[1:]

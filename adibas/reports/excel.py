@@ -1,102 +1,109 @@
-"""The Excel report of a posture session."""
+"""The Excel report of a session."""
 
 import io
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import TypeAlias
 
 from openpyxl import Workbook
-from openpyxl.drawing.image import Image
-from openpyxl.worksheet.worksheet import Worksheet
-from PIL import Image as PillowImage
 
-from adibas.data.posture import PostureAnalysis
+from adibas.arrays import UInt8Array
+from adibas.data.report import CaptureReport, SessionReport
 from adibas.files import written_whole
-from adibas.reports.pictures import draw_markers
-from adibas.reports.rows import angle_rows, distance_rows, marker_rows
-from adibas.reports.sheets import Column, add_pairs, add_table, prepare_page
+from adibas.reports.facts import (
+    capture_facts,
+    capture_names,
+    general_facts,
+    notices,
+    session_facts,
+)
+from adibas.reports.pictures import draw_markers, picture_of
+from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows, remark
+from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
+from adibas.texts import speaking
 from adibas.texts import translate as _
 
 PICTURE_HEIGHT_PX = 720
 DECIMALS = "0.0"
 FINE_DECIMALS = "0.00"
 
+Rows: TypeAlias = Iterable[tuple[Value, ...]]
 
-def write_posture_workbook(analysis: PostureAnalysis, path: Path) -> None:
-    """Write the sheets Summary, Markers, Distances, Angles and Provenance.
 
-    Every number is a value with a number format; no cell holds a formula.
+def write_workbook(report: SessionReport, path: Path) -> None:
+    """Write the sheets Summary, Markers, Distances, Angles, (Free measures,) and Provenance.
+
+    Every number is a value with a number format; no cell holds a formula. Where there are several
+    captures each table begins with a column that names the view.
 
     Raises
     ------
     FileError
         The disk is full, or the folder cannot be written.
+    ReportError
+        The pictures cannot be as the report asks.
     """
-    workbook = Workbook()
-    del workbook[workbook.sheetnames[0]]
-    _add_summary(workbook.create_sheet(_("Summary")), analysis)
-    _add_markers(workbook.create_sheet(_("Markers")), analysis)
-    _add_distances(workbook.create_sheet(_("Distances")), analysis)
-    _add_angles(workbook.create_sheet(_("Angles")), analysis)
-    _add_provenance(workbook.create_sheet(_("Provenance")), analysis)
-    for sheet in workbook.worksheets:
-        prepare_page(sheet, footer=_("For research, education and documentation"))
+    with speaking(report.language):
+        encoded = io.BytesIO()
+        _workbook(report).save(encoded)
+    # Whole in memory first: a zip file on a full disk would complain once more when deleted.
     with written_whole(path) as unfinished:
-        unfinished.write_bytes(_encoded(workbook))
+        unfinished.write_bytes(encoded.getvalue())
 
 
-def _encoded(workbook: Workbook) -> bytes:
-    """Return the file's bytes; a zip file on a full disk would complain once more when deleted."""
-    encoded = io.BytesIO()
-    workbook.save(encoded)
-    return encoded.getvalue()
-
-
-def _add_summary(sheet: Worksheet, analysis: PostureAnalysis) -> None:
-    measured = sum(marker.position_m is not None for marker in analysis.markers)
-    pairs: list[tuple[str, str | float]] = [
-        (_("Patient (pseudonym)"), analysis.patient),
-        (_("View"), analysis.view or _("not told")),
-        (_("Analysed (UTC)"), analysis.provenance.created_utc),
-        (_("Frames in the burst"), analysis.n_frames),
-        (_("Markers found"), len(analysis.markers)),
-        (_("Markers with a position"), measured),
-        (_("Calibration"), _calibration_text(analysis)),
-        (_("Software version"), analysis.provenance.version),
-        (
-            _("Intended use"),
-            _("Research, education and documentation. Not for diagnosis."),
-        ),
-        (
-            _("Intervals"),
-            _("95 %, instrument only: the palpation of landmarks and the stance are not in them."),
-        ),
+def _workbook(report: SessionReport) -> Workbook:
+    workbook = Workbook(write_only=True)
+    footer = _("For research, education and documentation")
+    add_parts(workbook, _("Summary"), _("Posture report"), _summary(report), footer)
+    tables = [
+        (_("Markers"), _marker_columns(), [_markers(capture) for capture in report.captures]),
+        (_("Distances"), _distance_columns(), [_distances(one) for one in report.captures]),
+        (_("Angles"), _angle_columns(), [_angles(capture) for capture in report.captures]),
     ]
-    pairs += [(_("Notice"), notice) for notice in analysis.notices]
-    pairs += [
-        (_("Not counted as a marker"), f"({blob.u:.0f}, {blob.v:.0f}) {_(blob.reason)}")
-        for blob in analysis.rejected
-    ]
-    add_pairs(sheet, _("Posture report"), pairs)
-    sheet.add_image(_picture(analysis), f"A{len(pairs) + 4}")
+    if any(capture.measures for capture in report.captures):
+        free = [_free_measures(capture) for capture in report.captures]
+        tables.append((_("Free measures"), _free_columns(), free))
+    for title, columns, rows in tables:
+        add_table(workbook, title, *_with_view(report, columns, rows), footer)
+    add_parts(workbook, _("Provenance"), _("Provenance"), _provenance(report), footer)
+    return workbook
 
 
-def _calibration_text(analysis: PostureAnalysis) -> str:
-    calibration = analysis.calibration
-    known = [
-        calibration.sensor_serial,
-        calibration.created_utc,
-        analysis.provenance.calibration[: len("sha256:") + 12],
-    ]
-    return ", ".join(part for part in known if part)
+def _with_view(
+    report: SessionReport, columns: tuple[Column, ...], rows: list[Rows]
+) -> tuple[tuple[Column, ...], list[tuple[Value, ...]]]:
+    """Return one table; of several captures each row begins with the view's name."""
+    if len(rows) == 1:
+        return columns, list(rows[0])
+    names = capture_names(report)
+    joined = [(name, *row) for name, some in zip(names, rows, strict=True) for row in some]
+    return (Column(_("View"), 16), *columns), joined
 
 
-def _picture(analysis: PostureAnalysis) -> Image:
-    encoded = io.BytesIO()
-    PillowImage.fromarray(draw_markers(analysis, PICTURE_HEIGHT_PX)).save(encoded, format="PNG")
-    return Image(encoded)
+def _summary(report: SessionReport) -> list[Part]:
+    if len(report.captures) == 1:
+        capture = report.captures[0]
+        pairs = [
+            *session_facts(report),
+            *capture_facts(report, capture),
+            *general_facts(report),
+            *notices(capture.analysis),
+        ]
+        return [Part("", pairs, _picture(report, capture))]
+    parts = [Part("", [*session_facts(report), *general_facts(report)])]
+    for name, capture in zip(capture_names(report), report.captures, strict=True):
+        pairs = [*capture_facts(report, capture), *notices(capture.analysis)]
+        parts.append(Part(name, pairs, _picture(report, capture)))
+    return parts
 
 
-def _add_markers(sheet: Worksheet, analysis: PostureAnalysis) -> None:
-    columns = (
+def _picture(report: SessionReport, capture: CaptureReport) -> UInt8Array:
+    picture = picture_of(capture.analysis, report.pictures, report.rotation_deg)
+    return draw_markers(picture, PICTURE_HEIGHT_PX)
+
+
+def _marker_columns() -> tuple[Column, ...]:
+    return (
         Column(_("Marker"), 18),
         Column("u [px]", 10, FINE_DECIMALS),
         Column("v [px]", 10, FINE_DECIMALS),
@@ -104,74 +111,96 @@ def _add_markers(sheet: Worksheet, analysis: PostureAnalysis) -> None:
         *(Column(_("sd {axis} [mm]").format(axis=axis), 11, FINE_DECIMALS) for axis in "xyz"),
         Column(_("Remark"), 34),
     )
+
+
+def _markers(capture: CaptureReport) -> Rows:
     nowhere = (None, None, None)
-    rows = [
-        (
-            row.label,
-            row.u_px,
-            row.v_px,
-            *(row.position_mm or nowhere),
-            *(row.deviation_mm or nowhere),
-            None if row.position_mm else _("the depth gives no position here"),
-        )
-        for row in marker_rows(analysis)
-    ]
-    add_table(sheet, columns, rows)
+    for row in marker_rows(capture.analysis):
+        place, deviation = row.position_mm or nowhere, row.deviation_mm or nowhere
+        yield row.label, row.u_px, row.v_px, *place, *deviation, remark(capture, row)
 
 
-def _add_distances(sheet: Worksheet, analysis: PostureAnalysis) -> None:
-    columns = (
+def _distance_columns() -> tuple[Column, ...]:
+    return (
         Column("A", 18),
         Column("B", 18),
         Column(_("Distance [mm]"), 15, DECIMALS),
-        *_interval_columns("mm", DECIMALS),
+        *_interval_columns("mm"),
     )
-    rows = [(row.a, row.b, row.mm, row.low_mm, row.high_mm) for row in distance_rows(analysis)]
-    add_table(sheet, columns, rows)
 
 
-def _add_angles(sheet: Worksheet, analysis: PostureAnalysis) -> None:
-    columns = (
+def _distances(capture: CaptureReport) -> Rows:
+    for row in distance_rows(capture.analysis):
+        yield row.a, row.b, row.mm, row.low_mm, row.high_mm
+
+
+def _angle_columns() -> tuple[Column, ...]:
+    return (
         Column("A", 18),
         Column(_("Vertex"), 18),
         Column("C", 18),
         Column(_("Angle [deg]"), 13, DECIMALS),
-        *_interval_columns("deg", DECIMALS),
+        *_interval_columns("deg"),
         Column(_("Bias [deg]"), 12, FINE_DECIMALS),
     )
-    rows = [
-        (row.a, row.vertex, row.c, row.deg, row.low_deg, row.high_deg, row.bias_deg)
-        for row in angle_rows(analysis)
-    ]
-    add_table(sheet, columns, rows)
 
 
-def _interval_columns(unit: str, number_format: str) -> tuple[Column, Column]:
+def _angles(capture: CaptureReport) -> Rows:
+    for row in angle_rows(capture.analysis):
+        yield row.a, row.vertex, row.c, row.deg, row.low_deg, row.high_deg, row.bias_deg
+
+
+def _free_columns() -> tuple[Column, ...]:
+    return (
+        Column(_("Measure"), 12),
+        Column("A", 18),
+        Column(_("Vertex"), 18),
+        Column("C", 18),
+        Column(_("Value"), 12, DECIMALS),
+        Column(_("Unit"), 8),
+        Column(_("95 % from, instrument only"), 19, DECIMALS),
+        Column(_("95 % to, instrument only"), 19, DECIMALS),
+        Column(_("Remark"), 34),
+    )
+
+
+def _free_measures(capture: CaptureReport) -> Rows:
+    for row in free_rows(capture):
+        kind = _("Angle") if row.vertex else _("Distance")
+        missing = None if row.value is not None else _("not measured: a marker has no position")
+        yield kind, row.a, row.vertex, row.c, row.value, row.unit, row.low, row.high, missing
+
+
+def _interval_columns(unit: str) -> tuple[Column, Column]:
     low = _("95 % from [{unit}], instrument only").format(unit=unit)
     high = _("95 % to [{unit}], instrument only").format(unit=unit)
-    return Column(low, 19, number_format), Column(high, 19, number_format)
+    return Column(low, 19, DECIMALS), Column(high, 19, DECIMALS)
 
 
-def _add_provenance(sheet: Worksheet, analysis: PostureAnalysis) -> None:
-    provenance = analysis.provenance
-    pairs: list[tuple[str, str | float]] = [
-        (_("Recording (SHA-256)"), provenance.recording_sha256),
-        (_("First frame"), analysis.first_frame),
-        (_("Frames in the burst"), analysis.n_frames),
-        (_("Calibration"), provenance.calibration),
-        (_("Software version"), provenance.version),
-        (_("Analysed (UTC)"), provenance.created_utc),
-        *_flattened("", provenance.parameters),
+def _provenance(report: SessionReport) -> list[Part]:
+    names = capture_names(report) if len(report.captures) > 1 else ("",)
+    return [
+        Part(name, list(_provenance_of(capture)))
+        for name, capture in zip(names, report.captures, strict=True)
     ]
-    add_pairs(sheet, _("Provenance"), pairs)
 
 
-def _flattened(prefix: str, value: object) -> list[tuple[str, str | float]]:
-    """Return every leaf of nested mappings as ("stage.parameter", value)."""
-    if isinstance(value, dict):
-        return [
-            pair
-            for key, part in value.items()
-            for pair in _flattened(f"{prefix}.{key}" if prefix else str(key), part)
-        ]
-    return [(prefix, value if isinstance(value, int | float) else str(value))]
+def _provenance_of(capture: CaptureReport) -> Iterator[tuple[str, str | float]]:
+    analysis = capture.analysis
+    provenance = analysis.provenance
+    yield _("Recording (SHA-256)"), provenance.recording_sha256
+    yield _("First frame"), analysis.first_frame
+    yield _("Frames in the burst"), analysis.n_frames
+    yield _("Calibration"), provenance.calibration
+    yield _("Software version"), provenance.version
+    yield _("Analysed (UTC)"), provenance.created_utc
+    yield from _flattened("", provenance.parameters)
+
+
+def _flattened(prefix: str, value: object) -> Iterator[tuple[str, str | float]]:
+    """Yield every leaf of nested mappings as ("stage.parameter", value)."""
+    if isinstance(value, Mapping):
+        for key, part in value.items():
+            yield from _flattened(f"{prefix}.{key}" if prefix else str(key), part)
+    else:
+        yield prefix, value if isinstance(value, int | float) else str(value)

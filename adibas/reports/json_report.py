@@ -1,10 +1,59 @@
-"""The numbers of a posture analysis as one JSON document."""
+"""The numbers of a session as one JSON document."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
-from adibas.reports.rows import angle_rows, distance_rows
+from adibas.data.report import CaptureReport, SessionReport
+from adibas.files import written_whole
+from adibas.reports.cells import printable
+from adibas.reports.rows import angle_rows, distance_rows, free_rows
+
+
+def write_json(report: SessionReport, path: Path) -> None:
+    """Write `session_to_json`.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    encoded = json.dumps(session_to_json(report), allow_nan=False, ensure_ascii=False, indent=1)
+    with written_whole(path) as unfinished:
+        unfinished.write_text(printable(encoded), encoding="utf-8")
+
+
+def session_to_json(report: SessionReport) -> dict[str, Any]:
+    """Return the document of a session: each capture as ``adibas posture --json`` gives it."""
+    return {
+        "patient": report.patient,
+        "started_utc": None if report.started_utc is None else report.started_utc.isoformat(),
+        "operator": report.operator,
+        "protocol": report.protocol,
+        "notes": report.notes,
+        "version": report.version,
+        "captures": [_capture(capture) for capture in report.captures],
+    }
+
+
+def _capture(capture: CaptureReport) -> dict[str, Any]:
+    return {
+        **posture_to_json(capture.analysis),
+        "placed_by_hand": sorted(capture.placed_by_hand),
+        "free_measures": [
+            {
+                "a": row.a,
+                "vertex": row.vertex or None,
+                "c": row.c,
+                "value": row.value,
+                "unit": row.unit,
+                "ci95": None if row.value is None else [row.low, row.high],
+            }
+            for row in free_rows(capture)
+        ],
+    }
 
 
 def posture_to_json(analysis: PostureAnalysis) -> dict[str, Any]:

@@ -8,6 +8,8 @@ import numpy as np
 
 from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
+from adibas.data.report import CaptureReport
+from adibas.texts import translate as _
 
 MM_PER_M = 1000.0
 
@@ -47,6 +49,19 @@ class AngleRow:
     bias_deg: float
 
 
+@dataclass(frozen=True, slots=True)
+class FreeRow:
+    """A distance (no vertex) or an angle that was asked for; None where it was not measured."""
+
+    a: str
+    vertex: str
+    c: str
+    unit: str
+    value: float | None
+    low: float | None
+    high: float | None
+
+
 def marker_rows(analysis: PostureAnalysis) -> Iterator[MarkerRow]:
     """Yield the markers in their order."""
     for marker in analysis.markers:
@@ -79,6 +94,36 @@ def angle_rows(analysis: PostureAnalysis) -> Iterator[AngleRow]:
             math.degrees(high_rad),
             math.degrees(angle.bias_rad),
         )
+
+
+def free_rows(capture: CaptureReport) -> Iterator[FreeRow]:
+    """Yield the free measures in their order, with the numbers of the tables."""
+    distances = {frozenset((row.a, row.b)): row for row in distance_rows(capture.analysis)}
+    angles = {(row.vertex, frozenset((row.a, row.c))): row for row in angle_rows(capture.analysis)}
+    for measure in capture.measures:
+        a, c = measure.labels[0], measure.labels[-1]
+        numbers: tuple[float, float, float] | tuple[None, None, None] = (None, None, None)
+        if len(measure.labels) == 2:  # noqa: PLR2004  (a distance)
+            distance = distances.get(frozenset((a, c)))
+            if distance is not None:
+                numbers = (distance.mm, distance.low_mm, distance.high_mm)
+            yield FreeRow(a, "", c, "mm", *numbers)
+        else:
+            vertex = measure.labels[1]
+            angle = angles.get((vertex, frozenset((a, c))))
+            if angle is not None:
+                numbers = (angle.deg, angle.low_deg, angle.high_deg)
+            yield FreeRow(a, vertex, c, "deg", *numbers)
+
+
+def remark(capture: CaptureReport, row: MarkerRow) -> str | None:
+    """Return what the reader must know about a marker."""
+    is_placed = row.label in capture.placed_by_hand
+    if row.position_mm:
+        return _("corrected by hand") if is_placed else None
+    if is_placed:
+        return _("corrected by hand; the depth gives no position here")
+    return _("the depth gives no position here")
 
 
 def _millimetres(

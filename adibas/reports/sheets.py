@@ -1,29 +1,50 @@
-"""How a worksheet looks and prints: tables, pairs of name and value, page set-up."""
+"""How a worksheet looks and prints: tables, pairs of name and value, pictures, page set-up.
 
+The workbook is write-only, which takes two thirds of the time: what stands at the top of a sheet's
+file is said before its first row.
+"""
+
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
+from openpyxl import Workbook
+from openpyxl.cell import WriteOnlyCell
 from openpyxl.cell.cell import Cell
+from openpyxl.drawing.image import Image
 from openpyxl.styles import Alignment, Border, Font, PatternFill, Side
 from openpyxl.utils import get_column_letter
 from openpyxl.worksheet.header_footer import HeaderFooterItem, _HeaderFooterPart
+from openpyxl.worksheet.pagebreak import Break
 from openpyxl.worksheet.properties import PageSetupProperties
-from openpyxl.worksheet.worksheet import Worksheet
+from PIL import Image as PillowImage
 
+from adibas.arrays import UInt8Array
 from adibas.reports.cells import neutralised
 
-Value = str | float | None
+Value: TypeAlias = str | float | None
+Sheet: TypeAlias = Any
+"""A WriteOnlyWorksheet; the published types lack most of what it takes."""
 
+BLUE = "1F4E79"
 HEADER_FONT = Font(bold=True, color="FFFFFF")
-HEADER_FILL = PatternFill("solid", fgColor="1F4E79")
-TITLE_FONT = Font(bold=True, size=16, color="1F4E79")
+HEADER_FILL = PatternFill("solid", fgColor=BLUE)
+TITLE_FONT = Font(bold=True, size=16, color=BLUE)
+PART_FONT = Font(bold=True, size=13, color=BLUE)
 NAME_FONT = Font(bold=True)
 LINE = Border(bottom=Side(style="hair", color="A6A6A6"))
-NAME_WIDTH = 44
-VALUE_WIDTH = 84
+TOP = Alignment(vertical="top")
+WRAPPED = Alignment(wrap_text=True, horizontal="left", vertical="top")
+PAIR_WIDTHS = (44, 84)
 MOST_PORTRAIT_COLUMNS = 8
+MOST_ROWS = 1_048_575
+"""Below the header of one sheet; Excel has one row more."""
 HEADER_HEIGHT = 32
 """Points: two lines."""
+ROW_PX = 20
+"""Height of a row that nothing has changed."""
+JPEG_QUALITY = 92
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,41 +56,81 @@ class Column:
     number_format: str = "General"
 
 
-def add_table(sheet: Worksheet, columns: Sequence[Column], rows: Sequence[Sequence[Value]]) -> None:
-    """Fill an empty sheet with a table: frozen header, filter, header repeated on every page."""
-    for index, column in enumerate(columns, 1):
-        cell = _put(sheet, 1, index, column.title)
-        cell.font, cell.fill = HEADER_FONT, HEADER_FILL
-        cell.alignment = Alignment(wrap_text=True, vertical="center")
-        sheet.column_dimensions[get_column_letter(index)].width = column.width
-    sheet.row_dimensions[1].height = HEADER_HEIGHT
-    for row_number, row in enumerate(rows, 2):
-        for index, (column, value) in enumerate(zip(columns, row, strict=True), 1):
-            _put(sheet, row_number, index, value).number_format = column.number_format
-    sheet.freeze_panes = "A2"
-    sheet.auto_filter.ref = f"A1:{get_column_letter(len(columns))}{len(rows) + 1}"
-    sheet.print_title_rows = "1:1"
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Lines of name and value under a heading, and a picture under them."""
+
+    heading: str
+    pairs: Sequence[tuple[str, Value]]
+    picture_rgb: UInt8Array | None = None
 
 
-def add_pairs(sheet: Worksheet, title: str, pairs: Sequence[tuple[str, Value]]) -> None:
-    """Fill an empty sheet with a title and one line for each name and value."""
-    _put(sheet, 1, 1, title).font = TITLE_FONT
-    for row_number, (name, value) in enumerate(pairs, 3):
-        name_cell = _put(sheet, row_number, 1, name)
-        value_cell = _put(sheet, row_number, 2, value)
-        name_cell.font = NAME_FONT
-        name_cell.alignment = Alignment(vertical="top")
-        value_cell.alignment = Alignment(wrap_text=True, horizontal="left", vertical="top")
-        name_cell.border = value_cell.border = LINE
-    sheet.column_dimensions["A"].width = NAME_WIDTH
-    sheet.column_dimensions["B"].width = VALUE_WIDTH
+def add_table(
+    workbook: Workbook,
+    title: str,
+    columns: Sequence[Column],
+    rows: Sequence[Sequence[Value]],
+    footer: str,
+) -> None:
+    """Add a sheet with a table: frozen header, filter, header repeated on every page.
+
+    What exceeds the rows of a sheet goes on in a second one.
+    """
+    for number, first in enumerate(range(0, max(len(rows), 1), MOST_ROWS), 1):
+        name = title if number == 1 else f"{title} ({number})"
+        some = rows[first : first + MOST_ROWS]
+        sheet = _new_sheet(workbook, name, [column.width for column in columns], footer)
+        sheet.row_dimensions[1].height = HEADER_HEIGHT
+        sheet.freeze_panes = "A2"
+        sheet.auto_filter.ref = f"A1:{get_column_letter(len(columns))}{len(some) + 1}"
+        sheet.print_title_rows = "1:1"
+        sheet.append([_header_cell(sheet, column.title) for column in columns])
+        # A cell is written at once: one for each column serves all rows.
+        cells = [WriteOnlyCell(sheet) for _column in columns]
+        for cell, column in zip(cells, columns, strict=True):
+            cell.number_format = column.number_format
+        for row in some:
+            for cell, value in zip(cells, row, strict=True):
+                _fill(cell, value)
+            sheet.append(cells)
+
+
+def add_parts(
+    workbook: Workbook, sheet_title: str, title: str, parts: Sequence[Part], footer: str
+) -> None:
+    """Add a sheet with a title and the parts below each other, each after the first on a new page.
+
+    A first part without heading follows the title at once.
+    """
+    sheet = _new_sheet(workbook, sheet_title, PAIR_WIDTHS, footer)
     sheet.freeze_panes = "A3"
+    sheet.append([_styled(sheet, title, TITLE_FONT)])
+    sheet.append([])
+    n_rows = 2
+    for part in parts:
+        if part.heading:
+            sheet.row_breaks.append(Break(id=n_rows))
+            sheet.append([_styled(sheet, part.heading, PART_FONT)])
+            n_rows += 1
+        for name, value in part.pairs:
+            sheet.append(_pair(sheet, name, value))
+        sheet.append([])
+        n_rows += len(part.pairs) + 1
+        if part.picture_rgb is not None:
+            sheet.add_image(_image(part.picture_rgb), f"A{n_rows + 1}")
+            reserved = -(-part.picture_rgb.shape[0] // ROW_PX) + 1
+            for _row in range(reserved):
+                sheet.append([])
+            n_rows += reserved
 
 
-def prepare_page(sheet: Worksheet, footer: str) -> None:
-    """Print on A4, as wide as the page, with page numbers."""
-    sheet.page_setup.paperSize = sheet.PAPERSIZE_A4
-    is_wide = sheet.max_column > MOST_PORTRAIT_COLUMNS
+def _new_sheet(workbook: Workbook, title: str, widths: Sequence[float], footer: str) -> Sheet:
+    """Add a sheet that prints on A4, as wide as the page, with page numbers."""
+    sheet: Sheet = workbook.create_sheet(title)
+    for index, width in enumerate(widths, 1):
+        sheet.column_dimensions[get_column_letter(index)].width = width
+    sheet.page_setup.paperSize = 9  # A4
+    is_wide = len(widths) > MOST_PORTRAIT_COLUMNS
     sheet.page_setup.orientation = "landscape" if is_wide else "portrait"
     sheet.page_setup.fitToWidth = 1
     sheet.page_setup.fitToHeight = 0
@@ -80,16 +141,42 @@ def prepare_page(sheet: Worksheet, footer: str) -> None:
         center=_HeaderFooterPart(),
         right=_HeaderFooterPart("&P / &N"),
     )
+    return sheet
 
 
-def _put(sheet: Worksheet, row: int, column: int, value: Value) -> Cell:
-    """Set a value and return its cell; text is always text, never a formula."""
-    cell = sheet.cell(row, column)
-    if not isinstance(cell, Cell):
-        raise TypeError("reports merge no cells")
+def _fill(cell: Cell, value: Value) -> None:
+    """Set a value; text is always text, never a formula or an error."""
     if isinstance(value, str):
         cell.value = neutralised(value)
         cell.data_type = "s"
     else:
         cell.value = value
+
+
+def _styled(sheet: Sheet, value: Value, font: Font | None = None) -> Cell:
+    cell: Cell = WriteOnlyCell(sheet)
+    _fill(cell, value)
+    if font is not None:
+        cell.font = font
     return cell
+
+
+def _header_cell(sheet: Sheet, title: str) -> Cell:
+    cell = _styled(sheet, title, HEADER_FONT)
+    cell.fill = HEADER_FILL
+    cell.alignment = Alignment(wrap_text=True, vertical="center")
+    return cell
+
+
+def _pair(sheet: Sheet, name: str, value: Value) -> list[Cell]:
+    name_cell, value_cell = _styled(sheet, name, NAME_FONT), _styled(sheet, value)
+    name_cell.alignment, value_cell.alignment = TOP, WRAPPED
+    name_cell.border = value_cell.border = LINE
+    return [name_cell, value_cell]
+
+
+def _image(picture_rgb: UInt8Array) -> Image:
+    encoded = io.BytesIO()
+    picture = PillowImage.fromarray(picture_rgb)
+    picture.save(encoded, format="JPEG", quality=JPEG_QUALITY, subsampling=0)
+    return Image(encoded)

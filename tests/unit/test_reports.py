@@ -7,16 +7,22 @@ import numpy as np
 import openpyxl
 import pytest
 
-from adibas.reports import write_posture_report
+from adibas.pipeline.session_report import report_of_analysis
+from adibas.reports import write_report
 from adibas.reports.cells import neutralised
 from adibas.reports.json_report import posture_to_json
-from adibas.reports.pictures import WITH_POSITION_RGB, WITHOUT_POSITION_RGB, draw_markers
+from adibas.reports.pictures import (
+    WITH_POSITION_RGB,
+    WITHOUT_POSITION_RGB,
+    draw_markers,
+    picture_of,
+)
 
 
 @pytest.fixture
 def workbook(analysis, tmp_path):
     path = tmp_path / "report.xlsx"
-    write_posture_report(analysis, path)
+    write_report(report_of_analysis(analysis, "en"), path)
     return openpyxl.load_workbook(path)
 
 
@@ -83,7 +89,7 @@ def test_every_parameter_is_in_the_provenance(workbook):
 
 def test_csv_and_json_show_the_numbers_of_the_workbook(analysis, workbook, tmp_path):
     path = tmp_path / "report.csv"
-    write_posture_report(analysis, path)
+    write_report(report_of_analysis(analysis, "en"), path)
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     document = posture_to_json(analysis)
@@ -115,7 +121,7 @@ def test_the_json_document_is_the_contract_s(analysis):
 
 
 def test_markers_are_drawn_where_they_lie_and_tell_whether_they_were_measured(analysis):
-    picture = draw_markers(analysis, 240).astype(int)
+    picture = draw_markers(picture_of(analysis), 240).astype(int)
 
     def distance_to(rgb, u, v):
         ring = picture[round(v * 2) - 16 : round(v * 2) + 17, round(u * 2) - 16 : round(u * 2) + 17]
@@ -134,4 +140,4 @@ def test_formula_starts_are_made_text(start):
 
 def test_a_report_of_unknown_format_is_a_programming_error(analysis, tmp_path):
     with pytest.raises(ValueError, match="docx"):
-        write_posture_report(analysis, tmp_path / "report.docx")
+        write_report(report_of_analysis(analysis, "en"), tmp_path / "report.docx")

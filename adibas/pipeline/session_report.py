@@ -1,0 +1,83 @@
+"""What a report shows, out of what was analysed or what the store keeps."""
+
+from dataclasses import replace
+
+from adibas import __version__
+from adibas.arrays import Float32Array, UInt8Array
+from adibas.data.posture import PostureAnalysis
+from adibas.data.report import CaptureReport, PictureChoice, SessionReport
+from adibas.data.sessions import Capture, Session
+from adibas.measures.geometry_tables import all_angles, all_distances
+
+
+def report_of_analysis(
+    analysis: PostureAnalysis,
+    language: str,
+    pictures: PictureChoice = PictureChoice.AS_IS,
+    rotation_deg: int = 0,
+) -> SessionReport:
+    """Return the report of one capture that belongs to no session."""
+    return SessionReport(
+        patient=analysis.patient,
+        captures=(CaptureReport(analysis),),
+        language=language,
+        pictures=pictures,
+        version=__version__,
+        rotation_deg=rotation_deg,
+    )
+
+
+def report_of_session(
+    session: Session,
+    captures: tuple[CaptureReport, ...],
+    language: str,
+    pictures: PictureChoice = PictureChoice.AS_IS,
+) -> SessionReport:
+    """Return the report of a session's captures; see `capture_report`."""
+    patient = session.patient
+    return SessionReport(
+        patient=patient,
+        captures=tuple(
+            replace(capture, analysis=replace(capture.analysis, patient=patient))
+            for capture in captures
+        ),
+        language=language,
+        pictures=pictures,
+        version=__version__,
+        started_utc=session.started_utc,
+        operator=session.operator,
+        protocol=session.setup.protocol,
+        notes=session.notes,
+        rotation_deg=session.setup.rotation_deg,
+    )
+
+
+def capture_report(
+    capture: Capture, picture_rgb: UInt8Array, surface_per_m: Float32Array | None
+) -> CaptureReport:
+    """Measure a capture as it was corrected.
+
+    Parameters
+    ----------
+    picture_rgb : (H, W, 3) uint8 array
+        The capture's colour picture.
+    surface_per_m : (H', W') float32 array or None
+        Mean of 1/z, 1/metres (`BurstDisparity.mean_per_m`); None where none was kept.
+    """
+    markers = capture.markers()
+    analysis = PostureAnalysis(
+        patient="",
+        view=capture.view,
+        n_frames=capture.n_frames,
+        first_frame=capture.first_frame,
+        markers=markers,
+        rejected=capture.rejected,
+        distances=all_distances(markers),
+        angles=all_angles(markers),
+        picture_rgb=picture_rgb,
+        calibration=capture.calibration,
+        provenance=capture.provenance,
+        notices=capture.notices,
+        surface_per_m=surface_per_m,
+    )
+    return CaptureReport(analysis, capture.history.placed_by_hand(), capture.history.measures())

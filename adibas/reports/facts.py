@@ -1,0 +1,121 @@
+"""What a report says in lines of name and value: one place, so that every format says the same."""
+
+from collections import Counter
+from datetime import datetime
+
+from adibas.data.posture import PostureAnalysis
+from adibas.data.report import CaptureReport, SessionReport
+from adibas.texts import translate as _
+from adibas.texts import translate_plural
+
+Pairs = list[tuple[str, str | float]]
+
+HASH_LENGTH = len("sha256:") + 12
+
+
+def view_name(view: str) -> str:
+    """Return the name of one of `VIEWS` for a reader."""
+    names = {
+        "": _("not told"),
+        "anterior": _("anterior"),
+        "posterior": _("posterior"),
+        "right_lateral": _("right lateral"),
+        "left_lateral": _("left lateral"),
+    }
+    return names[view]
+
+
+def capture_names(report: SessionReport) -> tuple[str, ...]:
+    """Return the name of each capture's view; a view that comes again is numbered."""
+    counts: Counter[str] = Counter()
+    names = []
+    for capture in report.captures:
+        view = capture.analysis.view
+        counts[view] += 1
+        name = view_name(view)
+        names.append(name if counts[view] == 1 else f"{name} ({counts[view]})")
+    return tuple(names)
+
+
+def session_facts(report: SessionReport) -> Pairs:
+    """Return who was measured, when, by whom and how."""
+    begun = "" if report.started_utc is None else report.started_utc.isoformat(timespec="seconds")
+    told = [
+        (_("Session begun (UTC)"), begun),
+        (_("Operator"), report.operator),
+        (_("Protocol"), report.protocol),
+        (_("Notes"), report.notes),
+    ]
+    return [(_("Patient (pseudonym)"), report.patient), *((n, v) for n, v in told if v)]
+
+
+def capture_facts(report: SessionReport, capture: CaptureReport) -> Pairs:
+    """Return what was found in a capture, and on what calibration it rests."""
+    analysis = capture.analysis
+    measured = sum(marker.position_m is not None for marker in analysis.markers)
+    facts: Pairs = [
+        (_("View"), view_name(analysis.view)),
+        (_("Analysed (UTC)"), analysis.provenance.created_utc),
+        (_("Frames in the burst"), analysis.n_frames),
+        (_("Markers found"), len(analysis.markers)),
+        (_("Markers with a position"), measured),
+    ]
+    if capture.placed_by_hand:
+        facts.append((_("Markers placed by hand"), len(capture.placed_by_hand)))
+    facts.append((_("Calibration"), calibration_text(analysis)))
+    age = calibration_age(report, analysis)
+    return [*facts, (_("Age of the calibration"), age)] if age else facts
+
+
+def general_facts(report: SessionReport) -> Pairs:
+    """Return what the reader must know about every report."""
+    return [
+        (_("Software version"), report.version),
+        (_("Intended use"), intended_use()),
+        (
+            _("Intervals"),
+            _("95 %, instrument only: the palpation of landmarks and the stance are not in them."),
+        ),
+    ]
+
+
+def intended_use() -> str:
+    """Return what a report may be used for."""
+    return _("Research, education and documentation. Not for diagnosis.")
+
+
+def notices(analysis: PostureAnalysis) -> Pairs:
+    """Return what the reader must know about the input, and what was refused."""
+    facts: Pairs = [(_("Notice"), _(notice)) for notice in analysis.notices]
+    for blob in analysis.rejected:
+        where = f"({blob.u:.0f}, {blob.v:.0f}) {_(blob.reason)}"
+        facts.append((_("Not counted as a marker"), where))
+    return facts
+
+
+def calibration_text(analysis: PostureAnalysis) -> str:
+    """Return sensor, date and identity of the calibration, as far as they are known."""
+    calibration = analysis.calibration
+    known = [
+        calibration.sensor_serial,
+        calibration.created_utc,
+        analysis.provenance.calibration[:HASH_LENGTH],
+    ]
+    return ", ".join(part for part in known if part)
+
+
+def calibration_age(report: SessionReport, analysis: PostureAnalysis) -> str:
+    """Return how old the calibration was when the session began; empty where not known."""
+    made = _parsed(analysis.calibration.created_utc)
+    used = report.started_utc or _parsed(analysis.provenance.created_utc)
+    if made is None or used is None or (made.tzinfo is None) != (used.tzinfo is None):
+        return ""
+    n_days = max((used - made).days, 0)
+    return translate_plural("{n} day", "{n} days", n_days).format(n=n_days)
+
+
+def _parsed(moment: str) -> datetime | None:
+    try:
+        return datetime.fromisoformat(moment)
+    except ValueError:
+        return None
