@@ -27,6 +27,13 @@ class Identity:
     def __repr__(self) -> str:
         return "Identity(hidden)"
 
+    def age_years(self, on: date) -> int | None:
+        """Return the whole years of age on a day; None where the birth date is not known."""
+        born = self.birth_date
+        if born is None:
+            return None
+        return on.year - born.year - ((on.month, on.day) < (born.month, born.day))
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Consent:
@@ -97,7 +104,4 @@ class Patient:
 
     def age_years(self, on: date) -> int | None:
         """Return the whole years of age on a day; None where the birth date is not known."""
-        born = self.identity.birth_date
-        if born is None:
-            return None
-        return on.year - born.year - ((on.month, on.day) < (born.month, born.day))
+        return self.identity.age_years(on)
