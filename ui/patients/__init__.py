@@ -1,0 +1,1 @@
+"""Patients: search, add, change, consents, and the history of their sessions."""

@@ -1,0 +1,207 @@
+"""What is typed of a patient and of a consent: checked, then saved. Knows nothing of Qt."""
+
+from collections.abc import Callable
+from datetime import UTC, date, datetime
+from typing import Protocol
+
+from adibas.data.patients import Consent, Identity, Patient
+from adibas.texts import translate as _
+from ui.patients.content import (
+    CHILD_BELOW_YEARS,
+    ConsentEntry,
+    EntryError,
+    PatientEntry,
+    read_birth_date,
+)
+from ui.workspace import Workspace
+
+MOST_ALIKE = 50
+
+
+class FormView(Protocol):
+    """The form in the place of the chosen patient, as this presenter needs it."""
+
+    def show_entry(self, entry: PatientEntry, *, is_new: bool) -> None:
+        """Open the form with a patient; a new one is asked for consent, too."""
+
+    def show_consents(self, patient: Patient) -> None:
+        """Open the form of a patient's consents."""
+
+    def show_age(self, age_years: int | None) -> None:
+        """Show the age that goes with the birth date that is typed."""
+
+    def propose_guardian(self, *, is_guardian: bool) -> None:
+        """Ask for a guardian's consent, or for the patient's own."""
+
+    def show_problem(self, field: str, sentence: str) -> None:
+        """Say at a field what is wrong with it; nothing was saved."""
+
+    def close_form(self) -> None:
+        """Show the chosen patient again."""
+
+
+class FormPresenter:
+    """Adds and changes patients, gives and withdraws consents."""
+
+    def __init__(
+        self,
+        view: FormView,
+        workspace: Workspace,
+        now: Callable[[], datetime] = lambda: datetime.now(UTC),
+    ) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._now = now
+        self._edited: Patient | None = None
+        self._warned_of: Identity | None = None
+
+    def add(self) -> None:
+        """Open the form for a new patient."""
+        if not self._workspace.store.is_read_only:
+            self._edited, self._warned_of = None, None
+            self._view.show_entry(PatientEntry(), is_new=True)
+
+    def edit(self) -> None:
+        """Open the form with the chosen patient."""
+        patient = self._workspace.patient
+        if patient is None or self._workspace.store.is_read_only:
+            return
+        self._edited, self._warned_of = patient, None
+        identity, born = patient.identity, patient.identity.birth_date
+        self._view.show_entry(
+            PatientEntry(
+                identity.name,
+                "" if born is None else f"{born:%d/%m/%Y}",
+                identity.record_number,
+                patient.sex,
+                patient.notes,
+            ),
+            is_new=False,
+        )
+        self._view.show_age(patient.age_years(self._today()))
+
+    def edit_consents(self) -> None:
+        """Open the form of the chosen patient's consents."""
+        patient = self._workspace.patient
+        if patient is not None and not self._workspace.store.is_read_only:
+            self._edited = patient
+            self._view.show_consents(patient)
+            self._view.propose_guardian(is_guardian=self._is_child(patient.identity))
+
+    def cancel(self) -> None:
+        """Forget what was typed."""
+        self._view.close_form()
+
+    def note_birth_date(self, text: str) -> None:
+        """Follow the birth date while it is typed: the age, and who has to consent."""
+        try:
+            born = read_birth_date(text, self._today())
+        except EntryError:
+            self._view.show_age(None)
+            return
+        identity = Identity("-", born)
+        self._view.show_age(identity.age_years(self._today()))
+        self._view.propose_guardian(is_guardian=self._is_child(identity))
+
+    def save(self, entry: PatientEntry, consent: ConsentEntry | None = None) -> None:
+        """Save the patient, with a consent where one is given; what is wrong is said first."""
+        try:
+            identity = self._identity(entry)
+            given = None if consent is None else self._consent(consent, identity.name)
+            self._warn_of_likeness(identity)
+        except EntryError as error:
+            self._view.show_problem(error.field, error.sentence)
+            return
+        self._workspace.attempt(lambda: self._write(identity, entry, given))
+
+    def give(self, entry: ConsentEntry) -> None:
+        """Save a consent of the chosen patient."""
+        patient = self._edited
+        if patient is None:
+            return
+        try:
+            consent = self._consent(entry, patient.identity.name)
+        except EntryError as error:
+            self._view.show_problem(error.field, error.sentence)
+            return
+        patients = self._workspace.store.patients
+        self._workspace.attempt(
+            lambda: self._finish(patients.give_consent(patient.pseudonym, consent))
+        )
+
+    def withdraw(self, index: int) -> None:
+        """Note that a consent of the chosen patient stands no more."""
+        patient, patients = self._edited, self._workspace.store.patients
+        if patient is not None:
+            self._workspace.attempt(
+                lambda: self._finish(patients.withdraw_consent(patient.pseudonym, index))
+            )
+
+    def _write(self, identity: Identity, entry: PatientEntry, consent: Consent | None) -> None:
+        patients = self._workspace.store.patients
+        if self._edited is None:
+            patient = patients.add(identity, sex=entry.sex, notes=entry.notes.strip())
+            self._edited = patient  # a second attempt after a failed consent adds nobody
+        else:
+            patient = patients.change(
+                self._edited.pseudonym,
+                identity=identity,
+                sex=entry.sex,
+                notes=entry.notes.strip(),
+            )
+        if consent is not None:
+            patient = patients.give_consent(patient.pseudonym, consent)
+        self._finish(patient)
+
+    def _finish(self, patient: Patient) -> None:
+        self._workspace.choose_patient(patient)
+        self._view.close_form()
+
+    def _identity(self, entry: PatientEntry) -> Identity:
+        if not entry.name.strip():
+            raise EntryError("name", _("Type the patient's name."))
+        born = read_birth_date(entry.birth_date, self._today())
+        return Identity(entry.name.strip(), born, entry.record_number.strip())
+
+    def _consent(self, entry: ConsentEntry, name: str) -> Consent:
+        if not entry.purposes:
+            raise EntryError("purposes", _("Choose what the consent is for."))
+        if entry.is_guardian and not entry.guardian.strip():
+            raise EntryError("guardian", _("Type the name of the guardian who consents."))
+        given_by = entry.guardian.strip() if entry.is_guardian else name
+        return Consent(entry.purposes, given_by, entry.is_guardian, self._now())
+
+    def _warn_of_likeness(self, identity: Identity) -> None:
+        """Refuse once what looks like a patient who is there already."""
+        if identity == self._warned_of or not self._is_alike_another(identity):
+            return
+        self._warned_of = identity
+        raise EntryError(
+            "name",
+            _(
+                "A patient with this record number, or with this name and birth date, is there "
+                "already. Save again if this is somebody else."
+            ),
+        )
+
+    def _is_alike_another(self, identity: Identity) -> bool:
+        own = None if self._edited is None else self._edited.pseudonym
+        search = self._workspace.store.patients.search
+        for text in filter(None, (identity.record_number, identity.name)):
+            for row in search(text, limit=MOST_ALIKE):
+                if row.pseudonym != own and _is_alike(row.identity, identity):
+                    return True
+        return False
+
+    def _is_child(self, identity: Identity) -> bool:
+        age_years = identity.age_years(self._today())
+        return age_years is not None and age_years < CHILD_BELOW_YEARS
+
+    def _today(self) -> date:
+        return self._now().astimezone().date()
+
+
+def _is_alike(one: Identity, other: Identity) -> bool:
+    has_number = bool(one.record_number) and one.record_number == other.record_number
+    names = (one.name.casefold(), other.name.casefold())
+    return has_number or (names[0] == names[1] and one.birth_date == other.birth_date)
