@@ -1,6 +1,7 @@
 """Learning a colour step by step: clicks on one picture, each with its region, and the colours."""
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,7 +65,7 @@ class LearningBoard:
         self.color_rgb = color_rgb
         self.params = params
         self.regions: tuple[LearnedRegion, ...] = ()
-        self._lab: Float32Array = rgb_to_lab(color_rgb)
+        self.lab: Float32Array = rgb_to_lab(color_rgb)
 
     def click(self, u: float, v: float) -> LearnedRegion:
         """Grow one more region from pixel (u, v).
@@ -100,12 +101,18 @@ class LearningBoard:
             taken |= region.pixels
         return taken
 
+    def without_regions(self) -> "LearningBoard":
+        """Return a board for the same picture on which nothing was clicked."""
+        board = copy(self)
+        board.params, board.regions = LearningParams(), ()
+        return board
+
     def model(self) -> ColorModel | None:
         """Return the colours of all regions; None without a region."""
-        return learned_model(self._lab, self.regions, self.params) if self.regions else None
+        return learned_model(self.lab, self.regions, self.params) if self.regions else None
 
     def _grown(self, seed_uv: tuple[float, float], sensitivity: float) -> LearnedRegion:
-        pixels = grow_region(self._lab, seed_uv, sensitivity)
+        pixels = grow_region(self.lab, seed_uv, sensitivity)
         mean_rgb = self.color_rgb[pixels].mean(axis=0).round().astype(np.uint8)
         return LearnedRegion(seed_uv, sensitivity, pixels, mean_rgb)
 

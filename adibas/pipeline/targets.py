@@ -28,13 +28,17 @@ def target_from_document(document: Mapping[str, object]) -> MarkerTarget:
         The document is damaged, or of a later version.
     """
     try:
-        if document.get("format") != LED_FORMAT:
-            return colors_from_json(document)
-        brightness = document["least_brightness"]
-        if document.get("version") != 1 or not isinstance(brightness, int | float):
-            raise ValueError("another version")
-        return replace(LedParams(), least_brightness=float(brightness))
+        if document.get("format") == LED_FORMAT:
+            return _leds(document)
+        return colors_from_json(document)
     except (ValueError, TypeError, KeyError, OverflowError) as error:
         raise MarkerError(
             "The markers of that session cannot be read. Learn their colour again."
         ) from error
+
+
+def _leds(document: Mapping[str, object]) -> LedParams:
+    brightness = document["least_brightness"]
+    if document.get("version") != 1 or not isinstance(brightness, int | float):
+        raise ValueError("another version")
+    return replace(LedParams(), least_brightness=float(brightness))

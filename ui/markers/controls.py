@@ -1,0 +1,170 @@
+"""The controls beside the learner's picture."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QPixmap
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QRadioButton,
+    QSlider,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from adibas.texts import translate_plural
+from ui.markers.presenter import Mode, Shown
+
+SWATCH_PX = 28
+MOST_SENSITIVITY, MOST_CLUSTERS = 60, 8
+LEAST_BRIGHTNESS, MOST_BRIGHTNESS = 10, 220
+
+
+class LearnerControls(QWidget):
+    """Mode, sensitivity, colours, regions."""
+
+    mode_chosen = Signal(str)
+    sensitivity_moved = Signal(float)
+    clusters_chosen = Signal(int)
+    brightness_moved = Signal(float)
+    discard_asked = Signal(int)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._color, self._led = QRadioButton(self), QRadioButton(self)
+        group = QButtonGroup(self)
+        for button, mode in ((self._color, "color"), (self._led, "led")):
+            group.addButton(button)
+            button.clicked.connect(lambda _checked, mode=mode: self.mode_chosen.emit(mode))
+        self._sensitivity = _slider(1, MOST_SENSITIVITY, self)
+        self._brightness = _slider(LEAST_BRIGHTNESS, MOST_BRIGHTNESS, self)
+        self._clusters = QSpinBox(self)
+        self._clusters.setRange(1, MOST_CLUSTERS)
+        self._labels = [QLabel(self) for _ in range(5)]
+        self._regions = QListWidget(self)
+        self._discard = QPushButton(self)
+        self._swatches = QHBoxLayout()
+        self._swatch_colors: tuple[tuple[int, int, int], ...] = ()
+        self._sensitivity.valueChanged.connect(self.sensitivity_moved)
+        self._brightness.valueChanged.connect(self.brightness_moved)
+        self._clusters.valueChanged.connect(self.clusters_chosen)
+        self._discard.clicked.connect(lambda: self._send_row(self.discard_asked.emit))
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        sensitivity, brightness, clusters, colors, regions = self._labels
+        for label, widget in (
+            (sensitivity, self._sensitivity),
+            (brightness, self._brightness),
+            (clusters, self._clusters),
+            (regions, self._regions),
+        ):
+            label.setBuddy(widget)
+            label.setWordWrap(True)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        modes = QHBoxLayout()
+        modes.addWidget(self._color)
+        modes.addWidget(self._led)
+        modes.addStretch()
+        layout.addLayout(modes)
+        for part in (sensitivity, self._sensitivity, brightness, self._brightness):
+            layout.addWidget(part)
+        layout.addWidget(regions)
+        layout.addWidget(self._regions, 1)
+        layout.addWidget(self._discard, 0, Qt.AlignmentFlag.AlignLeft)
+        layout.addWidget(clusters)
+        layout.addWidget(self._clusters)
+        layout.addWidget(colors)
+        layout.addLayout(self._swatches)
+        self._color_parts = (
+            *(sensitivity, self._sensitivity, clusters, self._clusters, colors),
+            *(regions, self._regions, self._discard),
+        )
+        self._led_parts = (brightness, self._brightness)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._color.setText(_("Coloured &stickers"))
+        self._led.setText(_("&LEDs in the dark"))
+        texts = (
+            _("Sensi&tivity: how far a region grows"),
+            _("&Brightness of an LED over the scene"),
+            _("Number of &colours to learn"),
+            _("Learned colours"),
+            _("&Regions that you clicked"),
+        )
+        for label, text in zip(self._labels, texts, strict=True):
+            label.setText(text)
+        self._discard.setText(_("&Discard the region"))
+
+    def show_controls(self, shown: Shown) -> None:
+        """Show what holds now; nothing of it is a wish of the user."""
+        parts = (self._sensitivity, self._brightness, self._clusters)
+        for widget in parts:
+            widget.blockSignals(True)
+        mode: Mode = shown.mode
+        (self._led if mode == "led" else self._color).setChecked(True)
+        self._sensitivity.setValue(round(shown.sensitivity))
+        self._brightness.setValue(round(shown.least_brightness))
+        self._clusters.setValue(shown.n_clusters)
+        for widget in parts:
+            widget.blockSignals(False)
+        for part in self._color_parts:
+            part.setVisible(mode == "color")
+        for part in self._led_parts:
+            part.setVisible(mode == "led")
+        self._show_regions(shown)
+        self._discard.setEnabled(bool(shown.regions))
+        self._show_swatches(() if mode == "led" else shown.swatches)
+
+    def _show_regions(self, shown: Shown) -> None:
+        row = self._regions.currentRow()
+        self._regions.clear()
+        for color, n_pixels in shown.regions:
+            text = translate_plural("{n} pixel", "{n} pixels", n_pixels).format(n=n_pixels)
+            self._regions.addItem(QListWidgetItem(QIcon(_patch(color)), text))
+        last = len(shown.regions) - 1
+        self._regions.setCurrentRow(min(row, last) if row >= 0 else last)
+
+    def _show_swatches(self, colors: tuple[tuple[int, int, int], ...]) -> None:
+        if colors == self._swatch_colors:
+            return
+        self._swatch_colors = colors
+        while self._swatches.count():
+            item = self._swatches.takeAt(0)
+            widget = item.widget() if item is not None else None
+            if widget is not None:
+                widget.deleteLater()
+        for color in colors:
+            label = QLabel(self)
+            label.setPixmap(_patch(color))
+            name = QColor(*color).name()
+            label.setAccessibleName(name)
+            label.setToolTip(name)
+            self._swatches.addWidget(label)
+        self._swatches.addStretch()
+
+    def _send_row(self, send: Callable[[int], None]) -> None:
+        if self._regions.currentRow() >= 0:
+            send(self._regions.currentRow())
+
+
+def _slider(least: int, most: int, parent: QWidget) -> QSlider:
+    slider = QSlider(Qt.Orientation.Horizontal, parent)
+    slider.setRange(least, most)
+    slider.setPageStep(5)
+    return slider
+
+
+def _patch(color: tuple[int, int, int]) -> QPixmap:
+    pixmap = QPixmap(SWATCH_PX, SWATCH_PX)
+    pixmap.fill(QColor(*color))
+    return pixmap

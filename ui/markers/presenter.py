@@ -1,0 +1,329 @@
+"""What the learner shows, and what a click on its picture means. Knows nothing of Qt."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, Protocol
+
+from adibas.arrays import BoolArray, UInt8Array
+from adibas.errors import AdibasError
+from adibas.markers.color_files import read_colors, write_colors
+from adibas.markers.color_model import ColorModel, LearningParams
+from adibas.markers.detection import DetectionParams, Detections
+from adibas.markers.lab import lab_to_rgb
+from adibas.markers.led import LedParams
+from adibas.pipeline.frozen import FrozenPicture, freeze, picture_alone
+from adibas.pipeline.learning import read_picture
+from adibas.pipeline.learning_board import LearnedRegion, LearningBoard, learned_model
+from adibas.pipeline.live import LiveFrame
+from adibas.pipeline.posture import MarkerTarget
+from adibas.pipeline.targets import target_to_document
+from adibas.sensors.ports import SensorOptions
+from adibas.texts import translate as _
+from ui.ports import Job, JobControl
+from ui.workspace import Workspace
+
+Mode = Literal["color", "led"]
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What the learner's controls show.
+
+    Attributes
+    ----------
+    mode : str
+        ``color`` or ``led``.
+    sensitivity, n_clusters, least_brightness : float, int
+        Of the controls.
+    regions : tuple of ((r, g, b), pixels)
+        One for each click.
+    swatches : tuple of (r, g, b)
+        Colours of the centroids.
+    has_picture, has_target : bool
+        Whether a picture is held still, and whether there is something to look for.
+    """
+
+    mode: Mode
+    sensitivity: float
+    n_clusters: int
+    least_brightness: float
+    regions: tuple[tuple[tuple[int, int, int], int], ...]
+    swatches: tuple[tuple[int, int, int], ...]
+    has_picture: bool
+    has_target: bool
+
+
+class LearnerView(Protocol):
+    """The screen, as this presenter needs it."""
+
+    def show_picture(self, picture_rgb: UInt8Array | None, *, is_frozen: bool) -> None:
+        """Show a live or a frozen picture; None where there is none yet."""
+
+    def show_taken(self, taken: BoolArray | None) -> None:
+        """Tint the pixels that the clicks took."""
+
+    def show_found(self, found: Detections | None) -> None:
+        """Draw and count the markers that are found so far."""
+
+    def show_controls(self, shown: Shown) -> None:
+        """Show regions, swatches and sliders."""
+
+
+class LearnerPresenter:
+    """Learns a colour on a frozen picture.
+
+    A region grows at once, in the window's thread: it takes some milliseconds. The colours and the
+    markers that they find follow in a job; a newer wish replaces an older one.
+    """
+
+    def __init__(self, view: LearnerView, workspace: Workspace) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._params = LearningParams()
+        self._led = LedParams()
+        self._mode: Mode = "color"
+        self._picture: FrozenPicture | None = None
+        self._board: LearningBoard | None = None
+        self._pending_click: tuple[float, float] | None = None
+        self._model: ColorModel | None = None
+        self._job: Job | None = None
+        self._is_seen = False
+        self._ends: list[Callable[[], None]] = [
+            workspace.live.frame_arrived.subscribe(self._on_frame),
+            workspace.target_changed.subscribe(self._on_target),
+        ]
+        self._on_target()
+
+    def close(self) -> None:
+        """Listen no more."""
+        for end in self._ends:
+            end()
+
+    def enter(self) -> None:
+        """Show the sensor's picture where nothing is frozen."""
+        self._is_seen = True
+        if self._picture is None:
+            newest = self._workspace.live.newest
+            self._view.show_picture(newest.color_rgb if newest else None, is_frozen=False)
+
+    def leave(self) -> None:
+        """Show no more live pictures."""
+        self._is_seen = False
+
+    def show_sensor(self) -> None:
+        """Let the frozen picture go; start the sensor of the session if it does not run."""
+        self._picture, self._board = None, None
+        self._view.show_found(None)
+        self._view.show_taken(None)
+        live, session = self._workspace.live, self._workspace.session
+        if live.state.kind in ("closed", "ended"):
+            source = "simulator" if session is None else session.setup.source
+            size = (1280, 1024) if session is None else session.setup.color_size
+            live.open(source, SensorOptions(color_size=size))
+        self._show_controls()
+        self.enter()
+
+    def freeze(self) -> None:
+        """Hold the newest picture of the sensor still."""
+        newest = self._workspace.live.newest
+        picture = None
+        if newest is not None:
+            picture = freeze(newest, self._workspace.live.view.calibration)
+        if picture is None:
+            self._workspace.tell("warning", _("There is no picture of the sensor yet."))
+            return
+        self._take(picture)
+
+    def open_file(self, path: Path) -> None:
+        """Learn on a picture, or on the first frame of a recording."""
+
+        def work(_control: JobControl) -> FrozenPicture:
+            return picture_alone(read_picture(path))
+
+        self._workspace.jobs.start(_("Reading the picture"), work, self._take)
+
+    def click(self, u: float, v: float) -> None:
+        """Grow a region from a pixel; a live picture is frozen first."""
+        if self._picture is None:
+            self.freeze()
+        board = self._board
+        if board is None:
+            self._pending_click = (u, v)  # the picture is still being made ready
+        elif self._mode == "color" and self._workspace.attempt(lambda: _ignore(board.click(u, v))):
+            self._learn()
+
+    def set_sensitivity(self, sensitivity: float) -> None:
+        """Let the last region, and those to come, be as large as that."""
+        self._params = replace(self._params, sensitivity=sensitivity)
+        if self._board is not None:
+            self._board.set_sensitivity(sensitivity)
+            self._learn()
+
+    def set_clusters(self, n_clusters: int) -> None:
+        """Learn so many colours."""
+        self._params = replace(self._params, n_clusters=n_clusters)
+        if self._board is not None:
+            self._board.set_clusters(n_clusters)
+            self._learn()
+
+    def set_brightness(self, least_brightness: float) -> None:
+        """Take for an LED what is so much brighter than the scene."""
+        self._led = replace(self._led, least_brightness=least_brightness)
+        self._find()
+
+    def set_mode(self, mode: Mode) -> None:
+        """Look for learned colours, or for LEDs."""
+        self._mode = mode
+        self._view.show_taken(self._board.taken() if self._board and mode == "color" else None)
+        self._find()
+
+    def discard(self, index: int) -> None:
+        """Take the region of one click away."""
+        if self._board is not None and index < len(self._board.regions):
+            self._board.discard(index)
+            self._learn()
+
+    def reset(self) -> None:
+        """Forget all clicks and colours; the picture stays."""
+        self._params, self._model = LearningParams(), None
+        if self._board is not None:
+            self._board = self._board.without_regions()
+        self._view.show_taken(None)
+        self._find()
+
+    def use(self) -> None:
+        """Look for these markers from now on, and keep that with the session."""
+        target = self._target()
+        if target is None:
+            return
+        self._workspace.set_target(target)
+        session = self._workspace.session
+        if session is not None and not self._workspace.store.is_read_only:
+            setup = replace(session.setup, markers=target_to_document(target))
+            changed = self._workspace.store.sessions.change
+            self._workspace.attempt(
+                lambda: self._workspace.choose_session(changed(session.session_id, setup=setup))
+            )
+        self._workspace.tell("good", _("From now on these markers are looked for."))
+        self._workspace.show_screen("capture")
+
+    def save(self, path: Path) -> None:
+        """Write the colours to a file that the command line reads, too."""
+        model = self._model
+        if model is not None and self._workspace.attempt(lambda: write_colors(path, model)):
+            self._workspace.tell(
+                "good", _("The colours are saved in {file}.").format(file=path.name)
+            )
+
+    def load(self, path: Path) -> None:
+        """Take the colours of a file."""
+        try:
+            model = read_colors(path)
+        except AdibasError as error:
+            self._workspace.report_problem(error)
+            return
+        self.reset()
+        self._mode, self._model = "color", model
+        self._find()
+
+    def _take(self, picture: FrozenPicture) -> None:
+        """Show a frozen picture, and make it ready for clicks."""
+        self._picture, self._board, self._pending_click = picture, None, None
+        self._view.show_picture(picture.color_rgb, is_frozen=True)
+        self._view.show_taken(None)
+        params = self._params
+
+        def work(_control: JobControl) -> LearningBoard:
+            return LearningBoard(picture.color_rgb, params)
+
+        self._workspace.jobs.start(_("Looking at the picture"), work, self._on_board)
+        self._find()
+
+    def _on_board(self, board: LearningBoard) -> None:
+        if self._picture is None or board.color_rgb is not self._picture.color_rgb:
+            return  # another picture was taken meanwhile
+        board.params = self._params
+        self._board = board
+        if self._pending_click is not None:
+            self.click(*self._pending_click)
+
+    def _learn(self) -> None:
+        """Show what was taken at once; colours and markers follow."""
+        board = self._board
+        if board is None:
+            return
+        self._view.show_taken(board.taken())
+        self._show_controls()
+        lab, regions, params = board.lab, board.regions, board.params
+        self._start(lambda: learned_model(lab, regions, params) if regions else None)
+
+    def _find(self) -> None:
+        model = self._model
+        self._start(lambda: model)
+
+    def _start(self, learn: Callable[[], ColorModel | None]) -> None:
+        """Learn and look for markers in a job, in place of one that is still at it."""
+        if self._job is not None and self._job.is_running:
+            self._job.cancel()
+        picture, mode, led = self._picture, self._mode, self._led
+
+        def work(_control: JobControl) -> tuple[ColorModel | None, Detections | None]:
+            model = learn()
+            target: MarkerTarget | None = led if mode == "led" else model
+            if picture is None or target is None:
+                return model, None
+            return model, picture.find(target, DetectionParams())
+
+        self._job = self._workspace.jobs.start(_("Looking for markers"), work, self._on_found)
+
+    def _on_found(self, result: tuple[ColorModel | None, Detections | None]) -> None:
+        self._model, found = result
+        self._view.show_found(found)
+        self._show_controls()
+
+    def _on_frame(self, frame: LiveFrame) -> None:
+        if self._is_seen and self._picture is None:
+            self._view.show_picture(frame.color_rgb, is_frozen=False)
+
+    def _on_target(self) -> None:
+        """Show the markers in use, if they were not learned here."""
+        target = self._workspace.target
+        if isinstance(target, LedParams):
+            self._mode, self._led = "led", target
+        elif target is not None and target is not self._model:
+            self._mode, self._model = "color", target
+        self._show_controls()
+
+    def _target(self) -> MarkerTarget | None:
+        return self._led if self._mode == "led" else self._model
+
+    def _show_controls(self) -> None:
+        regions = self._board.regions if self._board is not None else ()
+        swatches = () if self._model is None else _colors(self._model)
+        self._view.show_controls(
+            Shown(
+                mode=self._mode,
+                sensitivity=self._params.sensitivity,
+                n_clusters=self._params.n_clusters,
+                least_brightness=self._led.least_brightness,
+                regions=tuple((_rgb(region), region.n_pixels) for region in regions),
+                swatches=swatches,
+                has_picture=self._picture is not None,
+                has_target=self._target() is not None,
+            )
+        )
+
+
+def _rgb(region: LearnedRegion) -> tuple[int, int, int]:
+    red, green, blue = region.mean_rgb.tolist()
+    return red, green, blue
+
+
+def _colors(model: ColorModel) -> tuple[tuple[int, int, int], ...]:
+    colors = lab_to_rgb(model.centroids_lab)
+    return tuple((red, green, blue) for red, green, blue in colors.tolist())
+
+
+def _ignore(_region: LearnedRegion) -> None:
+    """Want nothing of what a click returns."""
