@@ -12,13 +12,15 @@ from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.geometry.uncertainty import independent, uncertain_angles, uncertain_distances
 
 
-def all_distances(markers: Sequence[Marker]) -> tuple[DistanceMeasure, ...]:
+def all_distances(markers: Sequence[Marker], of: str | None = None) -> tuple[DistanceMeasure, ...]:
     """Measure the distance of every pair.
 
     Parameters
     ----------
     markers : sequence of Marker
         Those without a position are left out. Their errors are taken as independent.
+    of : str or None
+        Only the pairs of the marker with this label.
 
     Returns
     -------
@@ -27,6 +29,7 @@ def all_distances(markers: Sequence[Marker]) -> tuple[DistanceMeasure, ...]:
     """
     placed, positions_m, covariances_m2 = _positions(markers)
     pairs = np.array(list(combinations(range(len(placed)), 2)), np.int64).reshape(-1, 2)
+    pairs = _with_label(pairs, placed, of)
     found = uncertain_distances(positions_m[pairs], _joint(covariances_m2, pairs))
     return tuple(
         DistanceMeasure(placed[a].label, placed[b].label, value_m, (low_m, high_m))
@@ -36,13 +39,15 @@ def all_distances(markers: Sequence[Marker]) -> tuple[DistanceMeasure, ...]:
     )
 
 
-def all_angles(markers: Sequence[Marker]) -> tuple[AngleMeasure, ...]:
+def all_angles(markers: Sequence[Marker], of: str | None = None) -> tuple[AngleMeasure, ...]:
     """Measure the angle at each of the three vertices of every triplet.
 
     Parameters
     ----------
     markers : sequence of Marker
         Those without a position are left out. Their errors are taken as independent.
+    of : str or None
+        Only the triplets of the marker with this label.
 
     Returns
     -------
@@ -59,6 +64,7 @@ def all_angles(markers: Sequence[Marker]) -> tuple[AngleMeasure, ...]:
         ],
         np.int64,
     ).reshape(-1, 3)
+    triplets = _with_label(triplets, placed, of)
     found = uncertain_angles(positions_m[triplets], _joint(covariances_m2, triplets))
     return tuple(
         AngleMeasure(
@@ -73,6 +79,14 @@ def all_angles(markers: Sequence[Marker]) -> tuple[AngleMeasure, ...]:
         )
         if not math.isnan(value)
     )
+
+
+def _with_label(groups: IntArray, placed: Sequence[Marker], label: str | None) -> IntArray:
+    """Return the groups of marker numbers that hold the marker with a label; all for None."""
+    if label is None:
+        return groups
+    wanted = [number for number, marker in enumerate(placed) if marker.label == label]
+    return groups[np.isin(groups, wanted).any(axis=1)]
 
 
 def _positions(markers: Sequence[Marker]) -> tuple[list[Marker], FloatArray, FloatArray]:
