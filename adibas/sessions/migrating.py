@@ -1,5 +1,6 @@
 """Brings the tables to the present revision, or refuses those of a later program."""
 
+import threading
 from pathlib import Path
 
 from sqlalchemy import Connection
@@ -12,6 +13,9 @@ HEAD = "0001"
 """The last revision under `migrations/versions` (a test compares), to start without Alembic."""
 
 KNOWN = ("0001",)
+
+_ONE_AT_A_TIME = threading.Lock()
+"""Alembic keeps the connection in a global: two threads would migrate each other's stores."""
 
 
 def bring_up_to_date(database: Database, key: bytes) -> None:
@@ -79,4 +83,5 @@ def _upgrade(connection: Connection) -> None:
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     config.attributes["connection"] = connection
-    command.upgrade(config, "head")
+    with _ONE_AT_A_TIME:
+        command.upgrade(config, "head")
