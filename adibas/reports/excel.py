@@ -140,7 +140,7 @@ def _angle_columns() -> tuple[Column, ...]:
         Column(_("Vertex"), 18),
         Column("C", 18),
         Column(_("Angle [deg]"), 13, DECIMALS),
-        *_interval_columns("deg"),
+        *_interval_columns(_("deg")),
         Column(_("Bias [deg]"), 12, FINE_DECIMALS),
     )
 
@@ -168,7 +168,7 @@ def _free_measures(capture: CaptureReport) -> Rows:
     for row in free_rows(capture):
         kind = _("Angle") if row.vertex else _("Distance")
         missing = None if row.value is not None else _("not measured: a marker has no position")
-        yield kind, row.a, row.vertex, row.c, row.value, row.unit, row.low, row.high, missing
+        yield kind, row.a, row.vertex, row.c, row.value, _(row.unit), row.low, row.high, missing
 
 
 def _interval_columns(unit: str) -> tuple[Column, Column]:
