@@ -31,9 +31,9 @@ class LearnerControls(QWidget):
     """Mode, sensitivity, colours, regions."""
 
     mode_chosen = Signal(str)
-    sensitivity_moved = Signal(float)
+    sensitivity_moved = Signal(int)
     clusters_chosen = Signal(int)
-    brightness_moved = Signal(float)
+    brightness_moved = Signal(int)
     discard_asked = Signal(int)
 
     def __init__(self, parent: QWidget | None = None) -> None:
