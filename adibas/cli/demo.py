@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(
         parser,
         _("DIR"),
-        _("folder for recording.mcap, colours.json and report.xlsx; made if missing"),
+        _("folder for recording.mcap, colours.json, report.xlsx and report.pdf; made if missing"),
     )
     add_json(parser)
 
@@ -40,13 +40,16 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         demo = run_demo(arguments.out, progress)
     shown = report_of_analysis(demo.analysis, spoken_language())
     write_report(shown, report)
+    write_report(shown, report.with_suffix(".pdf"))
     console.say(_("The recording lies in {file}.").format(file=demo.recording))
     console.say(_("The report lies in {file}.").format(file=report))
+    console.say(_("The report to print lies in {file}.").format(file=report.with_suffix(".pdf")))
     console.give(
         {
             "recording": str(demo.recording),
             "colours": str(demo.colors),
             "report": str(report),
+            "report_pdf": str(report.with_suffix(".pdf")),
             "posture": posture_to_json(demo.analysis),
         }
     )

@@ -1,10 +1,10 @@
-"""Numbers on paper: Excel, CSV and JSON."""
+"""Numbers on paper: Excel, PDF, CSV and JSON."""
 
 from pathlib import Path
 
 from adibas.data.report import SessionReport
 
-KINDS = (".xlsx", ".csv", ".json")
+KINDS = (".xlsx", ".pdf", ".csv", ".json")
 
 
 def write_report(report: SessionReport, path: Path) -> None:
@@ -24,6 +24,10 @@ def write_report(report: SessionReport, path: Path) -> None:
             from adibas.reports.excel import write_workbook
 
             write_workbook(report, path)
+        case ".pdf":
+            from adibas.reports.pdf import write_pdf
+
+            write_pdf(report, path)
         case ".csv":
             from adibas.reports.csv_report import write_csv
 

@@ -1,0 +1,123 @@
+"""The PDF report of a session: a page that sums up, then every view with picture and numbers."""
+
+import io
+from functools import partial
+from pathlib import Path
+
+from reportlab.lib.pagesizes import A4
+from reportlab.platypus import BaseDocTemplate, Flowable, Frame, PageBreak, PageTemplate
+
+from adibas.data.report import SessionReport
+from adibas.files import written_whole
+from adibas.reports.facts import (
+    calibration_age,
+    calibration_text,
+    capture_facts,
+    capture_names,
+    general_facts,
+    intended_use,
+    notices,
+    session_facts,
+)
+from adibas.reports.pdf_layout import (
+    MARGIN,
+    WIDTH,
+    FooterCanvas,
+    facts_table,
+    note,
+    picture_row,
+    prepare_fonts,
+    title,
+)
+from adibas.reports.pdf_views import ViewPage, view_flowables
+from adibas.reports.pictures import draw_markers, picture_of
+from adibas.texts import speaking
+from adibas.texts import translate as _
+
+PICTURE_HEIGHT_PX = 1100
+FOOTER_HEIGHT = 34
+
+
+def write_pdf(report: SessionReport, path: Path) -> None:
+    """Write the summary, and for every view its picture, markers, free measures and distances.
+
+    The angles of all triplets would fill dozens of pages; they are in the Excel report, and the
+    page says so.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    ReportError
+        The pictures cannot be as the report asks.
+    """
+    prepare_fonts()
+    encoded = io.BytesIO()
+    with speaking(report.language):
+        document = BaseDocTemplate(
+            encoded,
+            pagesize=A4,
+            title=_("Posture report"),
+            author="ADiBAS",
+            creator=f"ADiBAS {report.version}",
+            lang=report.language,
+        )
+        space = Frame(
+            MARGIN,
+            MARGIN + FOOTER_HEIGHT,
+            WIDTH,
+            A4[1] - 2 * MARGIN - FOOTER_HEIGHT,
+            leftPadding=0,
+            rightPadding=0,
+            topPadding=0,
+            bottomPadding=0,
+        )
+        document.addPageTemplates(PageTemplate(frames=[space]))
+        canvas = partial(FooterCanvas, lines=_footer(report), page_text=_("Page {page} of {total}"))
+        document.build(_story(report), canvasmaker=canvas)
+    with written_whole(path) as unfinished:
+        unfinished.write_bytes(encoded.getvalue())
+
+
+def _story(report: SessionReport) -> list[Flowable]:
+    pages = [
+        ViewPage(
+            name,
+            capture,
+            draw_markers(
+                picture_of(capture.analysis, report.pictures, report.rotation_deg, is_cropped=True),
+                PICTURE_HEIGHT_PX,
+            ),
+        )
+        for name, capture in zip(capture_names(report), report.captures, strict=True)
+    ]
+    story: list[Flowable] = [
+        title(_("Posture report")),
+        facts_table([*session_facts(report), *general_facts(report)]),
+        picture_row([(page.name, page.picture_rgb) for page in pages]),
+    ]
+    for page in pages:
+        told = [*capture_facts(report, page.capture), *notices(page.capture.analysis)]
+        story += [title(page.name, level=2), facts_table(told)]
+    story.append(
+        note(_("Positions are in the axes of the colour camera: x right, y down, z ahead."))
+    )
+    for page in pages:
+        story += [PageBreak(), *view_flowables(page)]
+    return story
+
+
+def _footer(report: SessionReport) -> tuple[str, str]:
+    """Return the two lines under every page."""
+    calibrations = {
+        (calibration_text(capture.analysis), calibration_age(report, capture.analysis))
+        for capture in report.captures
+    }
+    if len(calibrations) > 1:
+        calibration = _("several calibrations, see the summary")
+    else:
+        text, age = calibrations.pop()
+        calibration = _("calibration {calibration}, {age}").format(
+            calibration=text or _("not known"), age=age or _("age not known")
+        )
+    return intended_use(), f"ADiBAS {report.version} · {calibration}"
