@@ -37,7 +37,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             names=", ".join(available),
         )
     table = importlib.import_module("benchmarks.table")
-    console.say(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    console.say(
+        _("{n_cores} cores, {machine}, Python {python}").format(
+            n_cores=os.cpu_count(), machine=platform.machine(), python=platform.python_version()
+        )
+    )
     results: dict[str, object] = {}
     for name in arguments.names or available:
         module = importlib.import_module(f"benchmarks.{arguments.kind}_{name}")

@@ -208,6 +208,35 @@ def test_no_text_is_put_together_before_it_is_translated():
     assert wrong == []
 
 
+SHOWN_BY = {
+    *("setText", "setToolTip", "setWindowTitle", "setTitle", "setPlaceholderText", "setPrefix"),
+    *("setSuffix", "setSpecialValueText", "setAccessibleName", "setAccessibleDescription"),
+    *("addItem", "addTab", "addAction", "addMenu", "addRow", "setTabText", "setItemText"),
+    *("QLabel", "QPushButton", "QToolButton", "QCheckBox", "QRadioButton", "QGroupBox", "QAction"),
+    *("add_argument_group", "say"),
+}
+"""What shows its arguments to the user."""
+
+
+def words(text):
+    """Return the words of a constant text; of an f-string, those between its fields."""
+    parts = text.values if isinstance(text, ast.JoinedStr) else [text]
+    constant = " ".join(part.value for part in parts if is_constant_text(part))
+    return re.findall(r"[^\W\d_]{2,}", constant)
+
+
+def test_nothing_is_shown_that_no_catalogue_can_hold():
+    wrong = [
+        f"{file.name}:{call.lineno} {ast.unparse(text)}"
+        for file in source_files()
+        for name, call in calls(ast.parse(file.read_text(encoding="utf-8")))
+        if name in SHOWN_BY
+        for text in call.args
+        if set(words(text)) - {"ADiBAS", "RealSense"}
+    ]
+    assert wrong == []
+
+
 def argparse_texts():
     """Return what the argparse of this Python looks up."""
     found = set()
