@@ -1,0 +1,112 @@
+"""What the review screen shows; without Qt."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from adibas.arrays import FloatArray, UInt8Array
+from adibas.data.markers import Marker, RejectedBlob
+
+N_OF_DISTANCE, N_OF_ANGLE = 2, 3
+
+
+class Mode(Enum):
+    """What a click on the picture does; the value counts the markers that a measure takes."""
+
+    CHOOSE = 0
+    ADD = 1
+    DISTANCE = N_OF_DISTANCE
+    ANGLE = N_OF_ANGLE
+
+    @property
+    def measures(self) -> bool:
+        """Whether clicks choose the markers of a measure."""
+        return self in (Mode.DISTANCE, Mode.ANGLE)
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureRow:
+    """A distance (two labels; mm) or an angle (three, the vertex second; degrees).
+
+    `value` and `interval` (of 95 %) are None where a marker has no position.
+    """
+
+    labels: tuple[str, ...]
+    value: float | None = None
+    interval: tuple[float, float] | None = None
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is measured in degrees."""
+        return len(self.labels) == N_OF_ANGLE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaptureItem:
+    """One picture of the strip; None where its picture cannot be read."""
+
+    capture_id: str
+    view: str
+    thumbnail_rgb: UInt8Array | None
+    n_markers: int
+    is_corrected: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """The markers of the capture that is seen, and what is being done to them.
+
+    Attributes
+    ----------
+    markers : tuple of Marker
+        As corrected, a drag in progress included.
+    by_hand : frozenset of str
+        Labels of those that were added or moved.
+    selected : str or None
+        The chosen marker.
+    picked : tuple of str
+        Markers of the measure that is being clicked.
+    measures : tuple of MeasureRow
+        The free ones.
+    rejected : tuple of RejectedBlob
+        That are to be shown.
+    n_rejected : int
+        That could be shown.
+    mode : Mode
+        What a click does.
+    can_edit, can_undo, can_redo : bool
+        What is possible now.
+    """
+
+    markers: tuple[Marker, ...] = ()
+    by_hand: frozenset[str] = frozenset()
+    selected: str | None = None
+    picked: tuple[str, ...] = ()
+    measures: tuple[MeasureRow, ...] = ()
+    rejected: tuple[RejectedBlob, ...] = ()
+    n_rejected: int = 0
+    mode: Mode = Mode.CHOOSE
+    can_edit: bool = False
+    can_undo: bool = False
+    can_redo: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Space:
+    """What the 3-D view shows, in the colour camera's axes.
+
+    Attributes
+    ----------
+    points_m : (N, 3) array
+        Of the surface.
+    colors_rgb : (N, 3) uint8 array
+        Of the points.
+    markers : tuple of Marker
+        Those with a position are shown.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
+    """
+
+    points_m: FloatArray
+    colors_rgb: UInt8Array
+    markers: tuple[Marker, ...] = field(default=())
+    rotation_deg: int = 0

@@ -1,0 +1,352 @@
+"""The markers of the capture that is reviewed: chosen, moved, named, measured. No Qt."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Protocol
+
+from adibas.arrays import UInt8Array
+from adibas.data.corrections import CorrectionHistory
+from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.sessions import Capture
+from ui.review.content import MeasureRow, Mode, Points
+from ui.review.editor import CaptureEditor
+from ui.review.measuring import MeasureTable, free_rows
+from ui.workspace import Workspace
+
+if TYPE_CHECKING:
+    from adibas.pipeline.posture import MarkerTarget
+    from adibas.pipeline.review import CaptureSurface
+
+SAME_PLACE_PX = 1.0
+
+
+class PointsView(Protocol):
+    """What shows the markers."""
+
+    def show_points(self, points: Points) -> None:
+        """Show the markers on the picture and in the list, and what can be done."""
+
+    def show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
+        """Show every pair and triplet."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Opened:
+    """What editing a capture needs.
+
+    Attributes
+    ----------
+    picture_rgb : (H, W, 3) uint8 array
+        Of the capture.
+    surface : CaptureSurface
+        Gives positions.
+    target : MarkerTarget or None
+        What markers look like, for snapping.
+    """
+
+    picture_rgb: UInt8Array
+    surface: "CaptureSurface"
+    target: "MarkerTarget | None"
+
+
+class PointsPresenter:
+    """Turns what the mouse and the keyboard do into corrections.
+
+    Parameters
+    ----------
+    view : PointsView
+        The screen.
+    workspace : Workspace
+        Its store keeps every correction before it is shown.
+    corrected : callable
+        Told of the capture after each correction.
+    """
+
+    def __init__(
+        self, view: PointsView, workspace: Workspace, corrected: Callable[[Capture], None]
+    ) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._corrected = corrected
+        self._table = MeasureTable(workspace.jobs, self._show_measures)
+        self._editor: CaptureEditor | None = None
+        self._opened: Opened | None = None
+        self._selected: str | None = None
+        self._picked: tuple[str, ...] = ()
+        self._mode = Mode.CHOOSE
+        self._shows_rejected = False
+        self._has_values = False
+
+    @property
+    def picture_rgb(self) -> UInt8Array | None:
+        """The picture, once it can be edited."""
+        return None if self._opened is None else self._opened.picture_rgb
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether picture and surface are there."""
+        return self._opened is not None
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        """As seen."""
+        return () if self._editor is None else self._editor.markers()
+
+    def open_capture(self, capture: Capture) -> None:
+        """Show the markers of a capture; they can be edited once `give_surface` was called."""
+        self._editor = CaptureEditor(capture, partial(self._save, capture.capture_id))
+        self._opened, self._selected, self._picked = None, None, ()
+        self._show()
+        self._measure_all()
+
+    def give_surface(self, opened: Opened) -> None:
+        """Allow editing."""
+        self._opened = opened
+        self._show()
+
+    def close_capture(self) -> None:
+        """Show no markers."""
+        self._editor, self._opened, self._selected, self._picked = None, None, None, ()
+        self._table.clear()
+        self._show()
+
+    def let_go(self) -> None:
+        """Forget a drag that is in progress: nothing of it was saved."""
+        if self._editor is not None and self._editor.held is not None:
+            self._editor.hold(None)
+            self._show()
+            self._measure_all()
+
+    def choose_mode(self, mode: Mode) -> None:
+        """Let clicks do something else."""
+        self._mode, self._picked = mode, ()
+        self._show()
+
+    def escape(self) -> None:
+        """Step back: from a drag, from a mode, from a choice."""
+        if self._editor is not None and self._editor.held is not None:
+            self.let_go()
+        elif self._picked:
+            self.choose_mode(self._mode)
+        elif self._mode is not Mode.CHOOSE:
+            self.choose_mode(Mode.CHOOSE)
+        else:
+            self.select(None)
+
+    def show_rejected(self, *, is_shown: bool) -> None:
+        """Show what the program refused to take for markers, and why."""
+        self._shows_rejected = is_shown
+        self._show()
+
+    def select(self, label: str | None) -> None:
+        """Choose a marker."""
+        if label != self._selected:
+            self._selected = label
+            self._show()
+
+    def press(self, label: str) -> None:
+        """Choose a marker of the picture, or take it into the measure that is being clicked."""
+        if self._mode.measures:
+            self._pick(label)
+        else:
+            self.select(label)
+
+    def adopt(self, blob: RejectedBlob) -> None:
+        """Make a marker of something that was refused."""
+        self.add(blob.u, blob.v, is_free=True)
+
+    def click(self, u: float, v: float, *, is_free: bool) -> None:
+        """Add a marker where that is wished; else choose none."""
+        if self._mode is Mode.ADD:
+            self.add(u, v, is_free=is_free)
+        elif self._mode is Mode.CHOOSE:
+            self.select(None)
+
+    def add(self, u: float, v: float, *, is_free: bool) -> None:
+        """Add a marker at the blob nearest to (u, v), or right there."""
+        editor, opened = self._editable()
+        if editor is None or opened is None:
+            return
+        marker = _placed(opened, editor.free_label(), u, v, is_free=is_free)
+        self._selected = marker.label
+        self._edit(lambda one: one.add(marker))
+
+    def drag(self, label: str, u: float, v: float) -> None:
+        """Show a marker, and what is measured with it, where the mouse is."""
+        editor, opened = self._editable()
+        if editor is None or opened is None or label not in editor.saved():
+            return
+        radius_px = editor.saved()[label].radius_px
+        editor.hold(opened.surface.measured(label, u, v, radius_px=radius_px))
+        self._selected = label
+        self._show()
+        self._measure_all()
+
+    def drop(self, label: str, u: float, v: float, *, is_free: bool) -> None:
+        """Save a dragged marker at the blob nearest to (u, v), or right there."""
+        editor, opened = self._editable()
+        if editor is None or opened is None or not _holds(editor, label):
+            return
+        marker = _placed(opened, label, u, v, is_free=is_free, before=editor.held)
+        editor.hold(None)
+        self._edit(lambda one: one.move(marker))
+
+    def nudge(self, du: float, dv: float) -> None:
+        """Move the chosen marker by pixels; saved when the key is let go."""
+        label = self._selected
+        place = next((one for one in self.markers if one.label == label), None)
+        if place is None or self._opened is None:
+            return
+        height, width = self._opened.picture_rgb.shape[:2]
+        u = min(max(place.u + du, 0.0), width - 1.0)
+        v = min(max(place.v + dv, 0.0), height - 1.0)
+        self.drag(place.label, u, v)
+
+    def end_nudge(self) -> None:
+        """Save where the chosen marker was nudged to."""
+        held = None if self._editor is None else self._editor.held
+        if held is not None:
+            self.drop(held.label, held.u, held.v, is_free=True)
+
+    def delete(self) -> None:
+        """Remove the chosen marker."""
+        label = self._selected
+        if label is not None:
+            self._edit(lambda editor: editor.delete(label))
+
+    def rename(self, label: str, wanted: str) -> None:
+        """Give a marker another name."""
+
+        def rename(editor: CaptureEditor) -> None:
+            self._selected = label
+            self._selected = editor.rename(label, wanted)
+
+        self._edit(rename)
+
+    def undo(self) -> None:
+        """Take the last correction back."""
+        self._edit(CaptureEditor.undo)
+
+    def redo(self) -> None:
+        """Do again what was taken back."""
+        self._edit(CaptureEditor.redo)
+
+    def keep_measure(self, labels: tuple[str, ...]) -> None:
+        """Put a measure among the free ones."""
+        self._edit(lambda editor: editor.add_measure(labels))
+
+    def remove_measure(self, labels: tuple[str, ...]) -> None:
+        """Take a free measure away."""
+        self._edit(lambda editor: editor.remove_measure(labels))
+
+    def _pick(self, label: str) -> None:
+        """Take a marker into the measure; the same one again takes it out."""
+        if label in self._picked:
+            self._picked = tuple(one for one in self._picked if one != label)
+        else:
+            self._picked = (*self._picked, label)
+        if len(self._picked) == self._mode.value:
+            labels, self._picked = self._picked, ()
+            self.keep_measure(labels)
+        self._show()
+
+    def _editable(self) -> tuple[CaptureEditor | None, Opened | None]:
+        if self._editor is None or self._opened is None or self._workspace.store.is_read_only:
+            return None, None
+        return self._editor, self._opened
+
+    def _save(self, capture_id: str, history: CorrectionHistory) -> Capture:
+        capture = self._workspace.store.captures.correct(capture_id, history)
+        self._corrected(capture)
+        return capture
+
+    def _edit(self, edit: Callable[[CaptureEditor], None]) -> None:
+        """Correct something; a failure is told, and leaves all as it was saved."""
+        editor = self._editable()[0]
+        if editor is not None:
+            self._workspace.attempt(lambda: edit(editor))
+            self._show_corrected()
+
+    def _show_corrected(self) -> None:
+        """Show what is saved now, or still."""
+        if self._selected is not None and all(m.label != self._selected for m in self.markers):
+            self._selected = None
+        self._show()
+        self._measure_all()
+
+    def _measure_all(self) -> None:
+        if self._editor is not None:
+            self._table.follow(self._editor.capture.capture_id, self._editor.markers())
+
+    def _show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
+        """Show the table; with the first one the free measures get their values."""
+        self._view.show_measures(rows)
+        if rows and not self._has_values:
+            self._show()
+
+    def _free_measures(self, editor: CaptureEditor) -> tuple[MeasureRow, ...]:
+        chosen = editor.history.measures()
+        self._has_values = self._table.is_warm
+        if self._has_values:
+            return free_rows(editor.markers(), chosen)
+        return tuple(MeasureRow(one.labels) for one in chosen)
+
+    def _show(self) -> None:
+        editor = self._editor
+        if editor is None:
+            self._view.show_points(Points(mode=self._mode))
+            return
+        can_edit = self._editable()[0] is not None
+        markers = editor.markers()
+        self._view.show_points(
+            Points(
+                markers=markers,
+                by_hand=editor.history.placed_by_hand(),
+                selected=self._selected,
+                picked=self._picked,
+                measures=self._free_measures(editor),
+                rejected=_open_blobs(editor) if self._shows_rejected else (),
+                n_rejected=len(_open_blobs(editor)),
+                mode=self._mode,
+                can_edit=can_edit,
+                can_undo=can_edit and editor.history.can_undo,
+                can_redo=can_edit and editor.history.can_redo,
+            )
+        )
+
+
+def _placed(
+    opened: Opened,
+    label: str,
+    u: float,
+    v: float,
+    *,
+    is_free: bool,
+    before: Marker | None = None,
+) -> Marker:
+    """Return a marker at the blob nearest to (u, v), or right there, as large as it was."""
+    if not is_free:
+        found = opened.surface.snapped(opened.picture_rgb, u, v, target=opened.target)
+        if found.is_blob:
+            return opened.surface.measured(
+                label, found.u, found.v, found.covariance_px2, found.radius_px
+            )
+    if before is None:
+        return opened.surface.measured(label, u, v)
+    return opened.surface.measured(label, u, v, radius_px=before.radius_px)
+
+
+def _holds(editor: CaptureEditor, label: str) -> bool:
+    return editor.held is not None and editor.held.label == label
+
+
+def _open_blobs(editor: CaptureEditor) -> tuple[RejectedBlob, ...]:
+    """Return the refused blobs that no marker stands at."""
+    places = [(marker.u, marker.v) for marker in editor.saved().values()]
+    return tuple(
+        blob
+        for blob in editor.capture.rejected
+        if all(math.dist((blob.u, blob.v), place) > SAME_PLACE_PX for place in places)
+    )
