@@ -20,7 +20,7 @@ from adibas.texts import translate as _
 
 WORLD_FAILED = 1
 
-COMMANDS = ("demo", "posture", "markers", "convert", "record", "doctor", "benchmark")
+COMMANDS = ("demo", "posture", "markers", "convert", "record", "sessions", "doctor", "benchmark")
 
 
 class CommandModule(Protocol):

@@ -25,7 +25,7 @@ from adibas.sessions.search_text import ESCAPE, patterns, searchable, simplified
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
 """Without those that look alike: 0 O, 1 I L."""
-PSEUDONYM_LENGTH = 6
+PREFIX, PSEUDONYM_LENGTH = "P-", 6
 LIST_OF_PATIENTS = "patients"
 """The audit log's word for a look at the list of names."""
 
@@ -265,8 +265,8 @@ def _row(
 def _new_pseudonym(transaction: Transaction) -> str:
     while True:
         letters = "".join(secrets.choice(LETTERS) for _ in range(PSEUDONYM_LENGTH))
-        if transaction.get(PatientRecord, f"P-{letters}") is None:
-            return f"P-{letters}"
+        if transaction.get(PatientRecord, PREFIX + letters) is None:
+            return PREFIX + letters
 
 
 def _identity_record(pseudonym: str, identity: Identity) -> IdentityRecord:

@@ -1,0 +1,276 @@
+"""`adibas sessions`: what the patient store holds, out of it, and whether it is whole."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_out, add_overwrite, refuse_to_replace
+from adibas.cli.store_options import add_store, open_existing
+from adibas.errors import StoreError
+from adibas.files import check_place
+from adibas.texts import system_language, translate_plural
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.data.markers import Marker
+    from adibas.data.sessions import Capture, Session
+    from adibas.sessions import PatientRow, SessionStore
+
+SUMMARY = "list, show, export, verify or purge what the patient store holds"
+
+SOMETHING_FOUND = 1
+ALL_PATIENTS = 1_000_000
+
+Work = Callable[["SessionStore", argparse.Namespace, Console], int]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
+
+    def add(name: str, summary: str, work: Work) -> argparse.ArgumentParser:
+        action = actions.add_parser(name, help=summary, description=summary)
+        action.set_defaults(work=work)
+        add_store(action)
+        return action
+
+    listing = add("list", _("Patients by their pseudonyms, and their sessions."), _list)
+    listing.add_argument(
+        "--names", action="store_true", help=_("names too, which are left out if not given")
+    )
+    listing.add_argument("--deleted", action="store_true", help=_("hidden ones too"))
+    showing = add("show", _("One session with its captures and markers."), _show)
+    exporting = add("export", _("Recordings of a session as plain MCAP, and its report."), _export)
+    for action in (showing, exporting):
+        action.add_argument("session", metavar="SESSION", help=_("its id, as `list` shows it"))
+    add_out(exporting, "DIR", _("folder to write into"))
+    add_overwrite(exporting)
+    add("verify", _("Check the database, the audit log and every file."), _verify)
+    purging = add("purge", _("Remove a patient or a session for good."), _purge)
+    purging.add_argument("id", metavar="ID", help=_("a pseudonym or the id of a session"))
+    purging.add_argument("--yes", action="store_true", help=_("yes, it cannot be undone"))
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Open the store and do what was asked."""
+    work: Work = arguments.work
+    with open_existing(arguments) as store:
+        return work(store, arguments, console)
+
+
+def _list(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    rows = store.patients.search("", limit=ALL_PATIENTS, with_deleted=arguments.deleted)
+    patients = []
+    for row in sorted(rows, key=lambda row: row.pseudonym):
+        sessions = store.sessions.of_patient(row.pseudonym, with_deleted=arguments.deleted)
+        console.say(_line(row, with_name=arguments.names))
+        for session in sessions:
+            console.say(f"    {_session_line(session)}")
+        patients.append(_patient_document(row, sessions, with_name=arguments.names))
+    if not rows:
+        console.say(_("The patient store is empty."))
+    console.give({"patients": patients})
+    return 0
+
+
+def _show(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    session = store.sessions.get(arguments.session)
+    captures = store.captures.of_session(session.session_id)
+    console.say(f"{session.patient}  {_session_line(session)}")
+    for capture in captures:
+        console.say(f"    {_capture_line(capture)}")
+        for marker in capture.markers():
+            console.say(f"        {_marker_line(marker)}")
+    recordings = store.recordings.of_session(session.session_id)
+    console.give(
+        {
+            **_session_document(session),
+            "patient": session.patient,
+            "notes": session.notes,
+            "captures": [_capture_document(capture) for capture in captures],
+            "recordings": [
+                {
+                    "recording_id": facts.recording_id,
+                    "n_frames": facts.n_frames,
+                    "n_dropped": facts.n_dropped,
+                    "seconds": facts.duration_ns * 1e-9,
+                    "size_bytes": facts.size_bytes,
+                    "notice": facts.notice,
+                }
+                for facts in recordings
+            ],
+        }
+    )
+    return 0
+
+
+def _export(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    session = store.sessions.get(arguments.session)
+    recordings = store.recordings.of_session(session.session_id)
+    folder: Path = arguments.out
+    paths = [folder / f"recording-{number:02d}.mcap" for number in range(1, len(recordings) + 1)]
+    for path in paths:
+        check_place(path)
+        refuse_to_replace(path, is_allowed=arguments.overwrite)
+    for facts, path in zip(recordings, paths, strict=True):
+        with console.progress(path.name) as progress:
+            store.recordings.export(facts.recording_id, path, progress)
+        console.say(_("{file}: {n_frames} frames.").format(file=path, n_frames=facts.n_frames))
+    if session.capture_ids:
+        paths.append(_export_report(store, session, folder / "posture.json"))
+        console.say(str(paths[-1]))
+    if not paths:
+        console.warn(_("The session has neither recordings nor captures; nothing was written."))
+    console.give({"out": [str(path) for path in paths]})
+    return 0
+
+
+def _export_report(store: "SessionStore", session: "Session", path: Path) -> Path:
+    from adibas.pipeline.session_report import capture_report, report_of_session
+    from adibas.reports import write_report
+
+    captures = []
+    for capture in store.captures.of_session(session.session_id):
+        surface = store.captures.surface(capture.capture_id)
+        picture_rgb = store.captures.picture(capture.capture_id)
+        captures.append(
+            capture_report(capture, picture_rgb, None if surface is None else surface.mean_per_m)
+        )
+    store.note_export("json", session.session_id)
+    write_report(report_of_session(session, tuple(captures), system_language()), path)
+    return path
+
+
+def _verify(store: "SessionStore", _arguments: argparse.Namespace, console: Console) -> int:
+    with console.progress(_("Checking")) as progress:
+        report = store.verify(progress)
+    for finding in report.findings:
+        console.warn(finding.text)
+    console.say(
+        _(
+            "{n_lines} lines of the audit log, {n_files} pictures and surfaces, {n_recordings} "
+            "recordings: {found}."
+        ).format(
+            n_lines=report.n_lines,
+            n_files=report.n_files,
+            n_recordings=report.n_recordings,
+            found=_("all is well") if report.is_sound else _("see what was found"),
+        )
+    )
+    console.give(
+        {
+            "is_sound": report.is_sound,
+            "n_lines": report.n_lines,
+            "n_files": report.n_files,
+            "n_recordings": report.n_recordings,
+            "findings": [
+                {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
+            ],
+        }
+    )
+    return 0 if report.is_sound else SOMETHING_FOUND
+
+
+def _purge(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.sessions.patients import PREFIX
+
+    if not arguments.yes:
+        raise StoreError(
+            "Purging {id} removes it with all pictures and recordings, and nobody can bring it "
+            "back. Add --yes if you mean it.",
+            id=arguments.id,
+        )
+    if arguments.id.startswith(PREFIX):
+        store.patients.purge(arguments.id)
+    else:
+        store.sessions.purge(arguments.id)
+    console.say(_("{id} is gone for good.").format(id=arguments.id))
+    console.give({"purged": arguments.id})
+    return 0
+
+
+def _line(row: "PatientRow", *, with_name: bool) -> str:
+    parts = [
+        row.pseudonym,
+        *([row.identity.name] if with_name else []),
+        translate_plural("{n} session", "{n} sessions", row.n_sessions).format(n=row.n_sessions),
+        *([_("hidden")] if row.is_deleted else []),
+    ]
+    return "  ".join(parts)
+
+
+def _session_line(session: "Session") -> str:
+    n_captures = len(session.capture_ids)
+    parts = [
+        session.session_id,
+        f"{session.started_utc:%Y-%m-%d %H:%M} UTC",
+        translate_plural("{n} capture", "{n} captures", n_captures).format(n=n_captures),
+        *([session.operator] if session.operator else []),
+        *([_("hidden")] if session.is_deleted else []),
+    ]
+    return "  ".join(parts)
+
+
+def _capture_line(capture: "Capture") -> str:
+    n_done = capture.history.n_done
+    parts = [
+        capture.view or "-",
+        f"{capture.captured_utc:%H:%M:%S} UTC",
+        translate_plural("{n} frame", "{n} frames", capture.n_frames).format(n=capture.n_frames),
+        translate_plural("{n} correction", "{n} corrections", n_done).format(n=n_done),
+    ]
+    return "  ".join(parts)
+
+
+def _marker_line(marker: "Marker") -> str:
+    if marker.position_m is None:
+        place = _("no position")
+    else:
+        place = " ".join(f"{1000 * value:8.1f}" for value in marker.position_m) + " mm"
+    return f"{marker.label:<12}  {marker.u:8.2f} {marker.v:8.2f} px  {place}"
+
+
+def _patient_document(
+    row: "PatientRow", sessions: tuple["Session", ...], *, with_name: bool
+) -> dict[str, Any]:
+    name = {"name": row.identity.name} if with_name else {}
+    return {
+        "pseudonym": row.pseudonym,
+        **name,
+        "is_deleted": row.is_deleted,
+        "sessions": [_session_document(session) for session in sessions],
+    }
+
+
+def _session_document(session: "Session") -> dict[str, Any]:
+    return {
+        "session_id": session.session_id,
+        "started_utc": session.started_utc.isoformat(),
+        "operator": session.operator,
+        "protocol": session.setup.protocol,
+        "n_captures": len(session.capture_ids),
+        "is_deleted": session.is_deleted,
+    }
+
+
+def _capture_document(capture: "Capture") -> dict[str, Any]:
+    return {
+        "capture_id": capture.capture_id,
+        "view": capture.view,
+        "captured_utc": capture.captured_utc.isoformat(),
+        "recording_id": capture.recording_id,
+        "first_frame": capture.first_frame,
+        "n_frames": capture.n_frames,
+        "n_corrections": capture.history.n_done,
+        "markers": [
+            {
+                "label": marker.label,
+                "u": marker.u,
+                "v": marker.v,
+                "position_m": None if marker.position_m is None else marker.position_m.tolist(),
+            }
+            for marker in capture.markers()
+        ],
+    }

@@ -1,0 +1,83 @@
+"""Options with which commands open the patient store."""
+
+import argparse
+import getpass
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.options import add_json
+from adibas.errors import FileError, StoreError
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.sessions import SessionStore
+
+PASSPHRASE_VARIABLE = "ADIBAS_PASSPHRASE"  # noqa: S105  (its name, not its content)
+
+
+def add_store(parser: argparse.ArgumentParser) -> None:
+    """Offer `--store`, `--passphrase-file` and `--json`."""
+    parser.add_argument(
+        "--store",
+        type=Path,
+        metavar="DIR",
+        help=_("folder of the patient store; this user's if not given"),
+    )
+    parser.add_argument(
+        "--passphrase-file",
+        type=Path,
+        metavar="FILE",
+        help=_(
+            "file whose first line is the passphrase; without it, where a passphrase is needed, "
+            "the environment variable {variable}"
+        ).format(variable=PASSPHRASE_VARIABLE),
+    )
+    add_json(parser)
+
+
+def open_existing(arguments: argparse.Namespace) -> "SessionStore":
+    """Open the store that the options name; none is made.
+
+    Raises
+    ------
+    StoreError
+        There is none, or it does not open.
+    FileError
+        The file of the passphrase cannot be read.
+    """
+    from adibas.sessions import KeyState, default_store_folder, key_state, open_store
+
+    folder = arguments.store or default_store_folder()
+    state = key_state(folder)
+    if not any(folder.glob("*.db")) and state in (KeyState.NEW_KEYRING, KeyState.NEW_PASSPHRASE):
+        raise StoreError(
+            "There is no patient store in {folder}. Give its folder with --store DIR.",
+            folder=str(folder),
+        )
+    passphrase = _passphrase(arguments.passphrase_file)
+    if passphrase is None and state is KeyState.PASSPHRASE:
+        passphrase = os.environ.get(PASSPHRASE_VARIABLE)
+    return open_store(folder, passphrase, operator=_user())
+
+
+def _passphrase(path: Path | None) -> str | None:
+    if path is None:
+        return None
+    try:
+        with path.open(encoding="utf-8") as file:
+            return file.readline().rstrip("\r\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileError(
+            "{file} cannot be read: {reason}. Choose a text file whose first line is the "
+            "passphrase.",
+            file=path.name,
+            reason=getattr(error, "strerror", None) or "it is no text",
+        ) from error
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (ImportError, KeyError, OSError):  # an account without a name
+        return ""
