@@ -3,6 +3,7 @@
 import argparse
 import ast
 import gettext
+import importlib
 import inspect
 import re
 import string
@@ -12,7 +13,8 @@ import sys
 import pytest
 from babel.messages.mofile import read_mo
 
-from adibas.texts import LANGUAGES, Texts
+from adibas.cli.command_line import COMMANDS
+from adibas.texts import LANGUAGES, Message, Texts
 from installers.translations import (
     ARGPARSE_MESSAGES,
     catalogue_path,
@@ -233,6 +235,25 @@ def test_nothing_is_shown_that_no_catalogue_can_hold():
         if name in SHOWN_BY
         for text in call.args
         if set(words(text)) - {"ADiBAS", "RealSense"}
+    ]
+    assert wrong == []
+
+
+def test_every_command_is_summed_up_in_every_language():
+    summaries = [importlib.import_module(f"adibas.cli.{name}").SUMMARY for name in COMMANDS]
+    assert [text for text in summaries if not isinstance(text, Message)] == []
+
+
+def test_no_placeholder_of_an_option_is_an_english_word():
+    """``N`` and ``U,V`` may stand for themselves; ``FILE`` is a word."""
+    wrong = [
+        f"{file.name}:{keyword.value.lineno} {keyword.value.value}"
+        for file in source_files()
+        for _name, call in calls(ast.parse(file.read_text(encoding="utf-8")))
+        for keyword in call.keywords
+        if keyword.arg in {"metavar", "help", "description", "title", "label"}
+        and is_constant_text(keyword.value)
+        and re.search(r"^[A-Z]{3,}| ", keyword.value.value)
     ]
     assert wrong == []
 
