@@ -53,18 +53,16 @@ def capture_facts(report: SessionReport, capture: CaptureReport) -> Pairs:
     """Return what was found in a capture, and on what calibration it rests."""
     analysis = capture.analysis
     measured = sum(marker.position_m is not None for marker in analysis.markers)
-    facts: Pairs = [
+    return [
         (_("View"), view_name(analysis.view)),
         (_("Analysed (UTC)"), analysis.provenance.created_utc),
         (_("Frames in the burst"), analysis.n_frames),
         (_("Markers found"), len(analysis.markers)),
         (_("Markers with a position"), measured),
+        (_("Markers placed by hand"), len(capture.placed_by_hand)),
+        (_("Calibration"), calibration_text(analysis)),
+        (_("Age of the calibration"), calibration_age(report, analysis) or _("not known")),
     ]
-    if capture.placed_by_hand:
-        facts.append((_("Markers placed by hand"), len(capture.placed_by_hand)))
-    facts.append((_("Calibration"), calibration_text(analysis)))
-    age = calibration_age(report, analysis)
-    return [*facts, (_("Age of the calibration"), age)] if age else facts
 
 
 def general_facts(report: SessionReport) -> Pairs:

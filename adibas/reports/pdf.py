@@ -28,6 +28,7 @@ from adibas.reports.pdf_layout import (
     picture_row,
     prepare_fonts,
     title,
+    wrapped_table,
 )
 from adibas.reports.pdf_views import ViewPage, view_flowables
 from adibas.reports.pictures import draw_markers, picture_of
@@ -96,15 +97,28 @@ def _story(report: SessionReport) -> list[Flowable]:
         facts_table([*session_facts(report), *general_facts(report)]),
         picture_row([(page.name, page.picture_rgb) for page in pages]),
     ]
+    story += [title(_("Views"), level=2), _views_table(report)]
     for page in pages:
-        told = [*capture_facts(report, page.capture), *notices(page.capture.analysis)]
-        story += [title(page.name, level=2), facts_table(told)]
+        told = notices(page.capture.analysis)
+        story += [title(page.name, level=2), facts_table(told)] if told else []
     story.append(
         note(_("Positions are in the axes of the colour camera: x right, y down, z ahead."))
     )
     for page in pages:
         story += [PageBreak(), *view_flowables(page)]
     return story
+
+
+def _views_table(report: SessionReport) -> Flowable:
+    """Return a line for each view: when, how many markers, on what calibration."""
+    lines = [capture_facts(report, capture) for capture in report.captures]
+    header = [name for name, _value in lines[0]]
+    names = capture_names(report)
+    cells = [
+        [name, *(str(value) for _name, value in line[1:])]
+        for name, line in zip(names, lines, strict=True)
+    ]
+    return wrapped_table(header, cells)
 
 
 def _footer(report: SessionReport) -> tuple[str, str]:

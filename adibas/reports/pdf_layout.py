@@ -35,6 +35,8 @@ HEADING = ParagraphStyle(
 )
 TEXT = ParagraphStyle("text", fontName=REGULAR, fontSize=NORMAL, leading=11.5)
 NAME = ParagraphStyle("name", parent=TEXT, fontName=BOLD)
+SMALL_TEXT = ParagraphStyle("small", parent=TEXT, fontSize=SMALL, leading=9)
+SMALL_NAME = ParagraphStyle("small name", parent=SMALL_TEXT, fontName=BOLD, textColor=BLUE)
 NOTE = ParagraphStyle("note", parent=TEXT, fontSize=7.5, leading=10, textColor=GREY, spaceBefore=5)
 CAPTION = ParagraphStyle("caption", parent=NOTE, alignment=TA_CENTER, spaceBefore=0)
 
@@ -80,9 +82,25 @@ def facts_table(pairs: Sequence[tuple[str, str | float]]) -> Flowable:
     return Table(cells, [NAME_SHARE * WIDTH, (1 - NAME_SHARE) * WIDTH], style=TableStyle(style))
 
 
+def wrapped_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Flowable:
+    """Return a table as wide as the page, whose cells are broken into lines."""
+    cells = [[paragraph(name, SMALL_NAME) for name in header]]
+    cells += [[paragraph(cell, SMALL_TEXT) for cell in row] for row in rows]
+    style = [
+        ("BACKGROUND", (0, 0), (-1, 0), PALE),
+        ("VALIGN", (0, 0), (-1, -1), "TOP"),
+        ("LINEBELOW", (0, 0), (-1, -1), 0.25, PALE),
+        ("LEFTPADDING", (0, 0), (-1, -1), 3),
+        ("RIGHTPADDING", (0, 0), (-1, -1), 3),
+        ("TOPPADDING", (0, 0), (-1, -1), 2),
+        ("BOTTOMPADDING", (0, 0), (-1, -1), 3),
+    ]
+    return Table(cells, [WIDTH / len(header)] * len(header), style=TableStyle(style), repeatRows=1)
+
+
 def number_table(
     header: Sequence[str],
-    rows: Sequence[Sequence[str]],
+    rows: Sequence[Sequence[str | Flowable]],
     widths: Sequence[float],
     *,
     text_columns: Sequence[int],
@@ -91,7 +109,10 @@ def number_table(
 
     The header comes again where the table goes on on a new page.
     """
-    cells = [[printable(cell) for cell in row] for row in (header, *rows)]
+    cells = [
+        [printable(cell) if isinstance(cell, str) else cell for cell in row]
+        for row in (header, *rows)
+    ]
     style: list[tuple[Any, ...]] = [
         ("FONT", (0, 0), (-1, -1), REGULAR, SMALL, SMALL + 1.5),
         ("FONT", (0, 0), (-1, 0), BOLD, SMALL, SMALL + 1.5),
@@ -104,7 +125,7 @@ def number_table(
         ("TOPPADDING", (0, 0), (-1, -1), 1),
         ("BOTTOMPADDING", (0, 0), (-1, -1), 2),
         ("LEFTPADDING", (0, 0), (-1, -1), 3),
-        ("RIGHTPADDING", (0, 0), (-1, -1), 3),
+        ("RIGHTPADDING", (0, 0), (-1, -1), 8),
     ]
     return Table(cells, widths, style=TableStyle(style), repeatRows=1, hAlign="LEFT")
 

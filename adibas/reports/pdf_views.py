@@ -9,9 +9,11 @@ from reportlab.platypus import Flowable, Table, TableStyle
 from adibas.arrays import UInt8Array
 from adibas.data.report import CaptureReport
 from adibas.reports.pdf_layout import (
+    SMALL_TEXT,
     WIDTH,
     note,
     number_table,
+    paragraph,
     picture,
     text_width,
     title,
@@ -23,11 +25,12 @@ from adibas.texts import translate_plural
 DASH = "\N{EN DASH}"
 MOST_PAIRS = 435
 """Of 30 markers; more would fill page after page."""
-MOST_MARKERS_BESIDE = 26
-"""That a table beside the picture has room for."""
+MOST_LINES_BESIDE = 26
+"""That the tables beside the picture have room for."""
+LABEL_SHARE_BESIDE = 0.2
 PICTURE_HEIGHT = 118 * mm
 MOST_PICTURE_SHARE = 0.46
-NUMBER_WIDTH, INTERVAL_WIDTH = 34, 66
+NUMBER_WIDTH, INTERVAL_WIDTH = 36, 78
 GAP = 8
 MOST_BLOCKS = 3
 
@@ -44,14 +47,14 @@ class ViewPage:
 def view_flowables(page: ViewPage) -> Iterator[Flowable]:
     """Yield what stands on the pages of a view, in its order."""
     rows = list(marker_rows(page.capture.analysis))
+    n_lines = len(rows) + len(page.capture.measures)
     yield title(page.name)
-    if len(rows) <= MOST_MARKERS_BESIDE and _label_width(rows) < 0.2 * WIDTH:
+    if n_lines <= MOST_LINES_BESIDE and _label_width(rows) < LABEL_SHARE_BESIDE * WIDTH:
         yield _side_by_side(page, rows)
     else:
         yield picture(page.picture_rgb, WIDTH, PICTURE_HEIGHT)
-        yield _marker_table(page.capture, rows)
-    yield from _legend(page.capture, rows)
-    yield from _free_measures(page.capture)
+        yield from _markers(page.capture, rows, WIDTH)
+        yield from _free_measures(page.capture, WIDTH)
     yield from _distances(page.capture)
     n_angles = len(page.capture.analysis.angles)
     yield note(
@@ -66,14 +69,15 @@ def view_flowables(page: ViewPage) -> Iterator[Flowable]:
 def _side_by_side(page: ViewPage, rows: list[MarkerRow]) -> Flowable:
     shown = picture(page.picture_rgb, MOST_PICTURE_SHARE * WIDTH, PICTURE_HEIGHT)
     left = shown.drawWidth + GAP
+    right = WIDTH - left
     style = [
         ("VALIGN", (0, 0), (-1, -1), "TOP"),
         ("LEFTPADDING", (0, 0), (-1, -1), 0),
         ("RIGHTPADDING", (0, 0), (-1, -1), 0),
         ("TOPPADDING", (0, 0), (-1, -1), 4),
     ]
-    cells = [[shown, _marker_table(page.capture, rows)]]
-    return Table(cells, [left, WIDTH - left], style=TableStyle(style), hAlign="LEFT")
+    tables = [*_markers(page.capture, rows, right), *_free_measures(page.capture, right)]
+    return Table([[shown, tables]], [left, right], style=TableStyle(style), hAlign="LEFT")
 
 
 def _label_width(rows: list[MarkerRow]) -> float:
@@ -81,36 +85,38 @@ def _label_width(rows: list[MarkerRow]) -> float:
     return max(text_width(name) for name in names) + 10
 
 
-def _marker_table(capture: CaptureReport, rows: list[MarkerRow]) -> Flowable:
+def _markers(capture: CaptureReport, rows: list[MarkerRow], width: float) -> Iterator[Flowable]:
+    missing = [DASH] * 3
     cells = []
     for row in rows:
         mark = " *" if row.label in capture.placed_by_hand else ""
-        place = [f"{value:.1f}" for value in row.position_mm or ()] or [DASH] * 3
-        deviation = f"{row.deviation_mm[2]:.1f}" if row.deviation_mm else DASH
-        cells.append([f"{row.label}{mark}", *place, deviation])
-    header = [_("Marker"), "x [mm]", "y [mm]", "z [mm]", _("sd {axis} [mm]").format(axis="z")]
-    widths = [_label_width(rows), *[NUMBER_WIDTH + 6.0] * 3, text_width(header[-1]) + 12]
-    return number_table(header, cells, widths, text_columns=(0,))
-
-
-def _legend(capture: CaptureReport, rows: list[MarkerRow]) -> Iterator[Flowable]:
+        place = [f"{value:.1f}" for value in row.position_mm or ()] or missing
+        deviation = [f"{value:.1f}" for value in row.deviation_mm or ()] or missing
+        cells.append([f"{row.label}{mark}", *place, *deviation])
+    header = [_("Marker"), "x [mm]", "y [mm]", "z [mm]"]
+    header += [_("sd {axis} [mm]").format(axis=axis) for axis in "xyz"]
+    name_width = max(_label_width(rows), 0.16 * width)
+    widths = [name_width, *[(width - name_width) / 6] * 6]
+    yield number_table(header, cells, widths, text_columns=(0,))
     if capture.placed_by_hand:
         yield note(_("* corrected by hand"))
     if any(row.position_mm is None for row in rows):
         yield note(_("Where no position stands, the depth gives none (orange ring)."))
 
 
-def _free_measures(capture: CaptureReport) -> Iterator[Flowable]:
+def _free_measures(capture: CaptureReport, width: float) -> Iterator[Flowable]:
     if not capture.measures:
         return
     yield title(_("Free measures"), level=2)
     cells = []
     for row in free_rows(capture):
         name = f" {DASH} ".join(label for label in (row.a, row.vertex, row.c) if label)
-        cells.append([name, *_numbers(row.value, row.low, row.high), row.unit])
-    header = [_("Measure"), _("Value"), _("95 %, instrument only"), _("Unit")]
-    name_width = WIDTH - NUMBER_WIDTH - 130 - 40
-    yield number_table(header, cells, [name_width, NUMBER_WIDTH + 10, 120, 40], text_columns=(0,))
+        value, interval = _numbers(row.value, row.low, row.high)
+        unit = _("deg") if row.vertex else "mm"
+        cells.append([paragraph(name, SMALL_TEXT), f"{value} {unit}", interval])
+    header = [_("Measure"), _("Value"), _("95 %, instrument only")]
+    widths = [0.42 * width, 0.2 * width, 0.38 * width]
+    yield number_table(header, cells, widths, text_columns=(0,))
 
 
 def _numbers(value: float | None, low: float | None, high: float | None) -> tuple[str, str]:
@@ -140,6 +146,7 @@ def _distances(capture: CaptureReport) -> Iterator[Flowable]:
         [cell for block in blocks[first : first + n_blocks] for cell in block]
         for first in range(0, len(blocks), n_blocks)
     ]
+    name_width = WIDTH / n_blocks - NUMBER_WIDTH - INTERVAL_WIDTH
     widths = [name_width, NUMBER_WIDTH, INTERVAL_WIDTH] * n_blocks
     header = [_("Pair"), "mm", _("95 %")] * n_blocks
     yield number_table(header, cells, widths, text_columns=range(0, 3 * n_blocks, 3))

@@ -20,7 +20,7 @@ WITHOUT_POSITION_RGB = (230, 159, 0)
 OUTLINE_RGB = (0, 0, 0)
 TEXT_RGB = (255, 255, 255)
 SMALLEST_TEXT_PX = 12
-TEXT_SHARE = 1 / 55
+TEXT_SHARE = 1 / 48
 """Height of names as a share of the picture's."""
 MARGIN_SHARE = 0.06
 """Around the patient where a picture is cropped, as a share of the larger side."""

@@ -44,7 +44,7 @@ HEADER_HEIGHT = 32
 """Points: two lines."""
 ROW_PX = 20
 """Height of a row that nothing has changed."""
-JPEG_QUALITY = 92
+JPEG_QUALITY = 90
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,18 +98,20 @@ def add_table(
 def add_parts(
     workbook: Workbook, sheet_title: str, title: str, parts: Sequence[Part], footer: str
 ) -> None:
-    """Add a sheet with a title and the parts below each other, each after the first on a new page.
+    """Add a sheet with a title and the parts below each other.
 
-    A first part without heading follows the title at once.
+    A part without heading follows the title at once; later pictures begin new pages.
     """
     sheet = _new_sheet(workbook, sheet_title, PAIR_WIDTHS, footer)
     sheet.freeze_panes = "A3"
     sheet.append([_styled(sheet, title, TITLE_FONT)])
     sheet.append([])
     n_rows = 2
+    has_picture = False
     for part in parts:
         if part.heading:
-            sheet.row_breaks.append(Break(id=n_rows))
+            if has_picture:
+                sheet.row_breaks.append(Break(id=n_rows))
             sheet.append([_styled(sheet, part.heading, PART_FONT)])
             n_rows += 1
         for name, value in part.pairs:
@@ -122,6 +124,7 @@ def add_parts(
             for _row in range(reserved):
                 sheet.append([])
             n_rows += reserved
+            has_picture = True
 
 
 def _new_sheet(workbook: Workbook, title: str, widths: Sequence[float], footer: str) -> Sheet:
