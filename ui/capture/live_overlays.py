@@ -1,0 +1,39 @@
+"""What is drawn over a live frame. Knows nothing of Qt."""
+
+import math
+from collections.abc import Callable
+
+from adibas.pipeline.live import LiveFrame
+from adibas.texts import translate as _
+from ui.widgets.overlays import Dot, Line, Overlay, Region
+
+
+def overlays_of(frame: LiveFrame, shows: Callable[[str], bool]) -> tuple[Overlay, ...]:
+    """Return body, markers and plumb line, as far as `shows` wants them."""
+    overlays: list[Overlay] = []
+    if shows("body") and frame.outline is not None:
+        overlays.append(Region(frame.outline))
+    if shows("plumb") and frame.plumb is not None:
+        overlays += _plumb(frame)
+    if shows("markers") and frame.detections is not None:
+        overlays += [Dot(blob.u, blob.v, blob.radius_px) for blob in frame.detections.blobs]
+        overlays += [
+            Dot(blob.u, blob.v, 3.0, role="rejected", tooltip=_(blob.reason))
+            for blob in frame.detections.rejected
+        ]
+    return tuple(overlays)
+
+
+def _plumb(frame: LiveFrame) -> list[Overlay]:
+    plumb = frame.plumb
+    if plumb is None:
+        return []
+    lines: list[Overlay] = []
+    if plumb.vertical is not None:
+        (u1, v1), (u2, v2) = plumb.vertical
+        lean = f"{math.degrees(plumb.roll_rad):+.1f}°"
+        lines.append(Line(u1, v1, u2, v2, "plumb", lean))
+    if plumb.horizon is not None:
+        (u1, v1), (u2, v2) = plumb.horizon
+        lines.append(Line(u1, v1, u2, v2, "plumb"))
+    return lines

@@ -1,0 +1,248 @@
+"""The controls beside the live picture: source, display, views, capture."""
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QImage, QKeySequence, QPixmap
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QCheckBox,
+    QComboBox,
+    QGridLayout,
+    QGroupBox,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.arrays import UInt8Array
+from adibas.data.posture import VIEWS
+from adibas.data.sessions import SessionSetup
+from adibas.texts import translate as _
+from ui.capture.sources import SIZES, SourceChoice, view_title
+
+THUMBNAIL = QSize(96, 76)
+
+
+class SourcePanel(QGroupBox):
+    """Which sensor, in which mode, turned how."""
+
+    source_chosen = Signal(str)
+    size_chosen = Signal(object)
+    look_asked = Signal()
+    recording_asked = Signal()
+    turn_asked = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._sources, self._sizes = QComboBox(self), QComboBox(self)
+        self._sources.setSizeAdjustPolicy(
+            QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+        )
+        self._sources.setMinimumContentsLength(18)
+        self._source_label, self._size_label = QLabel(self), QLabel(self)
+        self._source_label.setBuddy(self._sources)
+        self._size_label.setBuddy(self._sizes)
+        self._look, self._open, self._turn = (QPushButton(self) for _ in range(3))
+        for width, height in SIZES:
+            self._sizes.addItem(f"{width} x {height}", (width, height))
+        self._sources.activated.connect(
+            lambda _i: self.source_chosen.emit(self._sources.currentData())
+        )
+        self._sizes.activated.connect(lambda _i: self.size_chosen.emit(self._sizes.currentData()))
+        self._look.clicked.connect(self.look_asked)
+        self._open.clicked.connect(self.recording_asked)
+        self._turn.clicked.connect(self.turn_asked)
+        layout = QGridLayout(self)
+        layout.addWidget(self._source_label, 0, 0, 1, 2)
+        layout.addWidget(self._sources, 1, 0, 1, 2)
+        layout.addWidget(self._look, 2, 0)
+        layout.addWidget(self._open, 2, 1)
+        layout.addWidget(self._size_label, 3, 0)
+        layout.addWidget(self._turn, 4, 1)
+        layout.addWidget(self._sizes, 4, 0)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self.setTitle(_("Sensor"))
+        self._source_label.setText(_("S&ource of pictures"))
+        self._size_label.setText(_("Colour picture"))
+        self._look.setText(_("Loo&k for sensors"))
+        self._open.setText(_("&Recording..."))
+        self._turn.setText(_("&Turn"))
+        self._turn.setToolTip(_("Turn the picture by a quarter, for a sensor on its side"))
+
+    def show_sources(self, choices: tuple[SourceChoice, ...], chosen: str) -> None:
+        """Offer sources."""
+        self._sources.clear()
+        for choice in choices:
+            self._sources.addItem(choice.title, choice.source)
+        self._show_source(chosen)
+
+    def show_setup(self, setup: SessionSetup) -> None:
+        """Show what is in use."""
+        self._sizes.setCurrentIndex(self._sizes.findData(tuple(setup.color_size)))
+        self._show_source(setup.source)
+
+    def _show_source(self, source: str) -> None:
+        index = self._sources.findData(source)
+        if index < 0:
+            self._sources.addItem(source.rsplit("/", 1)[-1], source)
+            index = self._sources.count() - 1
+        self._sources.setCurrentIndex(index)
+
+
+class DisplayPanel(QGroupBox):
+    """What is shown of a frame."""
+
+    changed = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._mode = QComboBox(self)
+        self._mode_label = QLabel(self)
+        self._mode_label.setBuddy(self._mode)
+        for mode in ("color", "both", "blended", "depth"):
+            self._mode.addItem("", mode)
+        self._mode.activated.connect(lambda _i: self.changed.emit())
+        self._boxes = {name: QCheckBox(self) for name in ("body", "markers", "plumb")}
+        layout = QVBoxLayout(self)
+        layout.addWidget(self._mode_label)
+        layout.addWidget(self._mode)
+        for box in self._boxes.values():
+            box.setChecked(True)
+            box.toggled.connect(lambda _on: self.changed.emit())
+            layout.addWidget(box)
+
+    @property
+    def mode(self) -> str:
+        """One of color, both, blended, depth."""
+        return str(self._mode.currentData())
+
+    def shows(self, name: str) -> bool:
+        """Say whether body, markers or plumb are drawn."""
+        return self._boxes[name].isChecked()
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self.setTitle(_("Picture"))
+        self._mode_label.setText(_("Sho&w"))
+        texts = (_("Colour"), _("Colour and depth"), _("Depth over colour"), _("Depth"))
+        for index, text in enumerate(texts):
+            self._mode.setItemText(index, text)
+        self._boxes["body"].setText(_("Outline of the &body"))
+        self._boxes["markers"].setText(_("&Markers that are found"))
+        self._boxes["plumb"].setText(_("&Plumb line and horizon"))
+
+
+class ViewsPanel(QGroupBox):
+    """The four views: which is next, and which are taken."""
+
+    chosen = Signal(str)
+    review_asked = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._buttons: dict[str, QToolButton] = {}
+        self._looks: dict[str, QToolButton] = {}
+        group = QButtonGroup(self)
+        layout = QGridLayout(self)
+        for index, view in enumerate(VIEWS):
+            button, look = QToolButton(self), QToolButton(self)
+            button.setCheckable(True)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+            button.setIconSize(THUMBNAIL)
+            button.setShortcut(QKeySequence(f"F{index + 5}"))
+            for one in (button, look):
+                one.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            button.clicked.connect(lambda _on, view=view: self.chosen.emit(view))
+            look.clicked.connect(lambda _on, view=view: self.review_asked.emit(view))
+            group.addButton(button)
+            cell = QVBoxLayout()
+            cell.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+            cell.addWidget(look, 0, Qt.AlignmentFlag.AlignHCenter)
+            layout.addLayout(cell, index // 2, index % 2)
+            self._buttons[view], self._looks[view] = button, look
+        self._taken: frozenset[str] = frozenset()
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self.setTitle(_("Views"))
+        for view, button in self._buttons.items():
+            mark = "✓ " if view in self._taken else ""
+            shortcut = button.shortcut()
+            button.setText(mark + view_title(view))
+            button.setShortcut(shortcut)
+            button.setToolTip(f"{view_title(view)} ({shortcut.toString()})")
+            taken = _("taken") if view in self._taken else _("not taken yet")
+            button.setAccessibleName(f"{view_title(view)}, {taken}")
+            self._looks[view].setText(_("Look at it"))
+            self._looks[view].setAccessibleName(
+                _("Look at the view: {view}").format(view=view_title(view))
+            )
+
+    def show_views(self, view: str, taken: dict[str, UInt8Array]) -> None:
+        """Mark the next view, and show pictures of those that were taken."""
+        self._taken = frozenset(taken)
+        for name, button in self._buttons.items():
+            button.setChecked(name == view)
+            button.setIcon(_icon(taken.get(name)))
+            self._looks[name].setEnabled(name in taken)
+        self.retranslate()
+
+
+class ShutterPanel(QWidget):
+    """The button that takes the view, and what lacks before it can."""
+
+    capture_asked = Signal()
+    learn_asked = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._readiness = QLabel(self)
+        self._readiness.setWordWrap(True)
+        self._readiness.setProperty("kind", "warning")
+        self._learn, self._capture = QPushButton(self), QPushButton(self)
+        self._capture.setProperty("main", "true")
+        self._capture.setShortcut(QKeySequence("Ctrl+Return"))
+        self._capture.clicked.connect(self.capture_asked)
+        self._learn.clicked.connect(self.learn_asked)
+        self._is_counting = False
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        row = QHBoxLayout()
+        row.addWidget(self._learn)
+        layout.addWidget(self._readiness)
+        layout.addLayout(row)
+        layout.addWidget(self._capture)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._learn.setText(_("&Learn the marker colour"))
+        shortcut = self._capture.shortcut()
+        self._capture.setText(_("Stop") if self._is_counting else _("&Capture this view"))
+        self._capture.setShortcut(shortcut)
+        self._capture.setToolTip(shortcut.toString(QKeySequence.SequenceFormat.NativeText))
+
+    def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
+        """Say what lacks."""
+        self._readiness.setText(sentence)
+        self._readiness.setVisible(bool(sentence))
+        self._capture.setEnabled(is_ready)
+
+    def show_counting(self, *, is_counting: bool) -> None:
+        """Let the button stop what it began."""
+        self._is_counting = is_counting
+        self.retranslate()
+
+
+def _icon(picture_rgb: UInt8Array | None) -> QIcon:
+    """Return a thumbnail, an empty one where nothing was taken."""
+    pixmap = QPixmap(THUMBNAIL)
+    pixmap.fill(Qt.GlobalColor.gray)
+    if picture_rgb is not None:
+        height, width = picture_rgb.shape[:2]
+        image = QImage(picture_rgb.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888)
+        pixmap = QPixmap.fromImage(image).scaled(THUMBNAIL, Qt.AspectRatioMode.KeepAspectRatio)
+    return QIcon(pixmap)

@@ -1,0 +1,56 @@
+"""Which sources of frames there are to choose from. Knows nothing of Qt."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from adibas.data.posture import VIEWS
+from adibas.errors import SensorError
+from adibas.sensors import openni2_modes, realsense_library
+from adibas.texts import translate as _
+from ui.view_names import VIEW_NAMES
+
+SIMULATOR = "simulator"
+SIZES = ((1280, 1024), (640, 480))
+"""Of the colour image; what a sensor cannot do it refuses in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceChoice:
+    """A line of the list: its name for the user, and the text that opens it."""
+
+    title: str
+    source: str
+
+
+def find_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
+    """Look for sensors (a second or two), and add the simulator and recent recordings.
+
+    A camera library that is missing or fails offers no sensor; the doctor page says why.
+    """
+    found = []
+    for name, source, list_sensors in (
+        ("OpenNI2", "openni2", openni2_modes.list_sensors),
+        ("RealSense", "realsense", realsense_library.list_sensors),
+    ):
+        try:
+            sensors = list_sensors()
+        except SensorError:
+            continue
+        found += [SourceChoice(f"{sensor.name or name} ({name})", source) for sensor in sensors[:1]]
+    return (*found, *usual_sources(recent))
+
+
+def usual_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
+    """Return what is there without looking for sensors."""
+    recordings = (SourceChoice(Path(path).name, path) for path in recent)
+    return (SourceChoice(_("Simulated patient (demo sensor)"), SIMULATOR), *recordings)
+
+
+def source_for_view(source: str, view: str) -> str:
+    """Return what to open for a view: the simulated patient turns with it."""
+    return f"{SIMULATOR}:{view}" if source == SIMULATOR and view in VIEWS else source
+
+
+def view_title(view: str) -> str:
+    """Return the name of a view for the user."""
+    return _(VIEW_NAMES[view])

@@ -1,0 +1,226 @@
+"""The capture screen: live pictures, and controls beside them. No decisions."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import (
+    QApplication,
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.arrays import UInt8Array
+from adibas.data.sessions import SessionSetup
+from adibas.pipeline.live import LiveFrame, SensorState
+from adibas.texts import describe, translate_plural
+from adibas.texts import translate as _
+from ui.capture.depth_picture import blended, depth_picture
+from ui.capture.live_overlays import overlays_of
+from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
+from ui.capture.presenter import CapturePresenter
+from ui.capture.sources import SourceChoice
+from ui.widgets.image_view import ImageView
+from ui.widgets.screen import Screen
+
+RECORDINGS = "(*.mcap *.oni)"
+COUNT_PT = 96
+
+
+class CaptureScreen(Screen):
+    """Source, live picture, four views, one button."""
+
+    name = "capture"
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._color, self._depth = ImageView(self), ImageView(self)
+        self._count = QLabel(self._color)
+        self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._count.hide()
+        self._sensor, self._hints = QLabel(self), QLabel(self)
+        self._hints.setProperty("kind", "warning")
+        self._hints.setWordWrap(True)
+        self._disk = QLabel(self)
+        self._source, self._display = SourcePanel(self), DisplayPanel(self)
+        self._views, self._shutter = ViewsPanel(self), ShutterPanel(self)
+        self._frame: LiveFrame | None = None
+        self._state = SensorState("closed")
+        self._minutes: float | None = None
+        self._display.changed.connect(self._show_frame)
+        self._lay_out()
+        self.retranslate()
+
+    def _lay_out(self) -> None:
+        pictures = QHBoxLayout()
+        pictures.addWidget(self._color, 1)
+        pictures.addWidget(self._depth, 1)
+        self._depth.hide()
+        status = QHBoxLayout()
+        status.addWidget(self._sensor, 1)
+        status.addWidget(self._disk)
+        left = QVBoxLayout()
+        left.addLayout(pictures, 1)
+        left.addWidget(self._hints)
+        left.addLayout(status)
+        panel = QWidget(self)
+        column = QVBoxLayout(panel)
+        for part in (self._views, self._source, self._display):
+            column.addWidget(part)
+        column.addStretch()
+        scrolled = QScrollArea(self)
+        scrolled.setWidgetResizable(True)
+        scrolled.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
+        scrolled.setWidget(panel)
+        right = QVBoxLayout()
+        right.addWidget(self._shutter)
+        right.addWidget(scrolled, 1)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(16)
+        layout.addLayout(left, 3)
+        layout.addLayout(right, 1)
+
+    def bind(self, presenter: CapturePresenter) -> None:
+        """Send what the user does to `presenter`, and own it."""
+        self._presenter = presenter
+        self._source.source_chosen.connect(presenter.choose_source)
+        self._source.size_chosen.connect(presenter.choose_size)
+        self._source.look_asked.connect(presenter.look_for_sources)
+        self._source.turn_asked.connect(presenter.turn)
+        self._source.recording_asked.connect(self._ask_recording)
+        self._views.chosen.connect(presenter.choose_view)
+        self._views.review_asked.connect(presenter.review)
+        self._shutter.capture_asked.connect(presenter.capture)
+        self._shutter.learn_asked.connect(presenter.learn_markers)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._color.setAccessibleName(_("Live picture"))
+        self._depth.setAccessibleName(_("Live depth"))
+        for part in (self._source, self._display, self._views, self._shutter):
+            part.retranslate()
+        for picture in (self._color, self._depth):
+            picture.set_placeholder(_("Waiting for the sensor"))
+        self.show_sensor(self._state)
+        self.show_disk(self._minutes)
+
+    def entered(self) -> None:
+        self._presenter.enter()
+
+    def left(self) -> None:
+        self._presenter.leave()
+
+    def closed(self) -> None:
+        self._presenter.close()
+
+    def open_file(self, path: Path) -> None:
+        """Replay a dropped recording."""
+        self._presenter.open_recording(path)
+
+    def show_sources(self, choices: tuple[SourceChoice, ...], chosen: str) -> None:
+        self._source.show_sources(choices, chosen)
+
+    def show_setup(self, setup: SessionSetup) -> None:
+        self._source.show_setup(setup)
+        for picture in (self._color, self._depth):
+            picture.set_rotation(setup.rotation_deg)
+
+    def show_frame(self, frame: LiveFrame) -> None:
+        self._frame = frame
+        self._show_frame()
+        self._show_state(frame)
+
+    def show_sensor(self, state: SensorState) -> None:
+        self._state = state
+        if state.kind in ("closed", "opening", "ended"):
+            self._frame = None
+            for picture in (self._color, self._depth):
+                picture.set_picture(None)
+                picture.set_overlays(())
+        self._show_state(self._frame)
+
+    def show_disk(self, minutes: float | None) -> None:
+        self._minutes = minutes
+        if minutes is None:
+            self._disk.setText(_("The disk cannot be asked"))
+        elif math.isinf(minutes):
+            self._disk.setText("")
+        else:
+            whole = math.floor(minutes)
+            told = translate_plural("Disk: {n} minute left", "Disk: {n} minutes left", whole)
+            self._disk.setText(told.format(n=whole))
+
+    def show_views(self, view: str, taken: dict[str, UInt8Array]) -> None:
+        self._views.show_views(view, taken)
+
+    def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
+        self._shutter.show_readiness(sentence, is_ready=is_ready)
+
+    def show_countdown(self, seconds: int | None) -> None:
+        self._shutter.show_counting(is_counting=seconds is not None)
+        if seconds is None:
+            self._count.hide()
+            return
+        font = self._count.font()
+        font.setPointSize(COUNT_PT)
+        self._count.setFont(font)
+        self._count.setStyleSheet("color: white; background: rgba(0, 0, 0, 90);")
+        self._count.setText(str(seconds))
+        self._count.setGeometry(self._color.rect())
+        self._count.show()
+
+    def show_capturing(self, *, is_capturing: bool) -> None:
+        self._shutter.setEnabled(not is_capturing)
+        self._views.setEnabled(not is_capturing)
+        self._source.setEnabled(not is_capturing)
+
+    def beep(self) -> None:
+        QApplication.beep()
+
+    def call_later(self, milliseconds: int, call: Callable[[], None]) -> None:
+        QTimer.singleShot(milliseconds, self, call)
+
+    def _show_frame(self) -> None:
+        frame, mode = self._frame, self._display.mode
+        self._color.setVisible(mode != "depth")
+        self._depth.setVisible(mode in ("both", "depth"))
+        if frame is None:
+            return
+        if mode != "depth":
+            picture = frame.color_rgb
+            if mode == "blended" and picture is not None and frame.depth_in_color_m is not None:
+                picture = blended(picture, frame.depth_in_color_m)
+            self._color.set_picture(picture)
+            self._color.set_overlays(overlays_of(frame, self._display.shows))
+        if self._depth.isVisible() and frame.depth_m is not None:
+            self._depth.set_picture(depth_picture(frame.depth_m))
+
+    def _show_state(self, frame: LiveFrame | None) -> None:
+        if self._state.error is not None:
+            self._sensor.setText(describe(self._state.error))
+        elif self._state.kind == "live" and frame is not None:
+            dropped = translate_plural(
+                "{n} frame dropped", "{n} frames dropped", frame.n_dropped
+            ).format(n=frame.n_dropped)
+            rate = _("Live, {rate:.0f} pictures a second").format(rate=frame.frame_rate_hz)
+            self._sensor.setText(f"{rate}  ·  {dropped}")
+        elif self._state.kind == "ended":
+            self._sensor.setText(_("The recording is over."))
+        else:
+            self._sensor.setText(_("Waiting for the sensor"))
+        hints = frame.hints if frame is not None else ()
+        self._hints.setText("\n".join(_(hint) for hint in hints))
+
+    def _ask_recording(self) -> None:
+        dialog = QFileDialog(self, _("Open a recording"))
+        dialog.setNameFilter(f"{_('Recordings')} {RECORDINGS}")
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.fileSelected.connect(lambda name: self._presenter.open_recording(Path(name)))
+        dialog.open()
