@@ -105,7 +105,7 @@ class LiveView:
                 Source(source, options, is_looping),
                 self._opener,
                 self._show,
-                self._listener.state_changed,
+                self._tell,
             )
             self._running.start()
 
@@ -169,3 +169,6 @@ class LiveView:
 
     def _show(self, arrival: Arrival) -> None:
         self._listener.frame_arrived(look_at(arrival, self._look))
+
+    def _tell(self, state: SensorState) -> None:
+        self._listener.state_changed(state)
