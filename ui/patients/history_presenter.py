@@ -48,17 +48,26 @@ class HistoryPresenter:
         self._undo = undo
         self._has_deleted = False
         self._sessions: tuple[Session, ...] = ()
+        self._is_seen = False
         self._ends = (
-            workspace.patient_changed.subscribe(self.refresh),
-            workspace.session_changed.subscribe(self.refresh),
-            undo.hidden_changed.subscribe(self.refresh),
+            workspace.patient_changed.subscribe(self._follow),
+            workspace.session_changed.subscribe(self._follow),
+            undo.hidden_changed.subscribe(self._follow),
         )
-        self.refresh()
 
     def close(self) -> None:
         """Listen no more."""
         for end in self._ends:
             end()
+
+    def enter(self) -> None:
+        """Show the store as it is now, and follow what other screens do."""
+        self._is_seen = True
+        self.refresh()
+
+    def leave(self) -> None:
+        """Wait until the screen is seen again."""
+        self._is_seen = False
 
     def refresh(self) -> None:
         """Show the history as it is in the store now."""
@@ -179,6 +188,10 @@ class HistoryPresenter:
                 self._workspace.tell(
                     "warning", _("The session has begun without a consent on record.")
                 )
+
+    def _follow(self) -> None:
+        if self._is_seen:
+            self.refresh()
 
     def _leave(self, session_id: str) -> None:
         """Look at no session where it is this one."""

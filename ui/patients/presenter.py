@@ -58,17 +58,28 @@ class PatientsPresenter:
         self._today = today
         self._text = ""
         self._has_deleted = False
+        self._is_seen = False
         self._ends = (
-            workspace.patient_changed.subscribe(self._show_chosen),
+            workspace.patient_changed.subscribe(self._on_patient),
+            workspace.session_changed.subscribe(self._on_session),
             undo.hidden_changed.subscribe(self.refresh),
         )
         self._list.show_rights(is_read_only=workspace.store.is_read_only)
-        self.refresh()
+        self._details.show_patient(None)
 
     def close(self) -> None:
         """Listen no more."""
         for end in self._ends:
             end()
+
+    def enter(self) -> None:
+        """Show the store as it is now, and follow what other screens do."""
+        self._is_seen = True
+        self.refresh()
+
+    def leave(self) -> None:
+        """Wait until the screen is seen again."""
+        self._is_seen = False
 
     def refresh(self) -> None:
         """List anew and show the chosen patient as it is in the store now."""
@@ -146,6 +157,14 @@ class PatientsPresenter:
     def _pseudonym(self) -> str | None:
         patient = self._workspace.patient
         return None if patient is None else patient.pseudonym
+
+    def _on_patient(self) -> None:
+        if self._is_seen:
+            self._show_chosen()
+
+    def _on_session(self) -> None:
+        if self._is_seen:
+            self.search(self._text)  # the number of sessions may be another one
 
     def _search(self) -> None:
         self._workspace.attempt(self._list_found)

@@ -1,0 +1,144 @@
+"""What begins a session, and below it the sessions that there are."""
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from adibas.texts import translate as _
+from ui.patients.content import History, PurgeQuestion, Thumbnail
+from ui.patients.history_list import HistoryList
+from ui.patients.purge_dialog import PurgeDialog
+
+
+class HistoryPanel(QWidget):
+    """Three buttons, and a list."""
+
+    start_asked = Signal()
+    continue_asked = Signal()
+    start_like_last_asked = Signal()
+    opened = Signal(str, object)
+    """A session's id, and a capture's or None."""
+    delete_asked = Signal(str)
+    restore_asked = Signal(str)
+    purge_asked = Signal(str)
+    purge_confirmed = Signal(str)
+    """A session's id."""
+    pictures_wanted = Signal(tuple)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._history: History | None = None
+        self._asked_of = ""
+        self.start, self._continue, self._like_last = (QPushButton(self) for _n in range(3))
+        self._open, self._delete, self._restore, self._purge = (
+            QPushButton(self) for _n in range(4)
+        )
+        self._title, self._empty = QLabel(self), QLabel(self)
+        self.list = HistoryList(self)
+        self.start.setProperty("main", "true")
+        self._purge.setProperty("danger", "true")
+        self._empty.setProperty("kind", "quiet")
+        self._empty.setWordWrap(True)
+        self._lay_out()
+        self._connect()
+
+    def _lay_out(self) -> None:
+        column, actions = QVBoxLayout(self), QHBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(8)
+        for button in (self.start, self._continue, self._like_last):
+            button.setAutoDefault(True)  # Enter presses it
+            column.addWidget(button)
+        column.addSpacing(8)
+        for button in (self._open, self._delete, self._restore, self._purge):
+            button.setAutoDefault(True)
+            actions.addWidget(button)
+        actions.addStretch(1)
+        column.addWidget(self._title)
+        column.addWidget(self._empty)
+        column.addWidget(self.list, 1)
+        column.addLayout(actions)
+        column.addStretch(0)
+
+    def _connect(self) -> None:
+        self.start.clicked.connect(self.start_asked)
+        self._continue.clicked.connect(self.continue_asked)
+        self._like_last.clicked.connect(self.start_like_last_asked)
+        self.list.opened.connect(self.opened)
+        self.list.shown_model.pictures_wanted.connect(self.pictures_wanted)
+        self.list.selectionModel().currentChanged.connect(self._show_actions)
+        for button, send in (
+            (self._open, lambda one: self.opened.emit(one, None)),
+            (self._delete, self.delete_asked.emit),
+            (self._restore, self.restore_asked.emit),
+            (self._purge, self.purge_asked.emit),
+        ):
+            button.clicked.connect(lambda _checked, send=send: self._send(send))
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self.start.setText(_("&Start a session"))
+        self.start.setToolTip(_("Start a session with the usual set-up (Ctrl+Enter)"))
+        self._continue.setText(_("&Continue the last session"))
+        self._like_last.setText(_("Start from the last session's set-&up"))
+        self._like_last.setToolTip(_("The same sensor, markers and protocol as the last time"))
+        self._title.setText(_("Sessions"))
+        self._open.setText(_("O&pen"))
+        self._open.setToolTip(_("Review this session (Enter)"))
+        self._delete.setText(_("Delete"))
+        self._delete.setToolTip(_("Hide this session; it can be undone (Delete)"))
+        self._restore.setText(_("Restore"))
+        self._purge.setText(_("Remove for good"))
+        self.list.setAccessibleName(_("Sessions of this patient"))
+        self._empty.setText(_("There is no session yet. Begin with “Start a session”."))
+        self.list.shown_model.retranslate()
+
+    def show_history(self, history: History) -> None:
+        self._history = history
+        self.start.setEnabled(history.can_start)
+        self._continue.setEnabled(history.can_continue)
+        self._like_last.setEnabled(history.can_continue)
+        self.list.show_sessions(history.sessions)
+        self._empty.setVisible(not history.sessions)
+        self.list.setVisible(bool(history.sessions))
+        self._show_actions()
+
+    def show_current(self, session_id: str | None) -> None:
+        self.list.shown_model.show_current(session_id)
+
+    def show_thumbnails(self, thumbnails: dict[str, tuple[Thumbnail, ...]]) -> None:
+        self.list.shown_model.show_thumbnails(thumbnails)
+
+    def ask_purge(self, question: PurgeQuestion) -> None:
+        dialog, session_id = PurgeDialog(question, self), self._asked_of
+        dialog.confirmed.connect(lambda: self.purge_confirmed.emit(session_id))
+        dialog.open()
+
+    def focus_start(self) -> None:
+        """Lead to the main action; Enter presses it."""
+        self.start.setFocus(Qt.FocusReason.TabFocusReason)
+
+    def delete_chosen(self) -> None:
+        """Press the button that hides the chosen session, where it is seen."""
+        if self._delete.isVisible():
+            self._delete.click()
+
+    def _send(self, send: object) -> None:
+        chosen = self.list.chosen_session()
+        if chosen is not None and callable(send):
+            self._asked_of = chosen
+            send(chosen)
+
+    def _show_actions(self) -> None:
+        """Offer what fits the chosen session."""
+        row = self.list.currentIndex().row()
+        session = self.list.shown_model.session(row) if row >= 0 else None
+        can_change = self._history is not None and self._history.can_change
+        is_deleted = session is not None and session.is_deleted
+        has_list = not self.list.isHidden()
+        self._open.setVisible(has_list and not is_deleted)
+        self._delete.setVisible(has_list and not is_deleted)
+        self._restore.setVisible(has_list and is_deleted)
+        self._purge.setVisible(has_list and is_deleted)
+        self._open.setEnabled(session is not None)
+        for button in (self._delete, self._restore, self._purge):
+            button.setEnabled(session is not None and can_change)

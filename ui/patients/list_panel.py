@@ -1,0 +1,253 @@
+"""Search field and list of patients at the left, with the undo of the last deletion below."""
+
+from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QCheckBox,
+    QFrame,
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QTableView,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from ui.patients.content import PatientLine, UndoOffer
+from ui.patients.patients_model import (
+    BORN,
+    LAST_SESSION,
+    N_SESSIONS,
+    NAME,
+    RECORD_NUMBER,
+    PatientsModel,
+)
+from ui.widgets.dates import moment_text
+
+Index = QModelIndex | QPersistentModelIndex
+SAMPLES = {
+    BORN: "88 MMMM 8888  (88 years)",
+    RECORD_NUMBER: "MM-888888",
+    N_SESSIONS: "",
+    LAST_SESSION: "88 MMMM 8888",
+}
+"""Texts as wide as a column has to be; measuring every line would cost time with every key."""
+
+
+class SearchField(QLineEdit):
+    """A line in which Down and Enter go on to the list."""
+
+    left_downwards = Signal()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
+        if event.key() in (Qt.Key.Key_Down, Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.left_downwards.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+class PatientTable(QTableView):
+    """The list; Up in its first line goes back to the search."""
+
+    left_upwards = Signal()
+    chosen = Signal(int)
+    """A row."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setTabKeyNavigation(False)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(False)
+        self.setCornerButtonEnabled(False)
+        self.verticalHeader().hide()
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        header.setMinimumSectionSize(40)
+
+    def fit_columns(self) -> None:
+        """Make columns and rows as large as the letters in use need."""
+        header, metrics = self.horizontalHeader(), self.fontMetrics()
+        self.verticalHeader().setDefaultSectionSize(round(metrics.height() * 1.9))
+        for column, sample in SAMPLES.items():
+            width = max(metrics.horizontalAdvance(sample) + 16, header.sectionSizeHint(column))
+            header.setSectionResizeMode(column, QHeaderView.ResizeMode.Interactive)
+            header.resizeSection(column, width)
+        header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
+        header.setMinimumSectionSize(metrics.horizontalAdvance("n" * 5))
+
+    def currentChanged(  # noqa: N802  (Qt's name)
+        self, current: Index, previous: Index
+    ) -> None:
+        super().currentChanged(current, previous)
+        if current.isValid() and current.row() != previous.row():
+            self.chosen.emit(current.row())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
+        if event.key() == Qt.Key.Key_Up and self.currentIndex().row() <= 0:
+            self.left_upwards.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+class PatientListPanel(QWidget):
+    """Everything at the left of the patients screen."""
+
+    searched = Signal(str)
+    chosen = Signal(str)
+    """A pseudonym."""
+    taken = Signal()
+    """Enter or a double click: the chosen patient is the one."""
+    add_asked = Signal()
+    undo_asked = Signal()
+    deleted_wanted = Signal(bool)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._title, self._count, self._read_only = (QLabel(self) for _ in range(3))
+        self.search = SearchField(self)
+        self.table, self._model = PatientTable(self), PatientsModel(self)
+        self.table.setModel(self._model)
+        self._add = QPushButton(self)
+        self._show_deleted = QCheckBox(self)
+        self._undo_strip = QFrame(self)
+        self._undo_text, self._undo = QLabel(self._undo_strip), QPushButton(self._undo_strip)
+        self._undo_offer: UndoOffer | None = None
+        self._is_cut = False
+        self._lay_out()
+        self.search.textChanged.connect(self.searched)
+        self.search.left_downwards.connect(self._enter_table)
+        self.table.left_upwards.connect(self.focus_search)
+        self.table.chosen.connect(lambda row: self.chosen.emit(self._model.pseudonym(row)))
+        self.table.activated.connect(lambda _index: self.taken.emit())
+        self._add.clicked.connect(self.add_asked)
+        self._undo.clicked.connect(self.undo_asked)
+        self._show_deleted.toggled.connect(self.deleted_wanted)
+
+    def _lay_out(self) -> None:
+        self._title.setProperty("kind", "title")
+        self._count.setProperty("kind", "quiet")
+        self._read_only.setProperty("kind", "warning")
+        self._undo_strip.setObjectName("message")
+        self.search.setClearButtonEnabled(True)
+        for label in (self._count, self._read_only, self._undo_text):
+            label.setWordWrap(True)
+        head, strip, foot = QHBoxLayout(), QHBoxLayout(self._undo_strip), QHBoxLayout()
+        head.addWidget(self._title, 1)
+        head.addWidget(self._add)
+        strip.addWidget(self._undo_text, 1)
+        strip.addWidget(self._undo)
+        foot.addWidget(self._count, 1)
+        foot.addWidget(self._show_deleted)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 8, 0)
+        column.setSpacing(8)
+        column.addLayout(head)
+        column.addWidget(self._read_only)
+        column.addWidget(self.search)
+        column.addWidget(self.table, 1)
+        column.addWidget(self._undo_strip)
+        column.addLayout(foot)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._title.setText(_("Patients"))
+        self.search.setPlaceholderText(_("Search by name, record number or birth date"))
+        self.search.setToolTip(_("Search patients (Ctrl+F)"))
+        self.search.setAccessibleName(_("Search patients"))
+        self.table.setAccessibleName(_("Patients"))
+        self._add.setText(_("&New patient"))
+        self._add.setToolTip(_("Add a patient (Ctrl+N)"))
+        self._show_deleted.setText(_("Show &deleted"))
+        self._undo.setText(_("&Undo"))
+        self._undo.setToolTip(_("Undo the deletion (Ctrl+Z)"))
+        self._read_only.setText(
+            _("Another window has these patients open: here you can look, but not change.")
+        )
+        chosen = self._chosen_pseudonym()
+        self._model.retranslate()
+        self.show_chosen(chosen)
+        self.show_undo(self._undo_offer)
+        self._show_count()
+        self.table.fit_columns()
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Fit the columns to other letters."""
+        if event.type() == QEvent.Type.FontChange:
+            self.table.fit_columns()
+        super().changeEvent(event)
+
+    def show_patients(self, lines: tuple[PatientLine, ...], *, is_cut: bool) -> None:
+        self._is_cut = is_cut
+        self._model.show_lines(lines)
+        self._show_count()
+
+    def show_chosen(self, pseudonym: str | None) -> None:
+        row = self._model.row_of(pseudonym)
+        self.table.blockSignals(True)
+        if row is None:
+            self.table.clearSelection()
+            self.table.setCurrentIndex(QModelIndex())
+        else:
+            self.table.selectRow(row)
+        self.table.blockSignals(False)
+
+    def show_rights(self, *, is_read_only: bool) -> None:
+        self._add.setEnabled(not is_read_only)
+        self._read_only.setVisible(is_read_only)
+
+    def show_undo(self, offer: UndoOffer | None) -> None:
+        self._undo_offer = offer
+        self._undo_strip.setVisible(offer is not None)
+        if offer is None:
+            return
+        if offer.kind == "patient":
+            text = _("{name} was deleted.").format(name=offer.name)
+        else:
+            when = moment_text(offer.started_utc)
+            text = _("The session of {when} was deleted.").format(when=when)
+        self._undo_text.setText(text)
+
+    def add(self) -> None:
+        """Press the button of a new patient."""
+        self._add.click()
+
+    def undo(self) -> None:
+        """Press the button of the strip, where it is seen."""
+        if not self._undo_strip.isHidden():
+            self._undo.click()
+
+    def focus_search(self) -> None:
+        """Let the next key be a search."""
+        self.search.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        self.search.selectAll()
+
+    def _enter_table(self) -> None:
+        if self._model.rowCount():
+            self.table.setFocus(Qt.FocusReason.TabFocusReason)
+            if not self.table.currentIndex().isValid():
+                self.table.selectRow(0)
+
+    def _chosen_pseudonym(self) -> str | None:
+        index = self.table.currentIndex()
+        return self._model.pseudonym(index.row()) if index.isValid() else None
+
+    def _show_count(self) -> None:
+        count = self._model.rowCount()
+        if self._is_cut:
+            text = _("The first {count} are shown. Type more to find the others.")
+        elif count:
+            text = ""
+        elif self.search.text():
+            text = _("Nobody was found. Try fewer letters, or add a new patient.")
+        else:
+            text = _("There is no patient yet. Add the first one with “New patient”.")
+        self._count.setText(text.format(count=count))

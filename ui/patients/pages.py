@@ -1,0 +1,111 @@
+"""The right half of the patients screen: the chosen patient, or a form in its place."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel, QScrollArea, QStackedWidget, QVBoxLayout, QWidget
+
+from adibas.data.patients import Patient
+from adibas.texts import translate as _
+from ui.events import Event
+from ui.patients.consent_form import ConsentForm
+from ui.patients.content import PatientEntry, PurgeQuestion, ShownPatient
+from ui.patients.history_panel import HistoryPanel
+from ui.patients.patient_form import PatientForm
+from ui.patients.patient_panel import PatientPanel
+
+LEAST_WIDTH_PX = 400
+
+
+class PatientPages(QStackedWidget):
+    """Shows one page; each scrolls where letters are large.
+
+    Events
+    ------
+    form_opened(is_open)
+        A form took the place of the patient, or gave it back.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.form_opened: Event[[bool]] = Event()
+        self.patient, self.history = PatientPanel(self), HistoryPanel(self)
+        self.form, self.consents = PatientForm(self), ConsentForm(self)
+        self._nobody, self._chosen = QLabel(self), QWidget(self)
+        self._nobody.setProperty("kind", "quiet")
+        self._nobody.setWordWrap(True)
+        self._nobody.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        column = QVBoxLayout(self._chosen)
+        column.setSpacing(16)
+        column.addWidget(self.patient)
+        column.addWidget(self.history, 1)
+        self._pages = {
+            widget: self._scrolled(widget)
+            for widget in (self._nobody, self._chosen, self.form, self.consents)
+        }
+        self._open_form: QWidget | None = None
+        self._has_patient = False
+        self.setMinimumWidth(LEAST_WIDTH_PX)
+
+    def _scrolled(self, widget: QWidget) -> QScrollArea:
+        area = QScrollArea(self)
+        area.setWidgetResizable(True)
+        area.setFrameShape(QScrollArea.Shape.NoFrame)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
+        layout = widget.layout()
+        if layout is not None:
+            layout.setContentsMargins(12, 0, 8, 0)
+        area.setWidget(widget)
+        self.addWidget(area)
+        return area
+
+    def retranslate(self) -> None:
+        """Set every text in the language in use."""
+        for part in (self.patient, self.history, self.form, self.consents):
+            part.retranslate()
+        self._nobody.setText(_("Choose a patient from the list, or add a new one with Ctrl+N."))
+
+    @property
+    def has_form(self) -> bool:
+        """Whether something is being typed."""
+        return self._open_form is not None
+
+    def show_patient(self, shown: ShownPatient | None) -> None:
+        self._has_patient = shown is not None
+        self.patient.show_patient(shown)
+        self._show()
+
+    def ask_purge(self, question: PurgeQuestion) -> None:
+        self.patient.ask_purge(question)
+
+    def show_entry(self, entry: PatientEntry, *, is_new: bool) -> None:
+        self._open(self.form)
+        self.form.show_entry(entry, is_new=is_new)
+
+    def show_consents(self, patient: Patient) -> None:
+        self._open(self.consents)
+        self.consents.show_patient(patient)
+
+    def show_age(self, age_years: int | None) -> None:
+        self.form.show_age(age_years)
+
+    def propose_guardian(self, *, is_guardian: bool) -> None:
+        for form in (self.form, self.consents.fields):
+            form.propose_guardian(is_guardian=is_guardian)
+
+    def show_problem(self, field: str, sentence: str) -> None:
+        form = self.form if self._open_form is self.form else self.consents
+        form.show_problem(field, sentence)
+
+    def close_form(self) -> None:
+        self._open_form = None
+        self._show()
+        self.form_opened.emit(False)
+
+    def _open(self, form: QWidget) -> None:
+        self._open_form = form
+        self._show()
+        self.form_opened.emit(True)
+
+    def _show(self) -> None:
+        page = self._chosen if self._has_patient else self._nobody
+        self.setCurrentWidget(self._pages[self._open_form or page])

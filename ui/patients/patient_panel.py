@@ -1,0 +1,153 @@
+"""The chosen patient at the right: who it is, and whether there is a consent."""
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from adibas.data.patients import Consent
+from adibas.texts import message
+from adibas.texts import translate as _
+from ui.patients.content import PurgeQuestion, ShownPatient
+from ui.patients.patients_model import age_text
+from ui.patients.purge_dialog import PurgeDialog
+from ui.widgets.dates import day_text
+
+SEX_NAMES = {"": message("Not told"), "female": message("Female"), "male": message("Male")}
+PURPOSE_NAMES = {
+    "treatment": message("Treatment"),
+    "research": message("Research"),
+    "teaching": message("Teaching"),
+}
+MOST_LETTERS = 240
+"""Of the notes; all of them are in the tooltip and in the form."""
+
+
+class PatientPanel(QWidget):
+    """Name and facts, consent, and what can be done with the patient."""
+
+    edit_asked = Signal()
+    consents_asked = Signal()
+    delete_asked = Signal()
+    restore_asked = Signal()
+    purge_asked = Signal()
+    purge_confirmed = Signal(str)
+    """A pseudonym."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._shown: ShownPatient | None = None
+        self._name, self._facts, self._notes, self._consent, self._deleted = (
+            QLabel(self) for _number in range(5)
+        )
+        self._edit, self._consents, self._delete, self._restore, self._purge = (
+            QPushButton(self) for _number in range(5)
+        )
+        self._name.setProperty("kind", "title")
+        self._facts.setProperty("kind", "quiet")
+        self._deleted.setProperty("kind", "warning")
+        self._purge.setProperty("danger", "true")
+        buttons, column = QHBoxLayout(), QVBoxLayout(self)
+        for button, asked in (
+            (self._edit, self.edit_asked),
+            (self._consents, self.consents_asked),
+            (self._delete, self.delete_asked),
+            (self._restore, self.restore_asked),
+            (self._purge, self.purge_asked),
+        ):
+            button.clicked.connect(asked)
+            buttons.addWidget(button)
+        buttons.addStretch(1)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(8)
+        for label in (self._name, self._facts, self._notes, self._deleted, self._consent):
+            label.setWordWrap(True)
+            label.setTextFormat(Qt.TextFormat.PlainText)
+            column.addWidget(label)
+        column.addLayout(buttons)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._edit.setText(_("&Edit"))
+        self._edit.setToolTip(_("Change name, birth date, notes ... (F2)"))
+        self._consents.setText(_("C&onsent"))
+        self._consents.setToolTip(_("Give or withdraw a consent"))
+        self._delete.setText(_("De&lete"))
+        self._delete.setToolTip(_("Hide the patient; it can be undone (Delete, in the list)"))
+        self._restore.setText(_("&Restore"))
+        self._purge.setText(_("Remove for &good"))
+        self._deleted.setText(_("This patient was deleted and is hidden. Restore it to go on."))
+        self.show_patient(self._shown)
+
+    def show_patient(self, shown: ShownPatient | None) -> None:
+        self._shown = shown
+        if shown is None:
+            return
+        patient = shown.patient
+        self._name.setText(patient.identity.name)
+        self._facts.setText(_facts(shown))
+        self._notes.setText(_shortened(patient.notes))
+        self._notes.setToolTip(patient.notes if len(patient.notes) > MOST_LETTERS else "")
+        self._notes.setVisible(bool(patient.notes))
+        self._consent.setText(_consent_text(shown))
+        self._consent.setProperty("kind", "quiet" if shown.consent == "given" else "warning")
+        self._consent.style().unpolish(self._consent)
+        self._consent.style().polish(self._consent)
+        self._deleted.setVisible(patient.is_deleted)
+        self._consent.setVisible(not patient.is_deleted)
+        for button in (self._edit, self._consents, self._delete):
+            button.setVisible(not patient.is_deleted)
+        for button in (self._restore, self._purge):
+            button.setVisible(patient.is_deleted)
+        for button in self.findChildren(QPushButton):
+            button.setEnabled(shown.can_change)
+
+    def edit(self) -> None:
+        """Press the button that changes the patient, where it is seen."""
+        if self._edit.isVisible():
+            self._edit.click()
+
+    def delete(self) -> None:
+        """Press the button that hides the patient, where it is seen."""
+        if self._delete.isVisible():
+            self._delete.click()
+
+    def ask_purge(self, question: PurgeQuestion) -> None:
+        dialog = PurgeDialog(question, self)
+        dialog.confirmed.connect(lambda: self.purge_confirmed.emit(question.word))
+        dialog.open()
+
+
+def _facts(shown: ShownPatient) -> str:
+    patient = shown.patient
+    facts = (
+        day_text(patient.identity.birth_date),
+        age_text(shown.age_years),
+        _(SEX_NAMES[patient.sex]) if patient.sex else "",
+        patient.identity.record_number,
+        patient.pseudonym,
+    )
+    return "  ·  ".join(fact for fact in facts if fact)
+
+
+def _consent_text(shown: ShownPatient) -> str:
+    if shown.consent == "none":
+        return _("No consent is on record. You can start; record it first where you must.")
+    if shown.consent == "withdrawn":
+        return _("The consent was withdrawn. You can start; ask for a new one where you must.")
+    standing = [one for one in shown.patient.consents if one.withdrawn_utc is None]
+    return consent_text(standing[-1])
+
+
+def consent_text(consent: Consent) -> str:
+    """Return what was consented to, by whom and when."""
+    fields = {
+        "purposes": ", ".join(_(PURPOSE_NAMES[one]) for one in consent.purposes),
+        "name": consent.given_by,
+        "day": day_text(consent.given_utc.astimezone().date()),
+    }
+    if consent.is_guardian:
+        return _("Consent: {purposes}. Given by the guardian {name} on {day}.").format(**fields)
+    return _("Consent: {purposes}. Given by the patient on {day}.").format(**fields)
+
+
+def _shortened(notes: str) -> str:
+    return notes if len(notes) <= MOST_LETTERS else notes[:MOST_LETTERS].rstrip() + " ..."

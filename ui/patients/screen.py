@@ -1,0 +1,23 @@
+"""Builds the patients screen: the one place where view, presenters and core meet."""
+
+from PySide6.QtWidgets import QWidget
+
+from ui.patients.form_presenter import FormPresenter
+from ui.patients.history_presenter import HistoryPresenter
+from ui.patients.presenter import PatientsPresenter
+from ui.patients.undo import Undo
+from ui.patients.view import PatientsScreen
+from ui.workspace import Workspace
+
+
+def build_patients_screen(workspace: Workspace, parent: QWidget | None = None) -> PatientsScreen:
+    """Return the patients screen, wired to `workspace`."""
+    view = PatientsScreen(parent)
+    undo = Undo(view.list, workspace)
+    presenters = (
+        PatientsPresenter((view.list, view.pages), workspace, undo),
+        HistoryPresenter(view.pages.history, workspace, undo),
+        FormPresenter(view.pages, workspace),
+    )
+    view.bind(presenters, undo)
+    return view
