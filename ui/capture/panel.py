@@ -46,11 +46,11 @@ class SourcePanel(QGroupBox):
         self._size_label.setBuddy(self._sizes)
         self._look, self._open, self._turn = (QPushButton(self) for _ in range(3))
         for width, height in SIZES:
-            self._sizes.addItem(f"{width} x {height}", (width, height))
+            self._sizes.addItem(f"{width} x {height}")
         self._sources.activated.connect(
             lambda _i: self.source_chosen.emit(self._sources.currentData())
         )
-        self._sizes.activated.connect(lambda _i: self.size_chosen.emit(self._sizes.currentData()))
+        self._sizes.activated.connect(lambda index: self.size_chosen.emit(SIZES[index]))
         self._look.clicked.connect(self.look_asked)
         self._open.clicked.connect(self.recording_asked)
         self._turn.clicked.connect(self.turn_asked)
@@ -82,7 +82,8 @@ class SourcePanel(QGroupBox):
 
     def show_setup(self, setup: SessionSetup) -> None:
         """Show what is in use."""
-        self._sizes.setCurrentIndex(self._sizes.findData(tuple(setup.color_size)))
+        size = tuple(setup.color_size)
+        self._sizes.setCurrentIndex(SIZES.index(size) if size in SIZES else -1)
         self._show_source(setup.source)
 
     def _show_source(self, source: str) -> None:

@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
     QLabel,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -27,6 +26,7 @@ from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import SourceChoice
 from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
+from ui.widgets.side_panel import SidePanel
 
 RECORDINGS = "(*.mcap *.oni)"
 COUNT_PT = 96
@@ -68,24 +68,18 @@ class CaptureScreen(Screen):
         left.addLayout(pictures, 1)
         left.addWidget(self._hints)
         left.addLayout(status)
-        panel = QWidget(self)
-        column = QVBoxLayout(panel)
+        panel = SidePanel(self)
         for part in (self._views, self._source, self._display):
-            column.addWidget(part)
-        column.addStretch()
-        scrolled = QScrollArea(self)
-        scrolled.setWidgetResizable(True)
-        scrolled.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
-        scrolled.setWidget(panel)
+            panel.column.addWidget(part)
+        panel.column.addStretch()
         right = QVBoxLayout()
         right.addWidget(self._shutter)
-        right.addWidget(scrolled, 1)
+        right.addWidget(panel, 1)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(16)
-        layout.addLayout(left, 3)
-        layout.addLayout(right, 1)
+        layout.addLayout(left, 1)
+        layout.addLayout(right)
 
     def bind(self, presenter: CapturePresenter) -> None:
         """Send what the user does to `presenter`, and own it."""

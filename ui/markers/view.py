@@ -8,7 +8,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -22,8 +21,8 @@ from ui.markers.presenter import LearnerPresenter, Shown
 from ui.widgets.image_view import ImageView
 from ui.widgets.overlays import Dot, Overlay, Region
 from ui.widgets.screen import Screen
+from ui.widgets.side_panel import SidePanel
 
-PANEL_PX = 340
 PICTURES = "(*.png *.jpg *.jpeg *.mcap *.oni)"
 COLORS = "(*.json)"
 
@@ -60,26 +59,19 @@ class LearnerScreen(Screen):
             row.addWidget(self._buttons[name])
         row.addStretch()
         left.addLayout(row)
-        panel = QWidget(self)
-        column = QVBoxLayout(panel)
-        column.addWidget(self._controls, 1)
-        column.addWidget(self._count)
-        column.addWidget(self._buttons["use"])
+        panel = SidePanel(self)
+        panel.column.addWidget(self._controls, 1)
+        panel.column.addWidget(self._count)
+        panel.column.addWidget(self._buttons["use"])
         files = QHBoxLayout()
         for name in ("save", "load", "reset"):
             files.addWidget(self._buttons[name])
-        column.addLayout(files)
-        scrolled = QScrollArea(self)
-        scrolled.setWidgetResizable(True)
-        scrolled.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scrolled.setFrameShape(QScrollArea.Shape.NoFrame)
-        scrolled.setWidget(panel)
-        scrolled.setMinimumWidth(PANEL_PX)
+        panel.column.addLayout(files)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(16)
-        layout.addLayout(left, 3)
-        layout.addWidget(scrolled, 1)
+        layout.addLayout(left, 1)
+        layout.addWidget(panel)
 
     def bind(self, presenter: LearnerPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
