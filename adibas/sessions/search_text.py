@@ -10,7 +10,9 @@ ESCAPE = "\\"
 
 def simplified(text: str) -> str:
     """Return `text` in small letters, without accents, with single spaces."""
-    parts = unicodedata.normalize("NFKD", text.casefold())
+    # Twice: a letter's compatible form may be a capital, and a small letter may come apart.
+    folded = unicodedata.normalize("NFKD", text).casefold()
+    parts = unicodedata.normalize("NFKD", folded)
     plain = "".join(letter for letter in parts if not unicodedata.combining(letter))
     return " ".join(plain.split())
 
