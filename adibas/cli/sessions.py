@@ -10,7 +10,7 @@ from adibas.cli.options import add_out, add_overwrite, refuse_to_replace
 from adibas.cli.store_options import add_store, open_existing
 from adibas.errors import StoreError
 from adibas.files import check_place
-from adibas.texts import system_language, translate_plural
+from adibas.texts import message, system_language, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from adibas.data.sessions import Capture, Session
     from adibas.sessions import PatientRow, SessionStore
 
-SUMMARY = "list, show, export, verify or purge what the patient store holds"
+SUMMARY = message("list, show, export, verify or purge what the patient store holds")
 
 SOMETHING_FOUND = 1
 ALL_PATIENTS = 1_000_000
@@ -44,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     showing = add("show", _("One session with its captures and markers."), _show)
     exporting = add("export", _("Recordings of a session as plain MCAP, and its report."), _export)
     for action in (showing, exporting):
-        action.add_argument("session", metavar="SESSION", help=_("its id, as `list` shows it"))
-    add_out(exporting, "DIR", _("folder to write into"))
+        action.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
+    add_out(exporting, _("DIR"), _("folder to write into"))
     add_overwrite(exporting)
     add("verify", _("Check the database, the audit log and every file."), _verify)
     purging = add("purge", _("Remove a patient or a session for good."), _purge)

@@ -21,13 +21,13 @@ def add_store(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--store",
         type=Path,
-        metavar="DIR",
+        metavar=_("DIR"),
         help=_("folder of the patient store; this user's if not given"),
     )
     parser.add_argument(
         "--passphrase-file",
         type=Path,
-        metavar="FILE",
+        metavar=_("FILE"),
         help=_(
             "file whose first line is the passphrase; without it, where a passphrase is needed, "
             "the environment variable {variable}"
