@@ -1,0 +1,59 @@
+"""Reports of sessions that the store keeps."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+from adibas.data.report import PictureChoice, SessionReport
+from adibas.errors import ReportError
+from adibas.pipeline.session_report import capture_report, report_of_session
+from adibas.sessions import SessionStore
+
+
+@dataclass(frozen=True, slots=True)
+class ReportWish:
+    """How reports are wanted: two letters of the language, and how much pictures show."""
+
+    language: str
+    pictures: PictureChoice = PictureChoice.AS_IS
+
+
+def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> SessionReport:
+    """Return the report of a session, of its markers as corrected.
+
+    Raises
+    ------
+    ReportError
+        The session has no captures.
+    StoreError
+        The session is gone, or a file of it is damaged.
+    """
+    session = store.sessions.get(session_id)
+    captures = store.captures.of_session(session_id)
+    if not captures:
+        raise ReportError("The session has no capture to report. Capture a view first.")
+    reports = []
+    for capture in captures:
+        surface = store.captures.surface(capture.capture_id)
+        picture_rgb = store.captures.picture(capture.capture_id)
+        surface_per_m = None if surface is None else surface.mean_per_m
+        reports.append(capture_report(capture, picture_rgb, surface_per_m))
+    return report_of_session(session, tuple(reports), wish.language, wish.pictures)
+
+
+class StoredReports(Collection[SessionReport]):
+    """The reports of several sessions, each read from the store when it is its turn."""
+
+    def __init__(self, store: SessionStore, session_ids: Sequence[str], wish: ReportWish) -> None:
+        self._store = store
+        self._session_ids = tuple(session_ids)
+        self._wish = wish
+
+    def __len__(self) -> int:
+        return len(self._session_ids)
+
+    def __iter__(self) -> Iterator[SessionReport]:
+        for session_id in self._session_ids:
+            yield stored_report(self._store, session_id, self._wish)
+
+    def __contains__(self, report: object) -> bool:
+        return any(report == one for one in self)

@@ -1,0 +1,204 @@
+"""What the report screen shows and writes. Knows nothing of Qt."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+from adibas.arrays import UInt8Array
+from adibas.data.report import PictureChoice, SessionReport
+from adibas.data.sessions import Session
+from adibas.errors import AdibasError
+from adibas.pipeline.stored_report import ReportWish, StoredReports, stored_report
+from adibas.reports.batch import write_session_reports
+from adibas.reports.facts import Pairs, capture_facts, capture_names, general_facts, session_facts
+from adibas.reports.pictures import draw_markers, picture_of
+from adibas.texts import describe, speaking, translate_plural
+from adibas.texts import translate as _
+from ui.ports import Job, JobControl
+from ui.workspace import Workspace
+
+MOST_SESSIONS = 200
+PREVIEW_HEIGHT_PX = 900
+
+
+@dataclass(frozen=True, slots=True)
+class SessionLine:
+    """One session to choose: its id, the patient's name, when, and how many views it has."""
+
+    session_id: str
+    who: str
+    session: Session
+    is_chosen: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PreviewPage:
+    """One view as the report will show it."""
+
+    title: str
+    picture_rgb: UInt8Array
+    facts: Pairs
+
+
+class ReportsView(Protocol):
+    """The screen, as this presenter needs it."""
+
+    def show_sessions(self, lines: tuple[SessionLine, ...]) -> None:
+        """Offer sessions; those chosen are reported."""
+
+    def show_wish(self, wish: ReportWish) -> None:
+        """Show language and pictures in use."""
+
+    def show_preview(self, head: Pairs, pages: tuple[PreviewPage, ...]) -> None:
+        """Show what the report of the first chosen session will say."""
+
+    def show_no_preview(self, sentence: str) -> None:
+        """Say why there is no preview."""
+
+    def show_written(self, folder: Path | None) -> None:
+        """Offer to open the folder of what was written; None = nothing yet."""
+
+
+class ReportsPresenter:
+    """Keeps the choice of sessions, previews the first, and writes them all."""
+
+    def __init__(self, view: ReportsView, workspace: Workspace) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._wish = ReportWish(workspace.preferences.now.language)
+        self._chosen: tuple[str, ...] = ()
+        self._preview_job: Job | None = None
+        self._is_seen = False
+        self._ends = [
+            workspace.session_changed.subscribe(self._on_session),
+            workspace.capture_chosen.subscribe(self._on_session),
+        ]
+        view.show_wish(self._wish)
+        view.show_written(None)
+
+    def close(self) -> None:
+        """Listen no more."""
+        for end in self._ends:
+            end()
+
+    def enter(self) -> None:
+        """Offer the sessions there are now, the one that is looked at first of all."""
+        self._is_seen = True
+        session = self._workspace.session
+        if session is not None:
+            self._chosen = (session.session_id,)
+        self._show_sessions()
+        self._preview()
+
+    def leave(self) -> None:
+        """Note that nobody looks."""
+        self._is_seen = False
+
+    def choose_sessions(self, session_ids: tuple[str, ...]) -> None:
+        """Report these."""
+        if session_ids != self._chosen:
+            self._chosen = session_ids
+            self._preview()
+
+    def choose_language(self, language: str) -> None:
+        """Write in this language, whatever the window speaks."""
+        self._change(replace(self._wish, language=language))
+
+    def choose_pictures(self, pictures: PictureChoice) -> None:
+        """Show so much of the patient."""
+        self._change(replace(self._wish, pictures=pictures))
+
+    def write(self, folder: Path, kinds: tuple[str, ...]) -> None:
+        """Write the chosen reports in every kind into a folder; nothing there is replaced."""
+        if not self._chosen or not kinds:
+            self._workspace.tell("warning", _("Choose a session, and a kind of file."))
+            return
+        store, chosen, wish = self._workspace.store, self._chosen, self._wish
+
+        def work(control: JobControl) -> tuple[Path, ...]:
+            reports = StoredReports(store, chosen, wish)
+            written = write_session_reports(reports, folder, kinds, control.progress)
+            if not store.is_read_only:
+                store.note_export("report", *chosen)
+            return written
+
+        self._workspace.jobs.start(
+            _("Writing reports"), work, lambda written: self._on_written(folder, written)
+        )
+
+    def _on_written(self, folder: Path, written: tuple[Path, ...]) -> None:
+        names = ", ".join(path.name for path in written)
+        told = translate_plural(
+            "Written: {names}", "{n} files are written: {names}", len(written)
+        ).format(n=len(written), names=names)
+        self._view.show_written(folder)
+        self._workspace.tell("good", told)
+
+    def _on_session(self) -> None:
+        if self._is_seen:
+            self.enter()
+
+    def _change(self, wish: ReportWish) -> None:
+        self._wish = wish
+        self._view.show_wish(wish)
+        self._preview()
+
+    def _show_sessions(self) -> None:
+        store = self._workspace.store
+        sessions = list(store.sessions.recent(MOST_SESSIONS))
+        current = self._workspace.session
+        if current is not None and all(s.session_id != current.session_id for s in sessions):
+            sessions.insert(0, current)
+        names: dict[str, str] = {}
+        for row in store.patients.search("", limit=10_000, with_deleted=True):
+            names[row.pseudonym] = row.identity.name
+        self._view.show_sessions(
+            tuple(
+                SessionLine(
+                    session_id=session.session_id,
+                    who=names.get(session.patient, session.patient),
+                    session=session,
+                    is_chosen=session.session_id in self._chosen,
+                )
+                for session in sessions
+                if session.capture_ids
+            )
+        )
+
+    def _preview(self) -> None:
+        """Make the preview of the first chosen session, in place of one still in work."""
+        if self._preview_job is not None and self._preview_job.is_running:
+            self._preview_job.cancel()
+        if not self._chosen:
+            self._view.show_no_preview(_("Choose a session at the left."))
+            return
+        store, session_id, wish = self._workspace.store, self._chosen[0], self._wish
+
+        def work(_control: JobControl) -> tuple[Pairs, tuple[PreviewPage, ...]]:
+            return preview(stored_report(store, session_id, wish))
+
+        def failed(error: AdibasError) -> None:
+            self._view.show_no_preview(describe(error))
+
+        self._preview_job = self._workspace.jobs.start(
+            _("Making the preview"), work, lambda made: self._view.show_preview(*made), failed
+        )
+
+
+def preview(report: SessionReport) -> tuple[Pairs, tuple[PreviewPage, ...]]:
+    """Return what a report will say first, and its pictures, in the report's language."""
+    with speaking(report.language):
+        head = [*session_facts(report), *general_facts(report)]
+        titles = capture_names(report)
+        pages = tuple(
+            PreviewPage(
+                title=title,
+                picture_rgb=draw_markers(
+                    picture_of(capture.analysis, report.pictures, report.rotation_deg),
+                    PREVIEW_HEIGHT_PX,
+                ),
+                facts=capture_facts(report, capture),
+            )
+            for title, capture in zip(titles, report.captures, strict=True)
+        )
+    return head, pages

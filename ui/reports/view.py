@@ -1,0 +1,219 @@
+"""The report screen: sessions, wishes, a preview, and one button. No decisions."""
+
+import html
+from pathlib import Path
+
+from PySide6.QtCore import Qt, QUrl
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QFileDialog,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QTabBar,
+    QTextBrowser,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.data.report import PictureChoice
+from adibas.pipeline.stored_report import ReportWish
+from adibas.reports.facts import Pairs
+from adibas.texts import LANGUAGES, message, translate_plural
+from adibas.texts import translate as _
+from ui.reports.presenter import PreviewPage, ReportsPresenter, SessionLine
+from ui.widgets.dates import moment_text
+from ui.widgets.image_view import ImageView
+from ui.widgets.screen import Screen
+from ui.widgets.side_panel import SidePanel
+
+KINDS = {
+    ".xlsx": message("&Excel workbook"),
+    ".pdf": message("P&DF to print"),
+    ".csv": message("&CSV table"),
+    ".png": message("P&ictures with markers"),
+}
+PICTURES = {
+    PictureChoice.AS_IS: message("As they are"),
+    PictureChoice.BLURRED: message("Face made unrecognisable"),
+    PictureChoice.DEPTH: message("Depth only"),
+}
+FACTS_HEIGHT_PX = 190
+
+
+class ReportsScreen(Screen):
+    """What will be handed out, before it is."""
+
+    name = "reports"
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._title = QLabel(self)
+        self._title.setProperty("kind", "title")
+        self._sessions = QListWidget(self)
+        self._language, self._pictures = QComboBox(self), QComboBox(self)
+        self._kinds = {kind: QCheckBox(self) for kind in KINDS}
+        self._kinds[".xlsx"].setChecked(True)
+        self._write, self._open = QPushButton(self), QPushButton(self)
+        self._write.setProperty("main", "true")
+        self._labels = [QLabel(self) for _ in range(4)]
+        self._pages_bar = QTabBar(self)
+        self._pages_bar.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self._picture, self._facts = ImageView(self), QTextBrowser(self)
+        self._facts.setMaximumHeight(FACTS_HEIGHT_PX)
+        self._head: Pairs = []
+        self._pages: tuple[PreviewPage, ...] = ()
+        self._folder: Path | None = None
+        for language, own_name in LANGUAGES.items():
+            self._language.addItem(own_name, language)
+        for choice in PictureChoice:
+            self._pictures.addItem("", choice)
+        self._lay_out()
+        self.retranslate()
+
+    def _lay_out(self) -> None:
+        sessions, language, pictures, files = self._labels
+        panel = SidePanel(self)
+        panel.column.addWidget(sessions)
+        panel.column.addWidget(self._sessions, 1)
+        form = QFormLayout()
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapAllRows)
+        for label, widget in ((language, self._language), (pictures, self._pictures)):
+            label.setBuddy(widget)
+            form.addRow(label, widget)
+        sessions.setBuddy(self._sessions)
+        panel.column.addLayout(form)
+        panel.column.addWidget(files)
+        for box in self._kinds.values():
+            panel.column.addWidget(box)
+        panel.column.addWidget(self._write)
+        panel.column.addWidget(self._open)
+        preview = QVBoxLayout()
+        preview.addWidget(self._title)
+        preview.addWidget(self._pages_bar)
+        preview.addWidget(self._picture, 1)
+        preview.addWidget(self._facts)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(16)
+        layout.addWidget(panel)
+        layout.addLayout(preview, 1)
+
+    def bind(self, presenter: ReportsPresenter) -> None:
+        """Send what the user does to `presenter`, and own it."""
+        self._presenter = presenter
+        self._sessions.itemChanged.connect(lambda _item: self._send_sessions())
+        self._language.activated.connect(
+            lambda _i: presenter.choose_language(self._language.currentData())
+        )
+        self._pictures.activated.connect(
+            lambda _i: presenter.choose_pictures(PictureChoice(self._pictures.currentData()))
+        )
+        self._write.clicked.connect(self._ask_folder)
+        self._open.clicked.connect(self._open_folder)
+        self._pages_bar.currentChanged.connect(self._show_page)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._title.setText(_("Report"))
+        texts = (_("&Sessions to report"), _("&Language"), _("&Pictures"), _("Files"))
+        for label, text in zip(self._labels, texts, strict=True):
+            label.setText(text)
+        for kind, box in self._kinds.items():
+            box.setText(_(KINDS[kind]))
+        for index, choice in enumerate(PictureChoice):
+            self._pictures.setItemText(index, _(PICTURES[choice]))
+        self._write.setText(_("&Write the report..."))
+        self._open.setText(_("&Open the folder"))
+        self._picture.setAccessibleName(_("Preview of the picture"))
+        self._facts.setAccessibleName(_("Preview of the text"))
+        self._pages_bar.setAccessibleName(_("Views"))
+
+    def entered(self) -> None:
+        self._presenter.enter()
+
+    def left(self) -> None:
+        self._presenter.leave()
+
+    def closed(self) -> None:
+        self._presenter.close()
+
+    def show_sessions(self, lines: tuple[SessionLine, ...]) -> None:
+        self._sessions.blockSignals(True)
+        self._sessions.clear()
+        for line in lines:
+            n_views = len(line.session.capture_ids)
+            views = translate_plural("{n} view", "{n} views", n_views).format(n=n_views)
+            item = QListWidgetItem(f"{line.who}\n{moment_text(line.session.started_utc)}, {views}")
+            item.setData(Qt.ItemDataRole.UserRole, line.session_id)
+            item.setFlags(item.flags() | Qt.ItemFlag.ItemIsUserCheckable)
+            state = Qt.CheckState.Checked if line.is_chosen else Qt.CheckState.Unchecked
+            item.setCheckState(state)
+            self._sessions.addItem(item)
+        self._sessions.blockSignals(False)
+
+    def show_wish(self, wish: ReportWish) -> None:
+        self._language.setCurrentIndex(self._language.findData(wish.language))
+        self._pictures.setCurrentIndex(list(PictureChoice).index(wish.pictures))
+
+    def show_preview(self, head: Pairs, pages: tuple[PreviewPage, ...]) -> None:
+        self._head, self._pages = head, pages
+        self._pages_bar.blockSignals(True)
+        shown = max(self._pages_bar.currentIndex(), 0)
+        while self._pages_bar.count():
+            self._pages_bar.removeTab(0)
+        for page in pages:
+            self._pages_bar.addTab(page.title)
+        self._pages_bar.blockSignals(False)
+        self._pages_bar.setCurrentIndex(min(shown, len(pages) - 1))
+        self._show_page(self._pages_bar.currentIndex())
+
+    def show_no_preview(self, sentence: str) -> None:
+        self._pages = ()
+        while self._pages_bar.count():
+            self._pages_bar.removeTab(0)
+        self._picture.set_picture(None)
+        self._picture.set_placeholder("")
+        self._facts.setPlainText(sentence)
+
+    def show_written(self, folder: Path | None) -> None:
+        self._folder = folder
+        self._open.setVisible(folder is not None)
+
+    def _show_page(self, index: int) -> None:
+        if not 0 <= index < len(self._pages):
+            return
+        page = self._pages[index]
+        self._picture.set_picture(page.picture_rgb)
+        rows = "".join(
+            f"<tr><td>{html.escape(name)}&nbsp;&nbsp;</td><td>{html.escape(str(value))}</td></tr>"
+            for name, value in (*page.facts, *self._head)
+        )
+        self._facts.setHtml(f"<table>{rows}</table>")
+
+    def _send_sessions(self) -> None:
+        items = (self._sessions.item(row) for row in range(self._sessions.count()))
+        self._presenter.choose_sessions(
+            tuple(
+                str(item.data(Qt.ItemDataRole.UserRole))
+                for item in items
+                if item.checkState() == Qt.CheckState.Checked
+            )
+        )
+
+    def _ask_folder(self) -> None:
+        dialog = QFileDialog(self, _("Folder for the report"))
+        dialog.setFileMode(QFileDialog.FileMode.Directory)
+        dialog.setOption(QFileDialog.Option.ShowDirsOnly)
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        kinds = tuple(kind for kind, box in self._kinds.items() if box.isChecked())
+        dialog.fileSelected.connect(lambda name: self._presenter.write(Path(name), kinds))
+        dialog.open()
+
+    def _open_folder(self) -> None:
+        QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._folder)))
