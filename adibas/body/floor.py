@@ -90,7 +90,9 @@ def find_floor(
         with np.errstate(invalid="ignore"):
             level = normals @ plane.normal > np.cos(params.max_unevenness_rad)
         plane = _refined(points_m[level], plane, widening, params)
-    return plane if plane is not None and _is_floor(plane, measured_m, params) else None
+    if plane is None or plane.tilt_rad(up) > params.max_tilt_rad:  # drawn onto a wall
+        return None
+    return plane if _is_floor(plane, measured_m, params) else None
 
 
 def _grid(

@@ -163,3 +163,9 @@ def test_a_real_person_seen_from_the_waist_up_is_found(real_data, number):
     camera = CameraCalibration(640, 480, Intrinsics(525, 525, 320, 240))
     body = find_body(depth_in_metres(depth_mm, 0.001), camera)
     assert overlap(body.pixels, truth) > 0.93
+
+
+def test_a_wall_behind_someone_near_is_no_floor():
+    depth_m, calibration, _truth = simulated("anterior", 422, distance_m=1.5, has_color=False)
+    found = find_floor(depth_m, calibration.depth)
+    assert found is None or found.tilt_rad(np.array([0.0, -1.0, 0.0])) < 0.1
