@@ -17,6 +17,9 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.geometry.pinhole import project
 from adibas.pipeline.posture import Sight
 
+BEYOND_M = 1.0
+"""What is covered above a body that the depth image cuts off: to the edge of any colour image."""
+
 
 @dataclass(frozen=True, slots=True)
 class HeadParams:
@@ -106,11 +109,10 @@ def head_in_color(
     rays = viewing_rays(calibration.depth)
     points_m = (rays[seen] * sight.depth_m[seen][:, None]).astype(float) @ axes.T
     bottom_m = None if sight.floor is None else -sight.floor.offset_m
-    head = _find_head(points_m, bottom_m, params)
+    is_cut = _is_cut(sight.body.pixels, axes[1], params)
+    head = _find_head(points_m, bottom_m, params, is_cut=is_cut)
     if head is None:
         return None
-    if _is_cut(sight.body.pixels, axes[1], params):
-        head = Head(head.across, (head.height[0], head.height[1] + 1.0), head.ahead)
     corners_m = np.array(list(product(head.across, head.height, head.ahead))) @ axes
     corners_px = project(
         calibration.color_from_depth.apply(corners_m), calibration.color.intrinsics
@@ -127,8 +129,13 @@ def _axes(up: FloatArray) -> FloatArray:
     return np.stack([np.cross(up, ahead), up, ahead])
 
 
-def _find_head(points_m: FloatArray, bottom_m: float | None, params: HeadParams) -> Head | None:
-    """Return the head of (N, 3) points (across, up, ahead) of a body."""
+def _find_head(
+    points_m: FloatArray, bottom_m: float | None, params: HeadParams, *, is_cut: bool
+) -> Head | None:
+    """Return the head of (N, 3) points (across, up, ahead) of a body.
+
+    Of one that is cut off by the upper edge of the depth image, everything above is the head.
+    """
     across_m, heights_m, ahead_m = points_m.T
     low_m = float(heights_m.min()) if bottom_m is None else bottom_m
     span_m = float(heights_m.max()) - low_m
@@ -141,6 +148,8 @@ def _find_head(points_m: FloatArray, bottom_m: float | None, params: HeadParams)
     crown_m = _crown_m(
         across_m - middle_m, heights_m, low_m + params.trunk_share[1] * span_m, params
     )
+    if crown_m is None and is_cut:
+        crown_m = float(heights_m.max())
     if crown_m is None:
         return None
     chin_m = crown_m - max(params.share * (crown_m - low_m), params.least_m)
@@ -149,7 +158,7 @@ def _find_head(points_m: FloatArray, bottom_m: float | None, params: HeadParams)
     near_m, far_m = np.percentile(ahead_m[is_head], (1.0, 99.0))
     return Head(
         (first_m - params.side_m, last_m + params.side_m),
-        (chin_m, crown_m + params.above_m),
+        (chin_m, crown_m + (BEYOND_M if is_cut else params.above_m)),
         (near_m, far_m),
     )
 

@@ -42,8 +42,9 @@ def see_patient(analysis: PostureAnalysis, rotation_deg: int) -> Sight | None:
         No depth was kept with the capture.
     """
     calibration, depth_m = analysis.calibration, _depth_m(analysis)
+    depth_camera, _color_camera = _cameras(calibration)
     params = PostureParams(rotation_deg=rotation_deg)
-    floor = calibration.floor or find_floor(depth_m, _cameras(calibration)[0], params.up)
+    floor = calibration.floor or find_floor(depth_m, depth_camera, params.up)
     return see_person(depth_m, floor, calibration, params)
 
 
