@@ -6,6 +6,7 @@ from PySide6.QtWidgets import QGroupBox, QHBoxLayout, QLabel, QPushButton, QVBox
 from adibas.data.patients import Consent, Patient
 from adibas.texts import translate as _
 from ui.patients.consent_fields import ConsentFields
+from ui.patients.form_footer import lay_out_footer
 from ui.patients.patient_panel import consent_text
 from ui.widgets.dates import day_text
 
@@ -26,24 +27,19 @@ class ConsentForm(QWidget):
         self._title, self._name, self._problem = (QLabel(self) for _number in range(3))
         self._old, self._new = QVBoxLayout(), QGroupBox(self)
         self.fields = ConsentFields(self._new)
-        self._give, self._cancel = QPushButton(self), QPushButton(self)
+        self.footer = QWidget(self)
+        self._give, self._cancel = QPushButton(self.footer), QPushButton(self.footer)
         self._title.setProperty("kind", "title")
-        self._problem.setProperty("kind", "bad")
-        self._give.setProperty("main", "true")
         self._lay_out()
         self.fields.guardian.returnPressed.connect(self.give)
         self._give.clicked.connect(self.give)
         self._cancel.clicked.connect(self.cancelled)
 
     def _lay_out(self) -> None:
-        for label in (self._name, self._problem):
-            label.setWordWrap(True)
-        for button in (self._give, self._cancel):
-            button.setAutoDefault(True)
+        self._name.setWordWrap(True)
         inner = QVBoxLayout(self._new)
         inner.addWidget(self.fields)
-        column, buttons = QVBoxLayout(self), QHBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
+        column = QVBoxLayout(self)
         column.setSpacing(8)
         column.addWidget(self._title)
         column.addWidget(self._name)
@@ -51,11 +47,7 @@ class ConsentForm(QWidget):
         column.addSpacing(8)
         column.addWidget(self._new)
         column.addStretch(1)
-        column.addWidget(self._problem)
-        buttons.addStretch(1)
-        buttons.addWidget(self._cancel)
-        buttons.addWidget(self._give)
-        column.addLayout(buttons)
+        lay_out_footer(self.footer, self._problem, self._cancel, self._give)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

@@ -58,6 +58,7 @@ class HistoryModel(QAbstractListModel):
         self._pictures: dict[tuple[str, tuple[str, ...]], tuple[Thumbnail, ...]] = {}
         self._pixmaps: dict[str, QPixmap] = {}
         self._wanted: dict[str, None] = {}
+        self._asked: set[tuple[str, tuple[str, ...]]] = set()
         self._asking = QTimer(self)  # so that what is painted together is read together
         self._asking.setSingleShot(True)
         self._asking.setInterval(0)
@@ -70,6 +71,7 @@ class HistoryModel(QAbstractListModel):
         self.beginResetModel()
         self._sessions = sessions
         keys = {_key(session) for session in sessions}
+        self._asked &= keys
         self._pictures = {key: one for key, one in self._pictures.items() if key in keys}
         ids = {capture_id for _session, captures in keys for capture_id in captures}
         self._pixmaps = {key: one for key, one in self._pixmaps.items() if key in ids}
@@ -121,7 +123,8 @@ class HistoryModel(QAbstractListModel):
         """Return a session as it is painted; pictures that are lacking will be asked for."""
         session = self._sessions[row]
         known = {one.capture_id: one for one in self._pictures.get(_key(session), ())}
-        if session.capture_ids and _key(session) not in self._pictures:
+        if session.capture_ids and _key(session) not in self._asked:
+            self._asked.add(_key(session))
             self._wanted[session.session_id] = None
             self._asking.start()
         captures = tuple(

@@ -1,13 +1,12 @@
 """Search field and list of patients at the left, with the undo of the last deletion below."""
 
 from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, Qt, Signal
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QCheckBox,
     QFrame,
     QHBoxLayout,
-    QHeaderView,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -30,12 +29,14 @@ from ui.widgets.dates import moment_text
 
 Index = QModelIndex | QPersistentModelIndex
 SAMPLES = {
-    BORN: "88 MMMM 8888  (88 years)",
-    RECORD_NUMBER: "MM-888888",
-    N_SESSIONS: "",
-    LAST_SESSION: "88 MMMM 8888",
+    BORN: "28 Sept 2888  (88)",
+    RECORD_NUMBER: "HC-8888888",
+    N_SESSIONS: "888",
+    LAST_SESSION: "28 Sept 2888",
 }
 """Texts as wide as a column has to be; measuring every line would cost time with every key."""
+SAMPLE_NAME = "Bernadette Vidal"
+PADDING_PX = 16
 
 
 class SearchField(QLineEdit):
@@ -70,19 +71,34 @@ class PatientTable(QTableView):
         self.verticalHeader().hide()
         header = self.horizontalHeader()
         header.setHighlightSections(False)
-        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-        header.setMinimumSectionSize(40)
+        alignment = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+        header.setDefaultAlignment(Qt.AlignmentFlag(alignment | Qt.TextFlag.TextWordWrap))
 
     def fit_columns(self) -> None:
-        """Make columns and rows as large as the letters in use need."""
+        """Make columns and rows as large as the letters in use need; long headings wrap."""
         header, metrics = self.horizontalHeader(), self.fontMetrics()
         self.verticalHeader().setDefaultSectionSize(round(metrics.height() * 1.9))
+        n_lines = 1
         for column, sample in SAMPLES.items():
-            width = max(metrics.horizontalAdvance(sample) + 16, header.sectionSizeHint(column))
-            header.setSectionResizeMode(column, QHeaderView.ResizeMode.Interactive)
+            heading = str(self.model().headerData(column, Qt.Orientation.Horizontal) or "")
+            widest = max((sample, *heading.split()), key=metrics.horizontalAdvance)
+            width = metrics.horizontalAdvance(widest) + PADDING_PX
             header.resizeSection(column, width)
-        header.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
-        header.setMinimumSectionSize(metrics.horizontalAdvance("n" * 5))
+            if metrics.horizontalAdvance(heading) + PADDING_PX > width:
+                n_lines = 2
+        header.setFixedHeight(n_lines * metrics.lineSpacing() + PADDING_PX)
+        self._fit_name()
+
+    def _fit_name(self) -> None:
+        """Give the names what is left, or what they need where the list has to be scrolled."""
+        header = self.horizontalHeader()
+        others = sum(header.sectionSize(column) for column in SAMPLES)
+        least = self.fontMetrics().horizontalAdvance(SAMPLE_NAME)
+        header.resizeSection(NAME, max(self.viewport().width() - others, least))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
+        super().resizeEvent(event)
+        self._fit_name()
 
     def currentChanged(  # noqa: N802  (Qt's name)
         self, current: Index, previous: Index

@@ -38,15 +38,19 @@ class PatientPages(QStackedWidget):
         column.addWidget(self.patient)
         column.addWidget(self.history, 1)
         self._pages = {
-            widget: self._scrolled(widget)
-            for widget in (self._nobody, self._chosen, self.form, self.consents)
+            self._nobody: self._scrolled(self._nobody),
+            self._chosen: self._scrolled(self._chosen),
+            self.form: self._scrolled(self.form, self.form.footer),
+            self.consents: self._scrolled(self.consents, self.consents.footer),
         }
         self._open_form: QWidget | None = None
         self._has_patient = False
         self.setMinimumWidth(LEAST_WIDTH_PX)
 
-    def _scrolled(self, widget: QWidget) -> QScrollArea:
-        area = QScrollArea(self)
+    def _scrolled(self, widget: QWidget, footer: QWidget | None = None) -> QWidget:
+        """Make a page of a widget that may be too long, and a footer that is always seen."""
+        page = QWidget(self)
+        area = QScrollArea(page)
         area.setWidgetResizable(True)
         area.setFrameShape(QScrollArea.Shape.NoFrame)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -55,14 +59,23 @@ class PatientPages(QStackedWidget):
         if layout is not None:
             layout.setContentsMargins(12, 0, 8, 0)
         area.setWidget(widget)
-        self.addWidget(area)
-        return area
+        column = QVBoxLayout(page)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(area, 1)
+        if footer is not None:
+            column.addWidget(footer)
+        self.addWidget(page)
+        return page
 
     def retranslate(self) -> None:
         """Set every text in the language in use."""
         for part in (self.patient, self.history, self.form, self.consents):
             part.retranslate()
         self._nobody.setText(_("Choose a patient from the list, or add a new one with Ctrl+N."))
+
+    def page_of(self, form: QWidget) -> QWidget:
+        """Return the page that a form stands in with its footer."""
+        return self._pages[form]
 
     @property
     def has_form(self) -> bool:

@@ -3,8 +3,8 @@
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
     QComboBox,
+    QGridLayout,
     QGroupBox,
-    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPlainTextEdit,
@@ -17,8 +17,11 @@ from adibas.data.patients import SEXES
 from adibas.texts import translate as _
 from ui.patients.consent_fields import ConsentFields
 from ui.patients.content import PatientEntry
+from ui.patients.form_footer import lay_out_footer
 from ui.patients.patient_panel import SEX_NAMES
 from ui.patients.patients_model import age_text
+
+NOTES_LINES = 4
 
 
 class PatientForm(QWidget):
@@ -36,7 +39,7 @@ class PatientForm(QWidget):
         self._title, self._problem, self._age = (QLabel(self) for _number in range(3))
         self._name, self._birth_date, self._record_number = (QLineEdit(self) for _n in range(3))
         self._sex, self._notes = QComboBox(self), QPlainTextEdit(self)
-        self._labels = {
+        self._labels: dict[QWidget, QLabel] = {
             field: QLabel(self)
             for field in (
                 self._name,
@@ -48,7 +51,8 @@ class PatientForm(QWidget):
         }
         self._consents = QGroupBox(self)
         self._consent = ConsentFields(self._consents)
-        self._save, self._cancel = QPushButton(self), QPushButton(self)
+        self.footer = QWidget(self)
+        self._save, self._cancel = QPushButton(self.footer), QPushButton(self.footer)
         for _sex in SEXES:
             self._sex.addItem("")
         self._lay_out()
@@ -56,40 +60,39 @@ class PatientForm(QWidget):
 
     def _lay_out(self) -> None:
         self._title.setProperty("kind", "title")
-        self._problem.setProperty("kind", "bad")
         self._age.setProperty("kind", "quiet")
-        self._problem.setWordWrap(True)
-        self._save.setProperty("main", "true")
         self._notes.setTabChangesFocus(True)
-        self._notes.setMinimumHeight(64)
+        self._notes.setFixedHeight(NOTES_LINES * self._notes.fontMetrics().lineSpacing())
         self._consents.setCheckable(True)
         inner = QVBoxLayout(self._consents)
         inner.addWidget(self._consent)
-        column, buttons = QVBoxLayout(self), QHBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(6)
+        column = QVBoxLayout(self)
+        column.setSpacing(8)
         column.addWidget(self._title)
-        for field, label in self._labels.items():
-            label.setBuddy(field)
-            column.addSpacing(4)
-            column.addWidget(label)
-            column.addWidget(field)
-            if field is self._birth_date:
-                column.addWidget(self._age)
+        pairs = QGridLayout()
+        pairs.setSpacing(8)
+        self._place(pairs, self._name, 0, 0, 2)
+        self._place(pairs, self._birth_date, 2, 0, 1)
+        pairs.addWidget(self._age, 3, 1)
+        self._place(pairs, self._record_number, 4, 0, 1)
+        self._place(pairs, self._sex, 4, 1, 1)
+        self._place(pairs, self._notes, 6, 0, 2)
+        column.addLayout(pairs)
         column.addSpacing(8)
         column.addWidget(self._consents)
         column.addStretch(1)
-        column.addWidget(self._problem)
-        buttons.addStretch(1)
-        buttons.addWidget(self._cancel)
-        buttons.addWidget(self._save)
-        column.addLayout(buttons)
+        lay_out_footer(self.footer, self._problem, self._cancel, self._save)
+
+    def _place(self, pairs: QGridLayout, field: QWidget, row: int, column: int, n: int) -> None:
+        """Put a field below its label."""
+        label = self._labels[field]
+        label.setBuddy(field)
+        pairs.addWidget(label, row, column, 1, n)
+        pairs.addWidget(field, row + 1, column, 1, n)
 
     def _connect(self) -> None:
         for line in (self._name, self._birth_date, self._record_number, self._consent.guardian):
             line.returnPressed.connect(self.save)
-        for button in (self._save, self._cancel):
-            button.setAutoDefault(True)
         self._birth_date.textChanged.connect(self.birth_date_typed)
         self._consents.toggled.connect(self._consent.setVisible)
         self._save.clicked.connect(self.save)

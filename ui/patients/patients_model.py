@@ -31,7 +31,7 @@ class PatientsModel(QAbstractTableModel):
         """Set the headings in the language in use."""
         self._headings = (
             _("Name"),
-            _("Birth date"),
+            _("Birth date (age)"),
             _("Record number"),
             _("Sessions"),
             _("Last session"),
@@ -93,11 +93,11 @@ def _text(line: PatientLine, column: int) -> str:
 
 
 def born_text(line: PatientLine) -> str:
-    """Return birth date and age."""
+    """Return birth date and age in years."""
     if line.age_years is None:
         return ""
     day = day_text(line.row.identity.birth_date)
-    return f"{day}  ({age_text(line.age_years)})"
+    return f"{day}  ({line.age_years})"
 
 
 def age_text(age_years: int | None) -> str:

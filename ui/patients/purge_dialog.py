@@ -16,6 +16,8 @@ from adibas.texts import translate_plural
 from ui.patients.content import PurgeQuestion
 from ui.widgets.dates import moment_text
 
+LETTERS_IN_A_LINE = 64
+
 
 class PurgeDialog(QDialog):
     """Can be confirmed once the word is there; Enter and Escape alone remove nothing."""
@@ -51,7 +53,8 @@ class PurgeDialog(QDialog):
         for widget in (text, ask, self.field):
             column.addWidget(widget)
         column.addLayout(buttons)
-        self.setMinimumWidth(460)
+        width = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
+        self.setMinimumSize(width, column.totalHeightForWidth(width))
 
     def _on_typed(self, text: str) -> None:
         self.remove.setEnabled(text.strip().casefold() == self._word.casefold())

@@ -12,6 +12,8 @@ from ui.patients.presenter import PatientsPresenter
 from ui.patients.undo import Undo
 from ui.widgets.screen import Screen
 
+USUAL_WIDTHS_PX = (640, 500)
+
 
 class PatientsScreen(Screen):
     """Two halves; while something is typed at the right, the list waits."""
@@ -25,8 +27,9 @@ class PatientsScreen(Screen):
         halves.addWidget(self.list)
         halves.addWidget(self.pages)
         halves.setChildrenCollapsible(False)
-        halves.setStretchFactor(0, 3)
-        halves.setStretchFactor(1, 2)
+        halves.setStretchFactor(0, 1)
+        halves.setStretchFactor(1, 1)
+        halves.setSizes(list(USUAL_WIDTHS_PX))
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(halves)
@@ -49,8 +52,8 @@ class PatientsScreen(Screen):
         for widget, keys, action in (
             (self.list.table, "Del", pages.patient.delete),
             (pages.history.list, "Del", pages.history.delete_chosen),
-            (pages.form, "Esc", pages.form.cancel),
-            (pages.consents, "Esc", pages.consents.cancel),
+            (pages.page_of(pages.form), "Esc", pages.form.cancel),
+            (pages.page_of(pages.consents), "Esc", pages.consents.cancel),
         ):
             QShortcut(QKeySequence(keys), widget, context=here).activated.connect(action)
 
