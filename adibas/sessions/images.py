@@ -40,7 +40,8 @@ def decode_picture(payload: bytes) -> UInt8Array:
     StoreError
         They are none.
     """
-    decoded = cv2.imdecode(np.frombuffer(payload, np.uint8), cv2.IMREAD_COLOR)
+    data = np.frombuffer(payload, np.uint8)
+    decoded = cv2.imdecode(data, cv2.IMREAD_COLOR) if payload else None
     if decoded is None:
         raise _damaged()
     return np.asarray(cv2.cvtColor(decoded, cv2.COLOR_BGR2RGB), np.uint8)
@@ -73,7 +74,7 @@ def decode_surface(payload: bytes) -> BurstDisparity:
                 n_readings=arrays["n_readings"].astype(np.int64),
                 n_frames=int(arrays["n_frames"]),
             )
-    except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
+    except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile) as error:
         raise _damaged() from error
 
 

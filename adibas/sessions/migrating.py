@@ -14,6 +14,8 @@ HEAD = "0001"
 
 KNOWN = ("0001",)
 
+REVISIONS = Path(__file__).parent / "migrations"
+
 _ONE_AT_A_TIME = threading.Lock()
 """Alembic keeps the connection in a global: two threads would migrate each other's stores."""
 
@@ -81,7 +83,7 @@ def _upgrade(connection: Connection) -> None:
     from alembic.config import Config
 
     config = Config()
-    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config.set_main_option("script_location", str(REVISIONS))
     config.attributes["connection"] = connection
     with _ONE_AT_A_TIME:
         command.upgrade(config, "head")
