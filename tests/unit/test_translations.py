@@ -14,7 +14,8 @@ import pytest
 from babel.messages.mofile import read_mo
 
 from adibas.cli.command_line import COMMANDS
-from adibas.texts import LANGUAGES, Message, Texts
+from adibas.data.corrections import LONGEST_LABEL
+from adibas.texts import LANGUAGES, Message, Texts, speaking
 from installers.translations import (
     ARGPARSE_MESSAGES,
     catalogue_path,
@@ -24,6 +25,7 @@ from installers.translations import (
     read_catalogue,
     source_files,
 )
+from ui.review.landmarks import landmark_names
 
 TRANSLATED = [language for language in LANGUAGES if language != "en"]
 PERCENT_FIELD = re.compile(r"%(?:\(\w+\))?[srd]")
@@ -307,6 +309,14 @@ def test_the_command_line_speaks_the_language_of_the_environment(
 )
 def test_the_window_may_ask_for_a_region(language, expected):
     assert Texts(language).translate("Angles") == expected
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_names_of_landmarks_fit_a_marker_and_differ(language):
+    with speaking(language):
+        names = landmark_names()
+    assert [name for name in names if len(name) > LONGEST_LABEL] == []
+    assert len(set(names)) == len(names)
 
 
 @pytest.mark.parametrize("language", TRANSLATED)
