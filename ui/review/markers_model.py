@@ -1,0 +1,100 @@
+"""The list of markers as a table; names can be typed into it."""
+
+import math
+from typing import Any
+
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+
+from adibas.data.markers import Marker
+from adibas.texts import translate as _
+from ui.review.content import Points
+from ui.review.wording import NOTHING, number
+
+Role = Qt.ItemDataRole
+Index = QModelIndex | QPersistentModelIndex
+NAME, X, Z, REMARK = 0, 1, 3, 4
+MM_PER_M = 1000.0
+
+
+class MarkersModel(QAbstractTableModel):
+    """Name, x, y, z with standard deviations, and what must be known of each marker."""
+
+    renamed = Signal(str, str)
+    """A marker's name, and the one that was typed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._points = Points()
+
+    def show_points(self, points: Points) -> None:
+        """Show these markers; where only values changed the selection stays."""
+        before = [one.label for one in self._points.markers]
+        if before == [one.label for one in points.markers]:
+            self._points = points
+            if before:
+                self.dataChanged.emit(self.index(0, 0), self.index(len(before) - 1, REMARK))
+        else:
+            self.beginResetModel()
+            self._points = points
+            self.endResetModel()
+
+    def label(self, row: int) -> str:
+        """Return the name in a row."""
+        return self._points.markers[row].label
+
+    def row_of(self, label: str | None) -> int | None:
+        """Return where a marker stands."""
+        labels = [one.label for one in self._points.markers]
+        return labels.index(label) if label in labels else None
+
+    def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: N802, B008  (Qt's)
+        return 0 if parent.isValid() else len(self._points.markers)
+
+    def columnCount(self, parent: Index = QModelIndex()) -> int:  # noqa: N802, B008  (Qt's)
+        return 0 if parent.isValid() else REMARK + 1
+
+    def headerData(  # noqa: N802  (Qt's name)
+        self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole
+    ) -> Any:
+        if role != Role.DisplayRole or orientation != Qt.Orientation.Horizontal:
+            return None
+        return (_("Marker"), "x [mm]", "y [mm]", "z [mm]", _("Remark"))[section]
+
+    def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
+        marker, column = self._points.markers[index.row()], index.column()
+        if role == Role.EditRole and column == NAME:
+            return marker.label
+        if role == Role.TextAlignmentRole and X <= column <= Z:
+            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        if role not in (Role.DisplayRole, Role.ToolTipRole):
+            return None
+        if column == NAME:
+            return marker.label
+        return self._remark(marker) if column == REMARK else _coordinate(marker, column - X)
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        flags = super().flags(index)
+        if index.column() == NAME and self._points.can_edit:
+            flags |= Qt.ItemFlag.ItemIsEditable
+        return flags
+
+    def setData(  # noqa: N802  (Qt's name)
+        self, index: Index, value: Any, role: int = Role.EditRole
+    ) -> bool:
+        if role != Role.EditRole or index.column() != NAME:
+            return False
+        self.renamed.emit(self.label(index.row()), str(value))
+        return True
+
+    def _remark(self, marker: Marker) -> str:
+        is_placed = marker.label in self._points.by_hand
+        if marker.position_m is None:
+            return _("corrected by hand; no depth here") if is_placed else _("no depth here")
+        return _("corrected by hand") if is_placed else ""
+
+
+def _coordinate(marker: Marker, axis: int) -> str:
+    if marker.position_m is None or marker.covariance_m2 is None:
+        return NOTHING
+    deviation_mm = MM_PER_M * math.sqrt(marker.covariance_m2[axis, axis])
+    return f"{number(MM_PER_M * marker.position_m[axis])} \u00b1 {number(deviation_mm)}"

@@ -1,0 +1,64 @@
+"""The notes of the session, saved while they are typed."""
+
+from PySide6.QtCore import QEvent, QObject, QTimer, Signal
+from PySide6.QtWidgets import QLabel, QPlainTextEdit, QVBoxLayout, QWidget
+
+from adibas.texts import translate as _
+
+PAUSE_MS = 1500
+"""Without a key, until what was typed is saved."""
+
+
+class NotesPanel(QWidget):
+    """A field for free text, and what must be known of the capture."""
+
+    written = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._label, self._notices = QLabel(self), QLabel(self)
+        self._text = QPlainTextEdit(self)
+        self._text.setTabChangesFocus(True)
+        self._label.setBuddy(self._text)
+        self._notices.setWordWrap(True)
+        self._notices.setProperty("kind", "warning")
+        self._notices.hide()
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(PAUSE_MS)
+        self._pause.timeout.connect(self.save)
+        self._text.textChanged.connect(self._pause.start)
+        self._text.installEventFilter(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 8, 8, 8)
+        for widget in (self._notices, self._label, self._text):
+            layout.addWidget(widget)
+        self.retranslate()
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._label.setText(_("&Notes of the session"))
+        self._text.setPlaceholderText(_("What is worth remembering; it is saved as you type."))
+
+    def show_notes(self, notes: str, *, can_edit: bool) -> None:
+        """Show saved notes; what is being typed is not disturbed."""
+        self._text.setReadOnly(not can_edit)
+        if not self._pause.isActive() and self._text.toPlainText() != notes:
+            self._text.setPlainText(notes)
+            self._pause.stop()
+
+    def show_notices(self, sentences: tuple[str, ...]) -> None:
+        """Show what must be known of the capture."""
+        self._notices.setText("\n".join(sentences))
+        self._notices.setVisible(bool(sentences))
+
+    def save(self) -> None:
+        """Hand out what was typed and not saved yet."""
+        self._pause.stop()
+        if not self._text.isReadOnly():
+            self.written.emit(self._text.toPlainText())
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802  (Qt's name)
+        if event.type() == QEvent.Type.FocusOut and self._pause.isActive():
+            self.save()
+        return super().eventFilter(watched, event)

@@ -1,0 +1,180 @@
+"""The surface and the markers from any side; painted without OpenGL, so that it works anywhere."""
+
+import numpy as np
+from PySide6.QtCore import QPointF, QSize, Qt
+from PySide6.QtGui import (
+    QColor,
+    QImage,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPen,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QWidget
+
+from adibas.arrays import FloatArray
+from adibas.data.markers import Marker
+from adibas.texts import translate as _
+from ui.review.content import Space
+from ui.theme import DRAWN
+
+GROUND_RGB = (17, 22, 27)
+WHEEL_STEP = 1.2
+TURN_PER_PX = 0.008
+TURN_PER_KEY = 0.1
+STEEPEST_RAD = 1.4
+LEAST_ZOOM, MOST_ZOOM = 0.3, 8.0
+DOT_PX = 4.0
+TURNS = {
+    Qt.Key.Key_Left: (-TURN_PER_KEY, 0.0),
+    Qt.Key.Key_Right: (TURN_PER_KEY, 0.0),
+    Qt.Key.Key_Up: (0.0, -TURN_PER_KEY),
+    Qt.Key.Key_Down: (0.0, TURN_PER_KEY),
+}
+
+
+class SpaceView(QWidget):
+    """Turns with the mouse or the arrows, comes nearer with the wheel or plus, 0 looks from ahead.
+
+    Points are projected in parallel: distances across the view can be compared.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._space: Space | None = None
+        self._middle_m = np.zeros(3)
+        self._size_m = 1.0
+        self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
+        self._pressed_at: QPointF | None = None
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMinimumSize(160, 120)
+
+    def sizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        return QSize(640, 480)
+
+    def show_space(self, space: Space | None) -> None:
+        """Show another surface, from ahead."""
+        self._space = space
+        if space is not None and len(space.points_m):
+            low, self._middle_m, high = np.percentile(space.points_m, (5, 50, 95), axis=0)
+            self._size_m = float(max((high - low)[:2].max(), 0.3)) * 1.3
+        self._look_from_ahead()
+
+    def show_markers(self, markers: tuple[Marker, ...]) -> None:
+        """Show the markers where they are now."""
+        if self._space is not None:
+            self._space = Space(
+                self._space.points_m, self._space.colors_rgb, markers, self._space.rotation_deg
+            )
+            self.update()
+
+    def project(self, points_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the (N, 2) places in the widget and the (N) depths of points."""
+        turned = (points_m - self._middle_m) @ self._rotation().T
+        scale = min(self.width(), self.height()) / self._size_m * self._zoom
+        middle = np.array([self.width() / 2, self.height() / 2])
+        return turned[:, :2] * scale + middle, turned[:, 2]
+
+    def _rotation(self) -> FloatArray:
+        """Return the axes of the view in the camera's: upright first, then turned and tilted."""
+        roll = np.deg2rad(0 if self._space is None else self._space.rotation_deg)
+        about_y, about_x = (np.cos(a) for a in (self._yaw_rad, self._pitch_rad))
+        s_y, s_x, s_r = np.sin(self._yaw_rad), np.sin(self._pitch_rad), np.sin(roll)
+        upright = np.array([[np.cos(roll), -s_r, 0.0], [s_r, np.cos(roll), 0.0], [0.0, 0.0, 1.0]])
+        turned = np.array([[about_y, 0.0, s_y], [0.0, 1.0, 0.0], [-s_y, 0.0, about_y]])
+        tilted = np.array([[1.0, 0.0, 0.0], [0.0, about_x, -s_x], [0.0, s_x, about_x]])
+        return np.asarray(tilted @ turned @ upright)
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
+        painter = QPainter(self)
+        painter.fillRect(event.rect(), QColor(*GROUND_RGB))
+        if self._space is None:
+            painter.setPen(QColor("#B3C0CB"))
+            wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            text = _("No depth was kept with this capture, so there is nothing to turn.")
+            painter.drawText(self.rect().adjusted(16, 16, -16, -16), wrapped, text)
+        else:
+            painter.drawImage(0, 0, self._surface_image(self._space))
+            self._paint_markers(painter, self._space)
+        if self.hasFocus():
+            painter.setPen(QColor(DRAWN["plumb"]))
+            painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+
+    def _surface_image(self, space: Space) -> QImage:
+        """Paint the points from far to near, each a square that leaves no gaps when fitted."""
+        width, height = self.width(), self.height()
+        picture = np.empty((height, width, 3), np.uint8)
+        picture[:] = GROUND_RGB
+        places, depths = self.project(space.points_m)
+        order = np.argsort(-depths, kind="stable")
+        columns, rows = np.rint(places[order]).astype(np.int64).T
+        colors = space.colors_rgb[order]
+        side = 2 if self._zoom < WHEEL_STEP else 3
+        for down in range(side):
+            for across in range(side):
+                x, y = columns + across, rows + down
+                is_seen = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+                picture[y[is_seen], x[is_seen]] = colors[is_seen]
+        image = QImage(picture.data, width, height, 3 * width, QImage.Format.Format_RGB888)
+        return image.copy()
+
+    def _paint_markers(self, painter: QPainter, space: Space) -> None:
+        placed = [one for one in space.markers if one.position_m is not None]
+        if not placed:
+            return
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        places, _depths = self.project(np.array([one.position_m for one in placed], float))
+        for marker, (x, y) in zip(placed, places.tolist(), strict=True):
+            painter.setPen(QPen(QColor(0, 0, 0), 1.5))
+            painter.setBrush(QColor(DRAWN["selected"]))
+            painter.drawEllipse(QPointF(x, y), DOT_PX, DOT_PX)
+            path = QPainterPath()
+            path.addText(QPointF(x + 7, y - 5), painter.font(), marker.label)
+            painter.strokePath(path, QPen(QColor(0, 0, 0, 190), 3.0))
+            painter.fillPath(path, QColor(DRAWN["selected"]))
+
+    def _turn(self, right_rad: float, down_rad: float) -> None:
+        self._yaw_rad += right_rad
+        tilt = self._pitch_rad - down_rad
+        self._pitch_rad = min(max(tilt, -STEEPEST_RAD), STEEPEST_RAD)
+        self.update()
+
+    def _zoom_by(self, factor: float) -> None:
+        self._zoom = min(max(self._zoom * factor, LEAST_ZOOM), MOST_ZOOM)
+        self.update()
+
+    def _look_from_ahead(self) -> None:
+        self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
+        self.update()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802  (Qt's name)
+        self._pressed_at = event.position()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802  (Qt's name)
+        if self._pressed_at is not None:
+            step = event.position() - self._pressed_at
+            self._pressed_at = event.position()
+            self._turn(step.x() * TURN_PER_PX, step.y() * TURN_PER_PX)
+
+    def mouseReleaseEvent(self, _event: QMouseEvent) -> None:  # noqa: N802  (Qt's name)
+        self._pressed_at = None
+
+    def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802  (Qt's name)
+        self._zoom_by(WHEEL_STEP ** (event.angleDelta().y() / 120))
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
+        key = event.key()
+        if key in TURNS:
+            self._turn(*TURNS[Qt.Key(key)])
+        elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
+            self._zoom_by(WHEEL_STEP)
+        elif key == Qt.Key.Key_Minus:
+            self._zoom_by(1 / WHEEL_STEP)
+        elif key == Qt.Key.Key_0:
+            self._look_from_ahead()
+        else:
+            super().keyPressEvent(event)
