@@ -75,7 +75,7 @@ def plumb_line(up: FloatArray, camera: CameraCalibration) -> PlumbLine:
         vertical=vertical,
         horizon=horizon,
         roll_rad=_lean(math.atan2(along[0], -along[1])),
-        pitch_rad=-math.asin(float(np.clip(up[2], -1.0, 1.0))),
+        pitch_rad=math.asin(float(np.clip(up[2], -1.0, 1.0))),
     )
 
 

@@ -53,7 +53,7 @@ class CaptureSurface:
     ) -> None:
         if calibration.color is None:
             raise ValueError("a capture has a colour camera")
-        self._focal_px = calibration.color.intrinsics.fx
+        self._camera = calibration.color
         self._finder = (
             None
             if surface is None
@@ -84,7 +84,7 @@ class CaptureSurface:
         if covariance_px2 is None:
             covariance_px2 = np.eye(2) * HAND_SD_PX**2
         plain = Marker(label, u, v, radius_px, np.array(covariance_px2, float))
-        if self._finder is None:
+        if self._finder is None or not self._is_in_picture(u, v):
             return plain
         place = self._finder.locate(np.array([u, v]), plain.covariance_px2)
         if place is None:
@@ -116,7 +116,10 @@ class CaptureSurface:
             return by_hand(u, v)
         position_m = self.measured("here", u, v).position_m
         distance_m = None if position_m is None else float(position_m[2])
-        return snap(picture_rgb, (u, v), reach_px, target, (distance_m, self._focal_px))
+        return snap(picture_rgb, (u, v), reach_px, target, (distance_m, self._camera.intrinsics.fx))
+
+    def _is_in_picture(self, u: float, v: float) -> bool:
+        return -0.5 <= u <= self._camera.width - 0.5 and -0.5 <= v <= self._camera.height - 0.5  # noqa: PLR2004
 
 
 def measures_of(markers: tuple[Marker, ...]) -> Measures:

@@ -1,0 +1,137 @@
+"""What is seen in a live frame, against the simulator's truth."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from adibas.alignment.registration import register_depth
+from adibas.data.frames import EncodedImage, SensorFrame
+from adibas.markers.color_model import LearningParams, grow_region, learn_colors
+from adibas.markers.lab import rgb_to_lab
+from adibas.markers.led import LedParams
+from adibas.pipeline import hints
+from adibas.pipeline.acquisition import Arrival
+from adibas.pipeline.looking import Look, look_at
+from adibas.pipeline.posture import PostureParams
+from adibas.simulation.scenes import open_scene
+
+
+def arrival_of(scene, sensor_frame=None):
+    sensor_frame = sensor_frame or scene.frame(0).sensor_frame
+    return Arrival(sensor_frame, scene.info, 29.5, 3)
+
+
+def learned(simulated):
+    """The colour of the two markers that face the camera most."""
+    lab = rgb_to_lab(simulated.sensor_frame.color)
+    facing = sorted(simulated.truth.markers, key=lambda marker: marker.view_angle_rad)[:2]
+    taken = sum(grow_region(lab, (one.u, one.v), 20.0) for one in facing) > 0
+    rng = np.random.default_rng(0)
+    return learn_colors(lab[taken].astype(float), rng, LearningParams(), {})
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """A patient who is seen from head to foot."""
+    return open_scene("anterior", seed=7, distance_m=2.7, tilt_rad=0.05)
+
+
+def test_a_patient_is_outlined_and_the_markers_are_found(whole):
+    simulated = whole.frame(0)
+    live = look_at(arrival_of(whole), Look(target=learned(simulated)))
+    visible = [one for one in simulated.truth.markers if one.is_visible]
+    found = np.array([[blob.u, blob.v] for blob in live.detections.blobs])
+    distances = [np.hypot(*(found - [one.u, one.v]).T).min() for one in visible]
+    assert np.median(distances) < 0.5
+    rows, columns = np.array([[round(one.v), round(one.u)] for one in visible]).T
+    assert live.outline[rows, columns].all()
+    assert 0.03 < live.outline.mean() < 0.3
+    assert (live.frame_rate_hz, live.n_dropped, live.hints) == (29.5, 3, ())
+
+
+def test_the_depth_is_shown_in_both_pictures(whole):
+    live = look_at(arrival_of(whole), Look())
+    assert live.detections is None
+    expected_m = register_depth(live.depth_m, whole.info.calibration)
+    np.testing.assert_array_equal(live.depth_in_color_m, expected_m)
+    truth_m = whole.frame(0).truth.depth_m
+    # A step of the sensor's disparity.
+    assert np.nanmedian(np.abs(1 / live.depth_m - 1 / truth_m)) < 2.9e-3
+
+
+@pytest.mark.parametrize("knows", ["floor", "gravity", "nothing"])
+def test_the_camera_looks_down_as_it_was_put_up(whole, knows):
+    given = whole.info.calibration
+    known = {
+        "floor": given,
+        "gravity": replace(given, floor=None),
+        "nothing": replace(given, floor=None, gravity=None),
+    }[knows]
+    live = look_at(arrival_of(whole), Look(calibration=known))
+    # The colour camera is turned against the depth camera by some milliradians.
+    up_color = -given.color_from_depth.rotation @ given.gravity
+    assert live.plumb.pitch_rad == pytest.approx(np.arcsin(up_color[2]), abs=0.01)
+    assert live.plumb.pitch_rad < -0.03
+
+
+def test_without_floor_and_gravity_there_is_no_plumb_line():
+    scene = open_scene("empty", color_size=(480, 640), tilt_rad=-0.5)
+    bare = replace(scene.info.calibration, floor=None, gravity=None)
+    live = look_at(arrival_of(scene), Look(calibration=bare))
+    assert live.plumb is None
+    assert live.outline is None
+    assert hints.NOBODY in live.hints
+
+
+def test_a_sensor_on_its_side_finds_the_floor_by_its_mounting():
+    scene = open_scene("anterior", seed=2, mounting="portrait", color_size=(480, 640))
+    bare = replace(scene.info.calibration, floor=None, gravity=None)
+    turned = Look(calibration=bare, params=PostureParams(rotation_deg=90))
+    live = look_at(arrival_of(scene), turned)
+    assert abs(live.plumb.roll_rad) < 0.02
+    assert live.plumb.vertical[0][0] < live.plumb.vertical[1][0], "up is at the picture's left"
+    assert live.outline is not None
+
+
+def test_leds_are_found(whole):
+    scene = open_scene("anterior_led", seed=7, distance_m=2.7)
+    live = look_at(arrival_of(scene), Look(target=LedParams()))
+    visible = [one for one in scene.frame(0).truth.markers if one.is_visible]
+    assert len(live.detections.blobs) >= len(visible) - 1
+    bright = look_at(arrival_of(whole), Look(target=LedParams(rim_share=0.01)))
+    assert bright.detections is None
+    assert hints.TOO_BRIGHT in bright.hints
+
+
+def test_a_colour_that_fits_everything_is_told(whole):
+    lab = rgb_to_lab(whole.frame(0).sensor_frame.color)
+    outline = look_at(arrival_of(whole), Look()).outline
+    skin = learn_colors(
+        lab[outline][::50].astype(float), np.random.default_rng(0), LearningParams(), {}
+    )
+    live = look_at(arrival_of(whole), Look(target=skin))
+    assert live.detections is None
+    assert hints.COLOR_FITS_ALL in live.hints
+    assert live.outline is not None
+
+
+def test_what_cannot_be_measured_is_shown_and_told(whole):
+    frame = whole.frame(0).sensor_frame
+    bare = replace(whole.info, calibration=None)
+    live = look_at(Arrival(frame, bare, 0.0, 0), Look())
+    assert live.hints == (hints.NO_CALIBRATION,)
+    assert live.depth_in_color_m is None
+    small = SensorFrame(0, 0, frame.depth_raw[:-1], frame.color, 0)
+    assert look_at(arrival_of(whole, small), Look()).hints == (hints.NO_CALIBRATION,)
+
+
+@pytest.mark.parametrize("color", [None, EncodedImage("jpeg", b"no picture")])
+def test_a_frame_without_a_whole_colour_picture_shows_its_depth(whole, color):
+    frame = replace(
+        whole.frame(0).sensor_frame, color=color, color_timestamp_ns=None if color is None else 5
+    )
+    live = look_at(arrival_of(whole, frame), Look())
+    assert live.color_rgb is None
+    assert live.hints == (hints.NO_COLOR,)
+    assert np.isfinite(live.depth_m).any()
