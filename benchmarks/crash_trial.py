@@ -15,7 +15,7 @@ import numpy as np
 
 from adibas.errors import AdibasError
 from adibas.sessions import SessionStore, open_store
-from benchmarks.crash_victim import PASSPHRASE, work
+from benchmarks.crash_victim import CHEAP, PASSPHRASE, work
 
 Said = list[str | int]
 
@@ -147,7 +147,7 @@ def look(folder: Path, outcome: Outcome, everything: Acknowledged, latest: Ackno
     """Open the store again and compare it with what was acknowledged."""
     start_s = time.perf_counter()
     try:
-        with open_store(folder, PASSPHRASE) as store:
+        with open_store(folder, PASSPHRASE, key_params=CHEAP) as store:
             outcome.opening_s = time.perf_counter() - start_s
             _compare(store, outcome, everything)
             _compare_recordings(store, outcome, everything, latest)

@@ -1,8 +1,9 @@
-"""How fast the reports of one capture are written."""
+"""How fast reports are written."""
 
 import tempfile
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from adibas.reports import write_report
 from benchmarks.table import Row
 
 N_MARKERS = 15
+N_VIEWS = 4
 SEED = 5
 GOAL_MS = 200.0
 
@@ -24,12 +26,18 @@ def rows(*, quick: bool) -> Iterable[Row]:
     """Measure CPU time; with `quick` fewer rounds."""
     analysis = _analysis()
     n_measures = len(analysis.distances) + len(analysis.angles)
+    n_rounds = 3 if quick else 9
     report = report_of_analysis(analysis, "en")
+    views = replace(report, captures=report.captures * N_VIEWS)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "report.xlsx"
-        excel_ms = _median_ms(lambda: write_report(report, path), n_rounds=3 if quick else 9)
+        excel, pdf = Path(folder) / "report.xlsx", Path(folder) / "report.pdf"
+        excel_ms = _median_ms(lambda: write_report(report, excel), n_rounds)
+        pdf_ms = _median_ms(lambda: write_report(report, pdf), n_rounds)
+        views_ms = _median_ms(lambda: write_report(views, pdf), n_rounds)
     name = f"Excel report of {N_MARKERS} markers, {n_measures:,} distances and angles, CPU time"
     yield Row(name, excel_ms, "ms", GOAL_MS, "goal <=")
+    yield Row("PDF report of the same, one view, CPU time", pdf_ms, "ms")
+    yield Row(f"PDF report of {N_VIEWS} views, CPU time", views_ms, "ms")
 
 
 def _analysis() -> PostureAnalysis:

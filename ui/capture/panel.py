@@ -121,6 +121,11 @@ class DisplayPanel(QGroupBox):
         """One of color, both, blended, depth."""
         return str(self._mode.currentData())
 
+    def choose_mode(self, mode: str) -> None:
+        """Show another one of them."""
+        self._mode.setCurrentIndex(self._mode.findData(mode))
+        self.changed.emit()
+
     def shows(self, name: str) -> bool:
         """Say whether body, markers or plumb are drawn."""
         return self._boxes[name].isChecked()

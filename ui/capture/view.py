@@ -118,6 +118,10 @@ class CaptureScreen(Screen):
         """Replay a dropped recording."""
         self._presenter.open_recording(path)
 
+    def show_both(self) -> None:
+        """Show colour and depth side by side."""
+        self._display.choose_mode("both")
+
     def show_sources(self, choices: tuple[SourceChoice, ...], chosen: str) -> None:
         self._source.show_sources(choices, chosen)
 
