@@ -12,10 +12,12 @@ PAUSE_MS = 1500
 class NotesPanel(QWidget):
     """A field for free text, and what must be known of the capture."""
 
-    written = Signal(str)
+    written = Signal(str, str)
+    """The session, and its notes."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._session_id, self._saved = "", ""
         self._label, self._notices = QLabel(self), QLabel(self)
         self._text = QPlainTextEdit(self)
         self._text.setTabChangesFocus(True)
@@ -40,10 +42,13 @@ class NotesPanel(QWidget):
         self._label.setText(_("&Notes of the session"))
         self._text.setPlaceholderText(_("What is worth remembering; it is saved as you type."))
 
-    def show_notes(self, notes: str, *, can_edit: bool) -> None:
-        """Show saved notes; what is being typed is not disturbed."""
+    def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
+        """Show saved notes; what is being typed for the same session is not disturbed."""
         self._text.setReadOnly(not can_edit)
-        if not self._pause.isActive() and self._text.toPlainText() != notes:
+        is_typing = self._pause.isActive() and session_id == self._session_id
+        if not is_typing:
+            self.save()
+            self._session_id, self._saved = session_id, notes
             self._text.setPlainText(notes)
             self._pause.stop()
 
@@ -55,8 +60,10 @@ class NotesPanel(QWidget):
     def save(self) -> None:
         """Hand out what was typed and not saved yet."""
         self._pause.stop()
-        if not self._text.isReadOnly():
-            self.written.emit(self._text.toPlainText())
+        notes = self._text.toPlainText()
+        if notes != self._saved and not self._text.isReadOnly():
+            self._saved = notes
+            self.written.emit(self._session_id, notes)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802  (Qt's name)
         if event.type() == QEvent.Type.FocusOut and self._pause.isActive():

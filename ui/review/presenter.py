@@ -28,7 +28,9 @@ class ReviewView(PointsView, Protocol):
     def show_nothing(self, sentence: str, screen: str) -> None:
         """Say what to do first, and offer the screen where it is done."""
 
-    def show_captures(self, items: tuple[CaptureItem, ...], chosen: str | None) -> None:
+    def show_captures(
+        self, items: tuple[CaptureItem, ...], chosen: str | None, rotation_deg: int
+    ) -> None:
         """Show the strip."""
 
     def show_picture(self, picture_rgb: UInt8Array | None, rotation_deg: int) -> None:
@@ -37,8 +39,8 @@ class ReviewView(PointsView, Protocol):
     def show_notices(self, sentences: tuple[str, ...]) -> None:
         """Show what must be known of the capture."""
 
-    def show_notes(self, notes: str, *, can_edit: bool) -> None:
-        """Show the notes of the session."""
+    def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
+        """Show the notes of a session."""
 
     def show_names(self, names: tuple[str, ...]) -> None:
         """Suggest names that this patient's markers had."""
@@ -93,17 +95,16 @@ class ReviewPresenter:
         if capture_id != self._opened:
             self._workspace.choose_capture(capture_id)
 
-    def change_notes(self, notes: str) -> None:
-        """Save the notes of the session."""
-        session = self._session
-        if session is None or notes == session.notes or self._workspace.store.is_read_only:
-            return
+    def change_notes(self, session_id: str, notes: str) -> None:
+        """Save the notes of a session; its content is told to others where it is looked at."""
 
         def save() -> None:
-            self._session = self._workspace.store.sessions.change(session.session_id, notes=notes)
+            changed = self._workspace.store.sessions.change(session_id, notes=notes)
+            now = self._workspace.session
+            if now is not None and now.session_id == session_id:
+                self._workspace.choose_session(changed)
 
-        if self._workspace.attempt(save) and self._is_looked_at(session):
-            self._workspace.choose_session(self._session)
+        self._workspace.attempt(save)
 
     def open_space(self) -> None:
         """Show the surface of the capture in 3-D."""
@@ -134,10 +135,6 @@ class ReviewPresenter:
     def _capture(self) -> Capture | None:
         return None if self._opened is None else self._captures.get(self._opened)
 
-    def _is_looked_at(self, session: Session) -> bool:
-        now = self._workspace.session
-        return now is not None and now.session_id == session.session_id
-
     def _on_session(self) -> None:
         if self._is_seen:
             self._show_session()
@@ -156,7 +153,7 @@ class ReviewPresenter:
         if not self._workspace.attempt(lambda: self._read(session)):
             self._captures = {}
         is_editable = not self._workspace.store.is_read_only
-        self._view.show_notes(session.notes, can_edit=is_editable)
+        self._view.show_notes(session.session_id, session.notes, can_edit=is_editable)
         if not self._captures:
             self._show_nothing(_("This session has no picture yet. Take one first."), "capture")
             return
@@ -168,7 +165,6 @@ class ReviewPresenter:
     def _show_nothing(self, sentence: str, screen: str) -> None:
         self._opened = None
         self.points.close_capture()
-        self._view.show_captures((), None)
         self._view.show_nothing(sentence, screen)
 
     def _read(self, session: Session) -> None:
@@ -206,7 +202,7 @@ class ReviewPresenter:
             )
             for one in self._captures.values()
         )
-        self._view.show_captures(tuple(items), self._opened)
+        self._view.show_captures(tuple(items), self._opened, self._rotation_deg)
 
     def _load_picture(self, capture: Capture) -> None:
         """Read the picture first, so that it is seen at once; then the surface."""

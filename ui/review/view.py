@@ -1,0 +1,249 @@
+"""The review screen: captures, picture, markers, measures, notes. No decisions."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSplitter,
+    QStackedWidget,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.arrays import UInt8Array
+from adibas.texts import translate as _
+from ui.navigation import TITLES
+from ui.review.capture_strip import CaptureStrip
+from ui.review.content import CaptureItem, MeasureRow, Mode, Points, Space
+from ui.review.drawing import overlays_of, refused_index
+from ui.review.markers_panel import MarkersPanel
+from ui.review.measures_panel import MeasuresPanel
+from ui.review.notes_panel import NotesPanel
+from ui.review.presenter import ReviewPresenter
+from ui.review.space_view import SpaceView
+from ui.review.tools import ReviewTools
+from ui.review.wording import MODE_HINTS, READ_ONLY_HINT, WAIT_HINT
+from ui.theme import Theme
+from ui.widgets.image_view import WHEEL_STEP, ImageView
+from ui.widgets.screen import Screen
+
+NOTHING_PAGE, REVIEW_PAGE = 0, 1
+PICTURE_PAGE, SPACE_PAGE = 0, 1
+PANEL_WIDTH = 470
+
+
+class ReviewScreen(Screen):
+    """The strip at the left, the picture in the middle, the numbers at the right."""
+
+    name = "review"
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._points = Points()
+        self._wanted_screen = "patients"
+        self._is_read_only = False
+        self._tools = ReviewTools(theme, self)
+        self._hint, self._nothing = QLabel(self), QLabel(self)
+        self._go = QPushButton(self)
+        self._strip = CaptureStrip(self)
+        self._image, self._space = ImageView(self), SpaceView(self)
+        self._markers, self._notes = MarkersPanel(self), NotesPanel(self)
+        self._measures, self._upper = MeasuresPanel(self), QTabWidget(self)
+        self._center, self._pages = QStackedWidget(self), QStackedWidget(self)
+        self._lay_out()
+        escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self)
+        escape.setContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
+        self._escape = escape
+        self.retranslate()
+
+    def _lay_out(self) -> None:
+        self._hint.setWordWrap(True)
+        self._hint.setProperty("kind", "quiet")
+        self._upper.addTab(self._markers, "")
+        self._upper.addTab(self._notes, "")
+        for widget in (self._image, self._space):
+            self._center.addWidget(widget)
+        numbers = QSplitter(Qt.Orientation.Vertical, self)
+        numbers.addWidget(self._upper)
+        numbers.addWidget(self._measures)
+        across = QSplitter(self)
+        across.addWidget(self._center)
+        across.addWidget(numbers)
+        across.setStretchFactor(0, 1)
+        across.setSizes([2 * PANEL_WIDTH, PANEL_WIDTH])
+        across.setChildrenCollapsible(False)
+        row = QHBoxLayout()
+        row.setSpacing(8)
+        row.addWidget(self._strip)
+        row.addWidget(across, 1)
+        review = QWidget(self)
+        column = QVBoxLayout(review)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self._tools)
+        column.addWidget(self._hint)
+        column.addLayout(row, 1)
+        for page in (self._nothing_page(), review):
+            self._pages.addWidget(page)
+        outer = QVBoxLayout(self)
+        outer.setContentsMargins(0, 0, 0, 0)
+        outer.addWidget(self._pages)
+
+    def _nothing_page(self) -> QWidget:
+        page = QWidget(self)
+        self._nothing.setWordWrap(True)
+        self._nothing.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._nothing.setProperty("kind", "title")
+        self._go.setProperty("main", True)
+        column = QVBoxLayout(page)
+        column.setSpacing(16)
+        column.addStretch()
+        column.addWidget(self._nothing)
+        column.addWidget(self._go, 0, Qt.AlignmentFlag.AlignHCenter)
+        column.addStretch()
+        return page
+
+    def bind(self, presenter: ReviewPresenter) -> None:
+        """Send what the user does to `presenter`, and own it."""
+        self._presenter = presenter
+        points = presenter.points
+        self._strip.chosen.connect(presenter.choose_capture)
+        self._notes.written.connect(presenter.change_notes)
+        self._go.clicked.connect(self._on_go)
+        self._tools.mode_chosen.connect(points.choose_mode)
+        self._tools.asked.connect(self._on_tool)
+        self._tools.switched.connect(self._on_switch)
+        self._escape.activated.connect(points.escape)
+        self._image.dot_pressed.connect(self._on_dot)
+        self._image.dot_dragged.connect(points.drag)
+        self._image.dot_dropped.connect(
+            lambda name, u, v: points.drop(name, u, v, is_free=self._is_free())
+        )
+        self._image.clicked.connect(lambda u, v: points.click(u, v, is_free=self._is_free()))
+        self._image.nudged.connect(points.nudge)
+        self._image.nudge_ended.connect(points.end_nudge)
+        self._markers.chosen.connect(points.select)
+        self._markers.entered.connect(points.press)
+        self._markers.renamed.connect(points.rename)
+        self._measures.kept.connect(points.keep_measure)
+        self._measures.removed.connect(points.remove_measure)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        for part in (self._tools, self._strip, self._markers, self._measures, self._notes):
+            part.retranslate()
+        self._upper.setTabText(0, _("Markers"))
+        self._upper.setTabText(1, _("Notes"))
+        self._upper.setAccessibleName(_("Markers and notes"))
+        self._measures.setAccessibleName(_("Measures"))
+        self._image.setAccessibleName(_("Picture with markers"))
+        self._image.set_placeholder(_("The picture is being read"))
+        self._space.setAccessibleName(_("Surface in 3-D"))
+        self._go.setText(_("Go to {screen}").format(screen=_(TITLES[self._wanted_screen])))
+        self.show_points(self._points)
+
+    def entered(self) -> None:
+        self._presenter.entered()
+
+    def left(self) -> None:
+        self._notes.save()
+        self._presenter.left()
+
+    def closed(self) -> None:
+        self._notes.save()
+        self._presenter.close()
+
+    def show_nothing(self, sentence: str, screen: str) -> None:
+        self._nothing.setText(sentence)
+        self._wanted_screen = screen
+        self._go.setText(_("Go to {screen}").format(screen=_(TITLES[screen])))
+        self._pages.setCurrentIndex(NOTHING_PAGE)
+
+    def show_captures(
+        self, items: tuple[CaptureItem, ...], chosen: str | None, rotation_deg: int
+    ) -> None:
+        self._strip.show_items(items, chosen, rotation_deg)
+        self._pages.setCurrentIndex(REVIEW_PAGE)
+
+    def show_picture(self, picture_rgb: UInt8Array | None, rotation_deg: int) -> None:
+        self._image.set_rotation(rotation_deg)
+        self._image.set_picture(picture_rgb)
+        self._tools.action_named("space").setChecked(False)
+        self._center.setCurrentIndex(PICTURE_PAGE)
+
+    def show_notices(self, sentences: tuple[str, ...]) -> None:
+        self._notes.show_notices(sentences)
+
+    def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
+        self._is_read_only = not can_edit
+        self._notes.show_notes(session_id, notes, can_edit=can_edit)
+
+    def show_names(self, names: tuple[str, ...]) -> None:
+        self._markers.suggest(names)
+
+    def show_points(self, points: Points) -> None:
+        self._points = points
+        self._tools.show_points(points)
+        self._markers.show_points(points)
+        self._measures.show_chosen(points.measures, can_edit=points.can_edit)
+        self._image.set_overlays(overlays_of(points))
+        can_nudge = points.can_edit and points.selected is not None and not points.mode.measures
+        self._image.set_nudging(is_on=can_nudge)
+        is_plain = points.mode is Mode.CHOOSE
+        self._image.setCursor(
+            Qt.CursorShape.ArrowCursor if is_plain else Qt.CursorShape.CrossCursor
+        )
+        self._space.show_markers(points.markers)
+        self._hint.setText(self._hint_text(points))
+
+    def show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
+        self._measures.show_all(rows)
+
+    def show_space(self, space: Space | None) -> None:
+        self._space.show_space(space)
+        self._center.setCurrentIndex(SPACE_PAGE)
+
+    def _hint_text(self, points: Points) -> str:
+        if points.can_edit:
+            return _(MODE_HINTS[points.mode])
+        return _(READ_ONLY_HINT) if self._is_read_only else _(WAIT_HINT)
+
+    def _is_free(self) -> bool:
+        return bool(self._image.modifiers & Qt.KeyboardModifier.AltModifier)
+
+    def _on_go(self) -> None:
+        self._presenter.go_to(self._wanted_screen)
+
+    def _on_dot(self, name: str) -> None:
+        index = refused_index(name)
+        if index is None:
+            self._presenter.points.press(name)
+        else:
+            self._presenter.points.adopt(self._points.rejected[index])
+
+    def _on_tool(self, name: str) -> None:
+        points = self._presenter.points
+        actions = {
+            "undo": points.undo,
+            "redo": points.redo,
+            "delete": points.delete,
+            "rename": self._on_rename,
+            "zoom-in": lambda: self._image.zoom_by(WHEEL_STEP**2),
+            "zoom-out": lambda: self._image.zoom_by(WHEEL_STEP**-2),
+            "fit": self._image.fit,
+        }
+        actions[name]()
+
+    def _on_rename(self) -> None:
+        self._upper.setCurrentWidget(self._markers)
+        self._markers.edit_name(self._points.selected)
+
+    def _on_switch(self, name: str, is_on: bool) -> None:
+        if name == "refused":
+            self._presenter.points.show_rejected(is_shown=is_on)
+        elif is_on:
+            self._presenter.open_space()
+        else:
+            self._center.setCurrentIndex(PICTURE_PAGE)
