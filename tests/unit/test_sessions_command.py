@@ -1,0 +1,202 @@
+"""`adibas sessions`: what it prints, writes, refuses, and never tells."""
+
+import json
+
+import pytest
+
+from adibas.cli import main
+from adibas.recordings import open_recording
+from adibas.sessions import default_store_folder
+from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames
+from tests.unit.store_samples import (
+    NAME,
+    PASSPHRASE,
+    MemoryKeyring,
+    add_capture,
+    add_session,
+    open_sample,
+    use_keyring,
+)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
+    return tmp_path / "store"
+
+
+@pytest.fixture
+def session(folder):
+    """One session of one patient, with two recordings and a corrected capture."""
+    with open_sample(folder) as store:
+        session = add_session(store)
+        for seed in (1, 2):
+            with store.recordings.create(session.session_id, INFO) as writer:
+                for frame in make_frames(3, seed=seed):
+                    writer.write(frame)
+        add_capture(store, session, recording_id=writer.recording_id)
+        return session
+
+
+@pytest.fixture
+def run(folder, capsys):
+    """Run the command on the store; gives exit code, stdout, stderr."""
+
+    def command(action, *arguments):
+        code = main(["sessions", action, "--store", str(folder), *arguments])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return command
+
+
+def as_json(run, *arguments):
+    code, out, _ = run(*arguments, "--json")
+    assert code == 0
+    return json.loads(out)
+
+
+def test_list_tells_pseudonyms_and_names_only_when_asked(run, session):
+    code, out, err = run("list")
+    assert (code, err) == (0, "")
+    assert session.patient in out
+    assert session.session_id in out
+    assert NAME not in out
+    assert NAME in run("list", "--names")[1]
+    assert NAME not in json.dumps(as_json(run, "list"), ensure_ascii=False)
+    assert as_json(run, "list", "--names")["patients"][0]["name"] == NAME
+
+
+def test_list_leaves_hidden_ones_out_unless_asked(run, folder, session):
+    with open_sample(folder) as store:
+        store.patients.delete(session.patient)
+    assert as_json(run, "list") == {"patients": []}
+    (patient,) = as_json(run, "list", "--deleted")["patients"]
+    assert patient["is_deleted"]
+    assert "hidden" in run("list", "--deleted")[1]
+    assert "empty" in run("list")[1]
+
+
+def test_show_tells_captures_and_markers(run, session):
+    shown = as_json(run, "show", session.session_id)
+    assert shown["patient"] == session.patient
+    assert [marker["label"] for marker in shown["captures"][0]["markers"]] == ["m01", "m02", "m03"]
+    assert shown["captures"][0]["markers"][2]["position_m"] is None
+    assert [recording["n_frames"] for recording in shown["recordings"]] == [3, 3]
+    out = run("show", session.session_id)[1]
+    assert "anterior" in out
+    assert "1900.0 mm" in out
+    assert "no position" in out
+
+
+def test_export_writes_what_any_reader_opens_and_a_line_in_the_log(run, folder, session, tmp_path):
+    out = tmp_path / "out"
+    written = as_json(run, "export", session.session_id, "--out", str(out))["out"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "posture.json",
+        "recording-01.mcap",
+        "recording-02.mcap",
+    ]
+    assert len(written) == 3
+    for number, seed in ((1, 1), (2, 2)):
+        with open_recording(out / f"recording-{number:02d}.mcap") as reader:
+            for got, want in zip(reader, make_frames(3, seed=seed), strict=True):
+                assert_same_frame(got, want)
+    document = json.loads((out / "posture.json").read_text())
+    assert document["patient"] == session.patient
+    assert all(NAME.encode() not in path.read_bytes() for path in out.iterdir())
+    with open_sample(folder) as store:
+        exports = [entry for entry in store.audit.entries() if entry.action == "export"]
+    assert len(exports) == 3
+    assert all(entry.operator != "op" for entry in exports)
+
+
+def test_export_replaces_nothing_by_mistake(run, session, tmp_path):
+    arguments = ("export", session.session_id, "--out", str(tmp_path / "out"))
+    assert run(*arguments)[0] == 0
+    code, _, err = run(*arguments)
+    assert code == 1
+    assert "exists already" in err
+    assert run(*arguments, "--overwrite")[0] == 0
+
+
+def test_verify_ends_with_1_when_something_is_wrong(run, folder, session):
+    assert session.session_id
+    code, out, _ = run("verify")
+    assert code == 0
+    assert "all is well" in out
+    path = next((folder / "pictures").rglob("*.sealed"))
+    path.write_bytes(path.read_bytes()[:-1])
+    code, out, err = run("verify")
+    assert code == 1
+    assert path.stem in err
+    code, out, _ = run("verify", "--json")
+    assert code == 1
+    assert [finding["kind"] for finding in json.loads(out)["findings"]] == ["changed"]
+
+
+def test_purge_wants_a_yes(run, session):
+    for subject in (session.session_id, session.patient):
+        code, _, err = run("purge", subject)
+        assert code == 1
+        assert "--yes" in err
+    assert as_json(run, "list")["patients"][0]["sessions"] != []
+    assert run("purge", session.session_id, "--yes")[0] == 0
+    assert as_json(run, "list")["patients"][0]["sessions"] == []
+    assert run("purge", session.patient, "--yes")[0] == 0
+    assert as_json(run, "list") == {"patients": []}
+
+
+def test_a_store_that_another_window_holds_is_listed_but_not_purged(run, folder, session):
+    with open_sample(folder):
+        assert as_json(run, "list")["patients"] != []
+        code, _, err = run("purge", session.patient, "--yes")
+    assert code == 1
+    assert "open in another window" in err
+
+
+def test_no_store_is_made_by_looking_for_one(run, folder):
+    code, _, err = run("list")
+    assert code == 1
+    assert "no patient store" in err
+    assert not folder.exists()
+
+
+def test_the_passphrase_comes_from_a_file_before_the_environment(
+    run, session, tmp_path, monkeypatch
+):
+    file = tmp_path / "passphrase"
+    file.write_text(f"{PASSPHRASE}\r\nanother line\n", encoding="utf-8")
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", "a wrong guess")
+    assert session.patient in run("list", "--passphrase-file", str(file))[1]
+    code, _, err = run("list")
+    assert (code, "is wrong" in err) == (1, True)
+    monkeypatch.delenv("ADIBAS_PASSPHRASE")
+    code, _, err = run("list")
+    assert (code, "is locked" in err) == (1, True)
+    code, _, err = run("list", "--passphrase-file", str(tmp_path / "nothing"))
+    assert (code, "nothing cannot be read" in err) == (1, True)
+
+
+def test_the_passphrase_of_the_environment_is_for_stores_that_need_one(folder, run, monkeypatch):
+    from adibas.sessions import open_store
+
+    use_keyring(monkeypatch, MemoryKeyring())
+    open_store(folder).close()
+    assert run("list")[0] == 0
+
+
+def test_the_store_of_the_user_is_taken_where_none_is_named(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("adibas.sessions.default_store_folder", lambda: tmp_path / "mine")
+    assert default_store_folder() != tmp_path / "mine"
+    assert main(["sessions", "list"]) == 1
+    assert str(tmp_path / "mine") in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("action", ["show", "export"])
+def test_a_session_that_is_not_there_is_one_sentence(run, session, tmp_path, action):
+    assert session.session_id
+    out = ["--out", str(tmp_path / "out")] if action == "export" else []
+    code, _, err = run(action, "ab12", *out)
+    assert code == 1
+    assert "no session ab12" in err
