@@ -26,7 +26,7 @@ class CaptureStrip(QListWidget):
         self.setWrapping(False)
         self.setMovement(QListView.Movement.Static)
         self.setIconSize(QSize(SIDE_PX, SIDE_PX))
-        self.setSpacing(4)
+        self.setUniformItemSizes(True)
         self.setWordWrap(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._items: tuple[CaptureItem, ...] = ()
@@ -39,8 +39,9 @@ class CaptureStrip(QListWidget):
         self.setAccessibleName(_("Captures of the session"))
         for row, item in enumerate(self._items):
             self.item(row).setText(_caption(item))
-        width = self.fontMetrics().averageCharWidth() * 14
-        self.setFixedWidth(max(SIDE_PX, width) + 36)
+        width = max(SIDE_PX, self.fontMetrics().averageCharWidth() * 13) + 12
+        self.setGridSize(QSize(width, SIDE_PX + 3 * self.fontMetrics().height() + 16))
+        self.setFixedWidth(width + 26)
 
     def show_items(
         self, items: tuple[CaptureItem, ...], chosen: str | None, rotation_deg: int

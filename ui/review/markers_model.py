@@ -4,11 +4,13 @@ import math
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtGui import QIcon
 
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import Points
 from ui.review.wording import NOTHING, number
+from ui.theme import Theme
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -22,8 +24,9 @@ class MarkersModel(QAbstractTableModel):
     renamed = Signal(str, str)
     """A marker's name, and the one that was typed."""
 
-    def __init__(self) -> None:
+    def __init__(self, theme: Theme) -> None:
         super().__init__()
+        self._theme = theme
         self._points = Points()
 
     def show_points(self, points: Points) -> None:
@@ -62,15 +65,13 @@ class MarkersModel(QAbstractTableModel):
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         marker, column = self._points.markers[index.row()], index.column()
-        if role == Role.EditRole and column == NAME:
-            return marker.label
+        if role in (Role.DisplayRole, Role.ToolTipRole):
+            return self._text(marker, column)
         if role == Role.TextAlignmentRole and X <= column <= Z:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        if role not in (Role.DisplayRole, Role.ToolTipRole):
-            return None
-        if column == NAME:
-            return marker.label
-        return self._remark(marker) if column == REMARK else _coordinate(marker, column - X)
+        if column == NAME and role in (Role.EditRole, Role.DecorationRole):
+            return marker.label if role == Role.EditRole else self._icon(marker)
+        return None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         flags = super().flags(index)
@@ -85,6 +86,17 @@ class MarkersModel(QAbstractTableModel):
             return False
         self.renamed.emit(self.label(index.row()), str(value))
         return True
+
+    def _text(self, marker: Marker, column: int) -> str:
+        if column == NAME:
+            return marker.label
+        return self._remark(marker) if column == REMARK else _coordinate(marker, column - X)
+
+    def _icon(self, marker: Marker) -> QIcon | None:
+        """Return what is seen of the remark where there is no room for it."""
+        if marker.position_m is None:
+            return self._theme.icon("refused")
+        return self._theme.icon("rename") if marker.label in self._points.by_hand else None
 
     def _remark(self, marker: Marker) -> str:
         is_placed = marker.label in self._points.by_hand

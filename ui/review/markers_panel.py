@@ -9,6 +9,7 @@ from ui.review.landmarks import landmark_names
 from ui.review.markers_model import NAME, MarkersModel
 from ui.review.name_delegate import NameDelegate
 from ui.review.tables import LineTable
+from ui.theme import Theme
 
 
 class MarkersPanel(QWidget):
@@ -18,9 +19,9 @@ class MarkersPanel(QWidget):
     entered = Signal(str)
     renamed = Signal(str, str)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._model = MarkersModel()
+        self._model = MarkersModel(theme)
         self._model.setParent(self)
         self._table = LineTable(self)
         self._table.setModel(self._model)

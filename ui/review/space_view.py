@@ -1,5 +1,7 @@
 """The surface and the markers from any side; painted without OpenGL, so that it works anywhere."""
 
+import math
+
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import (
@@ -21,13 +23,15 @@ from adibas.texts import translate as _
 from ui.review.content import Space
 from ui.theme import DRAWN
 
-GROUND_RGB = (17, 22, 27)
+GROUND = 0xFF11161B
 WHEEL_STEP = 1.2
 TURN_PER_PX = 0.008
 TURN_PER_KEY = 0.1
 STEEPEST_RAD = 1.4
 LEAST_ZOOM, MOST_ZOOM = 0.3, 8.0
 DOT_PX = 4.0
+LEAST_SIZE_M = 0.3
+LARGEST_SQUARE_PX = 6
 TURNS = {
     Qt.Key.Key_Left: (-TURN_PER_KEY, 0.0),
     Qt.Key.Key_Right: (TURN_PER_KEY, 0.0),
@@ -46,7 +50,8 @@ class SpaceView(QWidget):
         super().__init__(parent)
         self._space: Space | None = None
         self._middle_m = np.zeros(3)
-        self._size_m = 1.0
+        self._size_m, self._pitch_m = 1.0, 0.0
+        self._packed = np.zeros(0, np.uint32)
         self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
         self._pressed_at: QPointF | None = None
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -60,7 +65,11 @@ class SpaceView(QWidget):
         self._space = space
         if space is not None and len(space.points_m):
             low, self._middle_m, high = np.percentile(space.points_m, (5, 50, 95), axis=0)
-            self._size_m = float(max((high - low)[:2].max(), 0.3)) * 1.3
+            self._size_m = float(max((high - low)[:2].max(), LEAST_SIZE_M)) * 1.3
+            steps_m = np.linalg.norm(np.diff(space.points_m, axis=0), axis=1)
+            self._pitch_m = float(np.median(steps_m)) if len(steps_m) else 0.0
+            red, green, blue = space.colors_rgb.astype(np.uint32).T
+            self._packed = 0xFF000000 | red << 16 | green << 8 | blue
         self._look_from_ahead()
 
     def show_markers(self, markers: tuple[Marker, ...]) -> None:
@@ -74,9 +83,13 @@ class SpaceView(QWidget):
     def project(self, points_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the (N, 2) places in the widget and the (N) depths of points."""
         turned = (points_m - self._middle_m) @ self._rotation().T
-        scale = min(self.width(), self.height()) / self._size_m * self._zoom
         middle = np.array([self.width() / 2, self.height() / 2])
-        return turned[:, :2] * scale + middle, turned[:, 2]
+        return turned[:, :2] * self._scale + middle, turned[:, 2]
+
+    @property
+    def _scale(self) -> float:
+        """Widget pixels a metre."""
+        return min(self.width(), self.height()) / self._size_m * self._zoom
 
     def _rotation(self) -> FloatArray:
         """Return the axes of the view in the camera's: upright first, then turned and tilted."""
@@ -90,7 +103,7 @@ class SpaceView(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
         painter = QPainter(self)
-        painter.fillRect(event.rect(), QColor(*GROUND_RGB))
+        painter.fillRect(event.rect(), QColor.fromRgb(GROUND))
         if self._space is None:
             painter.setPen(QColor("#B3C0CB"))
             wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
@@ -106,19 +119,20 @@ class SpaceView(QWidget):
     def _surface_image(self, space: Space) -> QImage:
         """Paint the points from far to near, each a square that leaves no gaps when fitted."""
         width, height = self.width(), self.height()
-        picture = np.empty((height, width, 3), np.uint8)
-        picture[:] = GROUND_RGB
         places, depths = self.project(space.points_m)
-        order = np.argsort(-depths, kind="stable")
-        columns, rows = np.rint(places[order]).astype(np.int64).T
-        colors = space.colors_rgb[order]
-        side = 2 if self._zoom < WHEEL_STEP else 3
+        side = min(max(math.ceil(self._pitch_m * self._scale), 1), LARGEST_SQUARE_PX)
+        columns, rows = np.rint(places).astype(np.int32).T
+        is_seen = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+        order = np.argsort(-depths[is_seen])
+        # Squares at the edges reach into a margin, so that no pixel needs to be checked again.
+        stride = width + side
+        picture = np.full((height + side) * stride, GROUND, np.uint32)
+        first = (rows[is_seen] * stride + columns[is_seen])[order]
+        colors = self._packed[is_seen][order]
         for down in range(side):
             for across in range(side):
-                x, y = columns + across, rows + down
-                is_seen = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-                picture[y[is_seen], x[is_seen]] = colors[is_seen]
-        image = QImage(picture.data, width, height, 3 * width, QImage.Format.Format_RGB888)
+                picture[first + (down * stride + across)] = colors
+        image = QImage(picture.data, width, height, 4 * stride, QImage.Format.Format_RGB32)
         return image.copy()
 
     def _paint_markers(self, painter: QPainter, space: Space) -> None:

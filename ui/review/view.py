@@ -32,7 +32,8 @@ from ui.widgets.screen import Screen
 
 NOTHING_PAGE, REVIEW_PAGE = 0, 1
 PICTURE_PAGE, SPACE_PAGE = 0, 1
-PANEL_WIDTH = 470
+PANEL_WIDTH, PICTURE_WIDTH = 500, 640
+MARKERS_HEIGHT, MEASURES_HEIGHT = 380, 280
 
 
 class ReviewScreen(Screen):
@@ -50,7 +51,7 @@ class ReviewScreen(Screen):
         self._go = QPushButton(self)
         self._strip = CaptureStrip(self)
         self._image, self._space = ImageView(self), SpaceView(self)
-        self._markers, self._notes = MarkersPanel(self), NotesPanel(self)
+        self._markers, self._notes = MarkersPanel(theme, self), NotesPanel(self)
         self._measures, self._upper = MeasuresPanel(self), QTabWidget(self)
         self._center, self._pages = QStackedWidget(self), QStackedWidget(self)
         self._lay_out()
@@ -69,11 +70,13 @@ class ReviewScreen(Screen):
         numbers = QSplitter(Qt.Orientation.Vertical, self)
         numbers.addWidget(self._upper)
         numbers.addWidget(self._measures)
+        numbers.setSizes([MARKERS_HEIGHT, MEASURES_HEIGHT])
+        numbers.setChildrenCollapsible(False)
         across = QSplitter(self)
         across.addWidget(self._center)
         across.addWidget(numbers)
         across.setStretchFactor(0, 1)
-        across.setSizes([2 * PANEL_WIDTH, PANEL_WIDTH])
+        across.setSizes([PICTURE_WIDTH, PANEL_WIDTH])
         across.setChildrenCollapsible(False)
         row = QHBoxLayout()
         row.setSpacing(8)

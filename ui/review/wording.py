@@ -31,7 +31,9 @@ WAIT_HINT = message("The depth of the capture is being read; a moment.")
 
 def number(value: float, decimals: int = 1) -> str:
     """Write a number as the language in use does."""
-    return QLocale().toString(value, "f", decimals)
+    locale = QLocale()
+    locale.setNumberOptions(QLocale.NumberOption.OmitGroupSeparator)
+    return locale.toString(value, "f", decimals)
 
 
 def measure_name(row: MeasureRow) -> str:
