@@ -3,6 +3,7 @@
 import base64
 import binascii
 import secrets
+import threading
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -18,6 +19,9 @@ SHORTEST_PASSPHRASE = 8
 MOST_ITERATIONS = 100
 MOST_LANES = 64
 MOST_MEMORY_KIB = 4 * 1024 * 1024
+
+_ONE_AT_A_TIME = threading.Lock()
+"""OpenSSL has one pool of threads for the lanes; a second derivation finds it taken and fails."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +108,8 @@ def _derive(passphrase: str, salt: bytes, params: Argon2Params) -> bytes:
         lanes=params.lanes,
         memory_cost=params.memory_kib,
     )
-    return derivation.derive(secret)
+    with _ONE_AT_A_TIME:
+        return derivation.derive(secret)
 
 
 def _to_text(data: bytes) -> str:

@@ -14,6 +14,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
 from adibas.recordings import RecordingOptions
 from adibas.sessions import NewCapture, open_store
+from adibas.sessions.key_wrapping import Argon2Params
 from benchmarks.accuracy_crashes import kill_side_by_side
 from benchmarks.crash_trial import Acknowledged, Outcome, kill_often, look
 from benchmarks.crash_victim import CALIBRATION, CHEAP, PASSPHRASE, marker
@@ -74,10 +75,11 @@ def session(store):
 
 
 def test_stores_made_side_by_side_do_not_meet(tmp_path):
-    """Alembic, which makes the tables, keeps its connection in a global."""
+    """Alembic keeps its connection in a global, OpenSSL one pool of threads for Argon2id."""
+    params = Argon2Params(iterations=1, lanes=4, memory_kib=8192)
 
     def make(number):
-        with open_store(tmp_path / str(number), PASSPHRASE, key_params=CHEAP) as made:
+        with open_store(tmp_path / str(number), PASSPHRASE, key_params=params) as made:
             made.patients.add(Identity(f"Patient {number}"))
             assert_sound(made)
             return [row.identity.name for row in made.patients.search("Patient")]
