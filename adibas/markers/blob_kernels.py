@@ -10,6 +10,8 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntArray, UInt8Array
 from adibas.kernels import compiled
+from adibas.markers.border_kernels import median_color, shares_beside_two, two_sides
+from adibas.markers.quantile_kernels import quantile
 
 NOTHING, RING, NEAR, GROUP = 0, 1, 2, 3
 NEAR_PX = 2
@@ -88,12 +90,17 @@ def _unmix(
     right = min(columns.max() + reach + NEAR_PX + 1, distance.shape[1])
     local, far = values[top:bottom, left:right], distance[top:bottom, left:right]
     zones = _zones(rows - top, columns - left, (bottom - top, right - left), reach)
-    surround, around = _surround(local, far, zones, percentile)
+    ring, ring_far = _ring(local, far, zones)
+    surround = median_color(ring, np.ones(len(ring_far), np.bool_))
+    around = quantile(ring_far, 0.01 * percentile)
     core, nearest = _core(values, distance, rows, columns)
-    axis = core - surround
-    shares = _shares(local, surround, axis)
+    shares = _shares(local, surround, core - surround)
     noise = _noise(shares, zones)
-    _moments(shares, zones, noise, numbers)
+    sides, are_two = two_sides(ring, surround, core)
+    if are_two:
+        shares = shares_beside_two(local, sides, core)
+    _moments(shares, zones, _noise(shares, zones), numbers)
+    numbers[5] = noise  # a blob is judged by how it stands out from everything about it
     numbers[0] += left
     numbers[1] += top
     if numbers[2] == LEAST_AREA_PX:  # nothing in it stands out from the noise of its surround
@@ -137,51 +144,21 @@ def _widened_across(mask: UInt8Array, reach: int) -> UInt8Array:
 
 
 @compiled
-def _surround(
-    local: Float32Array, far: Float32Array, zones: UInt8Array, percentile: float
-) -> tuple[FloatArray, float]:
-    """Return the median colour of the ring, and the percentile of its distance to the model."""
+def _ring(
+    local: Float32Array, far: Float32Array, zones: UInt8Array
+) -> tuple[FloatArray, FloatArray]:
+    """Return the (C, N) colours of the ring, and their (N,) distances to the model."""
     n_channels = local.shape[2]
-    ring = np.empty((n_channels + 1, zones.size))
+    colors, distances = np.empty((n_channels, zones.size)), np.empty(zones.size)
     n_ring = 0
     for row in range(zones.shape[0]):
         for column in range(zones.shape[1]):
             if zones[row, column] == RING:
-                ring[n_channels, n_ring] = far[row, column]
+                distances[n_ring] = far[row, column]
                 for channel in range(n_channels):
-                    ring[channel, n_ring] = local[row, column, channel]
+                    colors[channel, n_ring] = local[row, column, channel]
                 n_ring += 1
-    surround = np.empty(n_channels)
-    for channel in range(n_channels):
-        surround[channel] = _quantile(ring[channel, :n_ring], 0.5)
-    return surround, _quantile(ring[n_channels, :n_ring], 0.01 * percentile)
-
-
-@compiled
-def _quantile(values: FloatArray, share: float) -> float:
-    """Return the quantile, linear between two values; reorders `values`. NaN of nothing.
-
-    Source: Hoare, Algorithm 65: Find, CACM 1961.
-    """
-    if len(values) == 0:
-        return math.nan
-    place = share * (len(values) - 1)
-    k = int(place)
-    low, high = 0, len(values) - 1
-    while low < high:
-        pivot, i, j = values[k], low, high
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while pivot < values[j]:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i, j = i + 1, j - 1
-        low = i if j < k else low
-        high = j if k < i else high
-    above = values[k + 1 :].min() if place > k else values[k]
-    return float(values[k] + (place - k) * (above - values[k]))
+    return colors[:, :n_ring].copy(), distances[:n_ring].copy()
 
 
 @compiled
@@ -228,7 +205,7 @@ def _noise(shares: FloatArray, zones: UInt8Array) -> float:
             if zones[row, column] == RING:
                 ring[n_ring] = abs(shares[row, column])
                 n_ring += 1
-    return 1.4826 * _quantile(ring[:n_ring], 0.5)
+    return 1.4826 * quantile(ring[:n_ring], 0.5)
 
 
 @compiled

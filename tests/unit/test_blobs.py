@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import ndimage
 
-from adibas.markers.blob_kernels import _quantile, _widened
+from adibas.markers.blob_kernels import _widened
 from adibas.markers.blobs import (
     Blob,
     BlobParams,
@@ -20,6 +20,7 @@ from adibas.markers.blobs import (
     measure_blobs,
     pixels_of,
 )
+from adibas.markers.quantile_kernels import quantile
 
 SIZE = 48
 SKIN_LAB, STICKER_LAB = np.array([65.0, 15.0, 20.0]), np.array([50.0, -40.0, 30.0])
@@ -70,11 +71,11 @@ def test_widening_is_dilation_by_a_square(mask, reach):
 )
 def test_quantiles_are_numpys(values, share):
     wanted = np.quantile(values, share)
-    assert _quantile(values.copy(), share) == pytest.approx(wanted, abs=1e-9)
+    assert quantile(values.copy(), share) == pytest.approx(wanted, abs=1e-9)
 
 
 def test_the_quantile_of_nothing_is_unknown():
-    assert math.isnan(_quantile(np.empty(0), 0.5))
+    assert math.isnan(quantile(np.empty(0), 0.5))
 
 
 @pytest.mark.parametrize("centre", [(20.0, 22.0), (20.3, 22.4), (23.5, 19.5)])
