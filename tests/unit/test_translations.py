@@ -9,6 +9,7 @@ import re
 import string
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 from babel.messages.mofile import read_mo
@@ -149,6 +150,11 @@ def test_the_compiled_catalogue_is_the_written_one(language):
     assert as_forms(compiled) == as_forms(read_catalogue(language))
 
 
+@cache
+def parsed(file):
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
 def calls(tree):
     """Yield (name, call) of every call of a name or an attribute."""
     for node in ast.walk(tree):
@@ -184,7 +190,7 @@ def test_every_error_about_the_world_has_a_constant_sentence():
     wrong = []
     places = dict.fromkeys(error_names(), 1) | functions_with_message_id()
     for file in source_files():
-        tree = ast.parse(file.read_text(encoding="utf-8"))
+        tree = parsed(file)
         may_hand_on = handed_on(tree)
         for name, call in calls(tree):
             if name in places and not (len(call.args) >= places[name]):
@@ -202,7 +208,7 @@ def test_no_text_is_put_together_before_it_is_translated():
     """`_` takes a constant, or the name of one that `message` marks; never an f-string."""
     wrong = []
     for file in source_files():
-        for name, call in calls(ast.parse(file.read_text(encoding="utf-8"))):
+        for name, call in calls(parsed(file)):
             if name in {"_", "translate_plural", "message"} and call.args:
                 n_texts = 2 if name == "translate_plural" else 1
                 for text in call.args[:n_texts]:
@@ -233,7 +239,7 @@ def test_nothing_is_shown_that_no_catalogue_can_hold():
     wrong = [
         f"{file.name}:{call.lineno} {ast.unparse(text)}"
         for file in source_files()
-        for name, call in calls(ast.parse(file.read_text(encoding="utf-8")))
+        for name, call in calls(parsed(file))
         if name in SHOWN_BY
         for text in call.args
         if set(words(text)) - {"ADiBAS", "RealSense"}
@@ -251,7 +257,7 @@ def test_no_placeholder_of_an_option_is_an_english_word():
     wrong = [
         f"{file.name}:{keyword.value.lineno} {keyword.value.value}"
         for file in source_files()
-        for _name, call in calls(ast.parse(file.read_text(encoding="utf-8")))
+        for _name, call in calls(parsed(file))
         for keyword in call.keywords
         if keyword.arg in {"metavar", "help", "description", "title", "label"}
         and is_constant_text(keyword.value)
