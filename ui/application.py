@@ -7,10 +7,10 @@ from pathlib import Path
 from PySide6.QtCore import QLibraryInfo, QLocale, QTranslator
 from PySide6.QtWidgets import QApplication
 
-from adibas.data.patients import Identity
+from adibas.data.patients import Patient
 from adibas.errors import AdibasError
+from adibas.pipeline.demo_session import demo_patient
 from adibas.sessions import SessionStore, default_store_folder
-from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.crash import install_crash_report
 from ui.inactivity import InactivityWatch
@@ -104,7 +104,7 @@ class Application:
         live = QtLiveSource(self.window)
         workspace = Workspace(store, self.jobs, self.preferences, live)
         if is_new:
-            workspace.attempt(lambda: _add_demo_patient(store))
+            workspace.attempt(lambda: _want_nothing(demo_patient(store)))
         self.workspace = workspace
         workspace.noticed.subscribe(self.window.tell)
         workspace.screen_wanted.subscribe(self.window.show_screen)
@@ -156,12 +156,8 @@ class Application:
         self._app.installTranslator(self._translator)
 
 
-def _add_demo_patient(store: SessionStore) -> None:
-    """Give a new store somebody to try the program with."""
-    store.patients.add(
-        Identity(_("Demo patient"), record_number="DEMO"),
-        notes=_("A simulated patient, to try the program with the simulator as the sensor."),
-    )
+def _want_nothing(_patient: Patient) -> None:
+    """Want nothing of what an action returns."""
 
 
 def run(arguments: list[str]) -> int:

@@ -13,6 +13,10 @@ from adibas.texts import translate as _
 SIMULATOR = "ADiBAS simulator"
 """Name of the sensor in recordings of the simulator."""
 
+STORE = "store"
+PASSPHRASE = "adibas-demo"  # noqa: S105  (of a store that keeps nobody)
+"""Of the demo's own store; it is told on the screen."""
+
 SUMMARY = message("run a whole posture session of the simulated demo patient")
 
 
@@ -21,13 +25,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(
         parser,
         _("DIR"),
-        _("folder for recording.mcap, colours.json, report.xlsx and report.pdf; made if missing"),
+        _(
+            "folder for recording.mcap, colours.json, report.xlsx, report.pdf and the patient "
+            "store with the demo session; made if missing"
+        ),
     )
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    """Record, learn, analyse, report, and say where the report lies."""
+    """Record, learn, analyse, report, take a session, and say where everything lies."""
     from adibas.pipeline.demo import run_demo
     from adibas.pipeline.session_report import report_of_analysis
     from adibas.reports import write_report
@@ -41,19 +48,42 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     shown = report_of_analysis(demo.analysis, spoken_language())
     write_report(shown, report)
     write_report(shown, report.with_suffix(".pdf"))
+    session_id = _take_session(arguments.out / STORE, demo.colors, console)
     console.say(_("The recording lies in {file}.").format(file=demo.recording))
     console.say(_("The report lies in {file}.").format(file=report))
     console.say(_("The report to print lies in {file}.").format(file=report.with_suffix(".pdf")))
+    console.say(
+        _("The demo session lies in {folder}; its passphrase is {passphrase}").format(
+            folder=arguments.out / STORE, passphrase=PASSPHRASE
+        )
+    )
     console.give(
         {
             "recording": str(demo.recording),
             "colours": str(demo.colors),
             "report": str(report),
             "report_pdf": str(report.with_suffix(".pdf")),
+            "store": str(arguments.out / STORE),
+            "session": session_id,
             "posture": posture_to_json(demo.analysis),
         }
     )
     return 0
+
+
+def _take_session(folder: Path, colors: Path, console: Console) -> str:
+    """Take the demo session into the demo's own store; return its id."""
+    from adibas.pipeline import demo
+    from adibas.pipeline.demo_session import take_demo_session
+    from adibas.pipeline.learning import read_target
+    from adibas.sessions import open_store
+
+    with (
+        open_store(folder, PASSPHRASE, operator="demo") as store,
+        console.progress(_("Four views into the store")) as progress,
+    ):
+        target = read_target(str(colors))
+        return take_demo_session(store, target, demo.N_FRAMES, progress).session_id
 
 
 def _see_that_nothing_is_lost(recording: Path) -> None:
