@@ -6,6 +6,7 @@ from ui.capture.screen import build_capture_screen
 from ui.markers.screen import build_markers_screen
 from ui.patients.screen import build_patients_screen
 from ui.reports.screen import build_reports_screen
+from ui.review.screen import build_review_screen
 from ui.settings.screen import build_settings_screen
 from ui.theme import Theme
 from ui.widgets.screen import Screen
@@ -18,6 +19,7 @@ def build_screens(workspace: Workspace, theme: Theme, parent: QWidget) -> tuple[
         build_patients_screen(workspace, parent),
         build_capture_screen(workspace, parent),
         build_markers_screen(workspace, parent),
+        build_review_screen(workspace, theme, parent),
         build_reports_screen(workspace, parent),
         build_settings_screen(workspace, parent),
     )

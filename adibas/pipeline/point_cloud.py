@@ -31,7 +31,7 @@ def surface_points(
     surface: BurstDisparity,
     calibration: RgbdCalibration,
     picture_rgb: UInt8Array,
-    most_points: int = 80_000,
+    most_points: int = 50_000,
 ) -> PointCloud:
     """Return the measured surface in the colour camera's axes, with the picture's colours.
 

@@ -26,7 +26,7 @@ class CaptureStrip(QListWidget):
         self.setWrapping(False)
         self.setMovement(QListView.Movement.Static)
         self.setIconSize(QSize(SIDE_PX, SIDE_PX))
-        self.setUniformItemSizes(True)
+        self.setSpacing(4)
         self.setWordWrap(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._items: tuple[CaptureItem, ...] = ()
@@ -39,9 +39,12 @@ class CaptureStrip(QListWidget):
         self.setAccessibleName(_("Captures of the session"))
         for row, item in enumerate(self._items):
             self.item(row).setText(_caption(item))
-        width = max(SIDE_PX, self.fontMetrics().averageCharWidth() * 13) + 12
-        self.setGridSize(QSize(width, SIDE_PX + 3 * self.fontMetrics().height() + 16))
-        self.setFixedWidth(width + 26)
+        lines = [line for item in self._items for line in _caption(item).splitlines()]
+        widest = max((self.fontMetrics().horizontalAdvance(line) for line in lines), default=0)
+        width = max(SIDE_PX, widest) + 16
+        self.setFixedWidth(width + 30)
+        for row in range(self.count()):
+            self._fit(self.item(row), width)
 
     def show_items(
         self, items: tuple[CaptureItem, ...], chosen: str | None, rotation_deg: int
@@ -54,10 +57,16 @@ class CaptureStrip(QListWidget):
                 self._add(item, rotation_deg)
         self._items, self._rotation_deg = items, rotation_deg
         for row, item in enumerate(items):
-            self.item(row).setText(_caption(item))
             if item.capture_id == chosen:
                 self.setCurrentRow(row)
+        self.retranslate()
         self.blockSignals(was_blocked)
+
+    def _fit(self, item: QListWidgetItem, width: int) -> None:
+        """Give a picture room for the lines below it."""
+        height = item.icon().actualSize(self.iconSize()).height() if not item.icon().isNull() else 0
+        n_lines = item.text().count("\n") + 1
+        item.setSizeHint(QSize(width, height + n_lines * self.fontMetrics().lineSpacing() + 10))
 
     def _has_same_pictures(self, items: tuple[CaptureItem, ...], rotation_deg: int) -> bool:
         shown = [(one.capture_id, self._rotation_deg) for one in self._items]
@@ -76,15 +85,11 @@ class CaptureStrip(QListWidget):
 
 
 def _caption(item: CaptureItem) -> str:
-    view = _(VIEW_NAMES[item.view])
-    pattern = translate_plural("{view}\n{count} marker", "{view}\n{count} markers", item.n_markers)
+    count = translate_plural("{count} marker", "{count} markers", item.n_markers)
+    lines = [_(VIEW_NAMES[item.view]), count.format(count=item.n_markers)]
     if item.is_corrected:
-        pattern = translate_plural(
-            "{view}\n{count} marker, corrected",
-            "{view}\n{count} markers, corrected",
-            item.n_markers,
-        )
-    return pattern.format(view=view, count=item.n_markers)
+        lines.append(_("corrected"))
+    return "\n".join(lines)
 
 
 def _pixmap(picture_rgb: UInt8Array, rotation_deg: int) -> QPixmap:

@@ -45,6 +45,10 @@ class MarkersModel(QAbstractTableModel):
         """Return the name in a row."""
         return self._points.markers[row].label
 
+    def texts(self) -> list[tuple[str, str]]:
+        """Return names and remarks: what columns are fitted to."""
+        return [(one.label, self._remark(one)) for one in self._points.markers]
+
     def row_of(self, label: str | None) -> int | None:
         """Return where a marker stands."""
         labels = [one.label for one in self._points.markers]

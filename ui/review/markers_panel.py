@@ -58,7 +58,7 @@ class MarkersPanel(QWidget):
     def show_points(self, points: Points) -> None:
         """Show the markers, and which one is chosen."""
         self._is_showing = True
-        n_before = self._model.rowCount()
+        before = self._model.texts()
         self._model.show_points(points)
         row = self._model.row_of(points.selected)
         if row is None:
@@ -66,7 +66,7 @@ class MarkersPanel(QWidget):
             self._table.setCurrentIndex(QModelIndex())
         elif row != self._table.currentIndex().row():
             self._table.setCurrentIndex(self._model.index(row, NAME))
-        if n_before != self._model.rowCount():
+        if before != self._model.texts():
             self._fit_columns()
         self._is_showing = False
 

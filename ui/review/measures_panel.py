@@ -15,9 +15,11 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow
-from ui.review.measures_model import KIND, NAME, VALUE, MeasuresModel
+from ui.review.measures_model import INTERVAL, KIND, NAME, VALUE, MeasuresModel
 from ui.review.tables import LineTable
+from ui.review.wording import interval_text, value_text
 
+WIDEST_MM = 2888.8
 KINDS: tuple[bool | None, ...] = (None, False, True)
 
 
@@ -109,26 +111,26 @@ class MeasuresPanel(QTabWidget):
     def show_chosen(self, rows: tuple[MeasureRow, ...], *, can_edit: bool) -> None:
         """Show the measures that were asked for."""
         self._can_edit = can_edit
-        n_before = self._chosen.rowCount()
         self._chosen.show_rows(rows)
         self._hint.setVisible(not rows)
-        if n_before != len(rows):
-            self._fit_columns()
         self._enable()
 
     def show_all(self, rows: tuple[MeasureRow, ...]) -> None:
         """Show every pair and triplet."""
-        n_before = self._all.rowCount()
         self._all.show_rows(rows)
-        if not n_before:
-            self._fit_columns()
         self._enable()
 
     def _fit_columns(self) -> None:
+        """Give each column the room of its widest text; markers take what is left."""
+        widest = MeasureRow(("", ""), WIDEST_MM, (WIDEST_MM, WIDEST_MM))
+        texts = (max(_("Distance"), _("Angle"), key=len), value_text(widest), interval_text(widest))
         for table in (self._chosen_table, self._all_table):
-            table.horizontalHeader().setResizeContentsPrecision(50)
-            for column in (KIND, VALUE, VALUE + 1):
-                table.resizeColumnToContents(column)
+            metrics = table.fontMetrics()
+            least = metrics.horizontalAdvance(_("Markers")) + 24
+            table.horizontalHeader().setMinimumSectionSize(least)
+            for column, text in zip((KIND, VALUE, INTERVAL), texts, strict=True):
+                header = table.horizontalHeader().sectionSizeHint(column)
+                table.setColumnWidth(column, max(header, metrics.horizontalAdvance(text) + 12))
 
     def _on_filter(self) -> None:
         self._all.filter(self._text.text(), is_angle=KINDS[self._kind.currentIndex()])

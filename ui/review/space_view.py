@@ -1,6 +1,7 @@
 """The surface and the markers from any side; painted without OpenGL, so that it works anywhere."""
 
 import math
+from typing import TypeVar
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt
@@ -17,7 +18,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QWidget
 
-from adibas.arrays import FloatArray
+from adibas.arrays import Float32Array, FloatArray
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import Space
@@ -32,12 +33,17 @@ LEAST_ZOOM, MOST_ZOOM = 0.3, 8.0
 DOT_PX = 4.0
 LEAST_SIZE_M = 0.3
 LARGEST_SQUARE_PX = 6
+GAP_FACTOR = 1.6
+"""Squares are so much wider than points are apart, for surfaces seen at a slant."""
 TURNS = {
     Qt.Key.Key_Left: (-TURN_PER_KEY, 0.0),
     Qt.Key.Key_Right: (TURN_PER_KEY, 0.0),
     Qt.Key.Key_Up: (0.0, -TURN_PER_KEY),
     Qt.Key.Key_Down: (0.0, TURN_PER_KEY),
 }
+
+
+AnyFloats = TypeVar("AnyFloats", FloatArray, Float32Array)
 
 
 class SpaceView(QWidget):
@@ -52,6 +58,7 @@ class SpaceView(QWidget):
         self._middle_m = np.zeros(3)
         self._size_m, self._pitch_m = 1.0, 0.0
         self._packed = np.zeros(0, np.uint32)
+        self._points_m = np.zeros((0, 3), np.float32)
         self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
         self._pressed_at: QPointF | None = None
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -68,6 +75,7 @@ class SpaceView(QWidget):
             self._size_m = float(max((high - low)[:2].max(), LEAST_SIZE_M)) * 1.3
             steps_m = np.linalg.norm(np.diff(space.points_m, axis=0), axis=1)
             self._pitch_m = float(np.median(steps_m)) if len(steps_m) else 0.0
+            self._points_m = space.points_m.astype(np.float32)
             red, green, blue = space.colors_rgb.astype(np.uint32).T
             self._packed = 0xFF000000 | red << 16 | green << 8 | blue
         self._look_from_ahead()
@@ -80,10 +88,11 @@ class SpaceView(QWidget):
             )
             self.update()
 
-    def project(self, points_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def project(self, points_m: AnyFloats) -> tuple[AnyFloats, AnyFloats]:
         """Return the (N, 2) places in the widget and the (N) depths of points."""
-        turned = (points_m - self._middle_m) @ self._rotation().T
-        middle = np.array([self.width() / 2, self.height() / 2])
+        middle_m = self._middle_m.astype(points_m.dtype)
+        turned = (points_m - middle_m) @ self._rotation().T.astype(points_m.dtype)
+        middle = np.array([self.width() / 2, self.height() / 2], points_m.dtype)
         return turned[:, :2] * self._scale + middle, turned[:, 2]
 
     @property
@@ -110,17 +119,17 @@ class SpaceView(QWidget):
             text = _("No depth was kept with this capture, so there is nothing to turn.")
             painter.drawText(self.rect().adjusted(16, 16, -16, -16), wrapped, text)
         else:
-            painter.drawImage(0, 0, self._surface_image(self._space))
+            painter.drawImage(0, 0, self._surface_image())
             self._paint_markers(painter, self._space)
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
-    def _surface_image(self, space: Space) -> QImage:
+    def _surface_image(self) -> QImage:
         """Paint the points from far to near, each a square that leaves no gaps when fitted."""
         width, height = self.width(), self.height()
-        places, depths = self.project(space.points_m)
-        side = min(max(math.ceil(self._pitch_m * self._scale), 1), LARGEST_SQUARE_PX)
+        places, depths = self.project(self._points_m)
+        side = min(max(math.ceil(GAP_FACTOR * self._pitch_m * self._scale), 1), LARGEST_SQUARE_PX)
         columns, rows = np.rint(places).astype(np.int32).T
         is_seen = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         order = np.argsort(-depths[is_seen])

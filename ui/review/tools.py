@@ -2,7 +2,7 @@
 
 from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QToolBar, QWidget
+from PySide6.QtWidgets import QToolBar, QToolButton, QWidget
 
 from adibas.texts import translate as _
 from ui.review.content import Mode, Points
@@ -10,6 +10,8 @@ from ui.review.wording import MODE_TITLES
 from ui.theme import Theme
 
 ICON_PX = 22
+MORE_BUTTON = "qt_toolbar_ext_button"
+"""What Qt calls the button that shows what does not fit."""
 MODE_ICONS = {
     Mode.CHOOSE: "move",
     Mode.ADD: "add-marker",
@@ -64,6 +66,13 @@ class ReviewTools(QToolBar):
             self._actions[name].triggered.connect(lambda _on, name=name: self.asked.emit(name))
         self.setIconSize(QSize(ICON_PX, ICON_PX))
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        for name in ("zoom-out", "fit", "zoom-in"):
+            button = self.widgetForAction(self._actions[name])
+            if isinstance(button, QToolButton):
+                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+        more = self.findChild(QToolButton, MORE_BUTTON)
+        if isinstance(more, QToolButton):
+            more.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMovable(False)
 
     def _action(self, name: str, screen: QWidget) -> QAction:
