@@ -41,16 +41,18 @@ class FormView(Protocol):
 
 
 class FormPresenter:
-    """Adds and changes patients, gives and withdraws consents."""
+    """Adds and changes patients, gives and withdraws consents; `saved` is told of each change."""
 
     def __init__(
         self,
         view: FormView,
         workspace: Workspace,
+        saved: Callable[[], None],
         now: Callable[[], datetime] = lambda: datetime.now(UTC),
     ) -> None:
         self._view = view
         self._workspace = workspace
+        self._saved = saved
         self._now = now
         self._edited: Patient | None = None
         self._warned_of: Identity | None = None
@@ -156,6 +158,7 @@ class FormPresenter:
     def _finish(self, patient: Patient) -> None:
         self._workspace.choose_patient(patient)
         self._view.close_form()
+        self._saved()
 
     def _identity(self, entry: PatientEntry) -> Identity:
         if not entry.name.strip():

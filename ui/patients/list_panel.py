@@ -1,6 +1,6 @@
 """Search field and list of patients at the left, with the undo of the last deletion below."""
 
-from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, QRect, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -78,15 +78,16 @@ class PatientTable(QTableView):
         """Make columns and rows as large as the letters in use need; long headings wrap."""
         header, metrics = self.horizontalHeader(), self.fontMetrics()
         self.verticalHeader().setDefaultSectionSize(round(metrics.height() * 1.9))
-        n_lines = 1
+        height = metrics.height()
         for column, sample in SAMPLES.items():
             heading = str(self.model().headerData(column, Qt.Orientation.Horizontal) or "")
             widest = max((sample, *heading.split()), key=metrics.horizontalAdvance)
             width = metrics.horizontalAdvance(widest) + PADDING_PX
             header.resizeSection(column, width)
-            if metrics.horizontalAdvance(heading) + PADDING_PX > width:
-                n_lines = 2
-        header.setFixedHeight(n_lines * metrics.lineSpacing() + PADDING_PX)
+            room = QRect(0, 0, width - PADDING_PX, 0)
+            wrapped = metrics.boundingRect(room, Qt.TextFlag.TextWordWrap, heading)
+            height = max(height, wrapped.height())
+        header.setFixedHeight(height + PADDING_PX)
         self._fit_name()
 
     def _fit_name(self) -> None:
@@ -222,9 +223,12 @@ class PatientListPanel(QWidget):
 
     def show_undo(self, offer: UndoOffer | None) -> None:
         self._undo_offer = offer
-        self._undo_strip.setVisible(offer is not None)
         if offer is None:
+            if self._undo.hasFocus():
+                self.table.setFocus(Qt.FocusReason.OtherFocusReason)
+            self._undo_strip.hide()
             return
+        self._undo_strip.show()
         if offer.kind == "patient":
             text = _("{name} was deleted.").format(name=offer.name)
         else:

@@ -1,7 +1,7 @@
 """The right half of the patients screen: the chosen patient, or a form in its place."""
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel, QScrollArea, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QStackedWidget, QVBoxLayout, QWidget
 
 from adibas.data.patients import Patient
 from adibas.texts import translate as _
@@ -11,6 +11,7 @@ from ui.patients.content import PatientEntry, PurgeQuestion, ShownPatient
 from ui.patients.history_panel import HistoryPanel
 from ui.patients.patient_form import PatientForm
 from ui.patients.patient_panel import PatientPanel
+from ui.widgets.side_panel import SidePanel
 
 LEAST_WIDTH_PX = 400
 
@@ -37,6 +38,7 @@ class PatientPages(QStackedWidget):
         column.setSpacing(16)
         column.addWidget(self.patient)
         column.addWidget(self.history, 1)
+        self._areas: dict[QWidget, SidePanel] = {}
         self._pages = {
             self._nobody: self._scrolled(self._nobody),
             self._chosen: self._scrolled(self._chosen),
@@ -45,20 +47,18 @@ class PatientPages(QStackedWidget):
         }
         self._open_form: QWidget | None = None
         self._has_patient = False
-        self.setMinimumWidth(LEAST_WIDTH_PX)
+        self._nobody.setMinimumWidth(LEAST_WIDTH_PX)  # one set for all pages would narrow others
 
     def _scrolled(self, widget: QWidget, footer: QWidget | None = None) -> QWidget:
         """Make a page of a widget that may be too long, and a footer that is always seen."""
         page = QWidget(self)
-        area = QScrollArea(page)
-        area.setWidgetResizable(True)
-        area.setFrameShape(QScrollArea.Shape.NoFrame)
-        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
+        area = SidePanel(page)
+        area.column.setContentsMargins(12, 0, 8, 0)
         layout = widget.layout()
         if layout is not None:
-            layout.setContentsMargins(12, 0, 8, 0)
-        area.setWidget(widget)
+            layout.setContentsMargins(0, 0, 0, 0)
+        area.column.addWidget(widget)
+        self._areas[widget] = area
         column = QVBoxLayout(page)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(area, 1)
@@ -108,6 +108,7 @@ class PatientPages(QStackedWidget):
     def show_problem(self, field: str, sentence: str) -> None:
         form = self.form if self._open_form is self.form else self.consents
         form.show_problem(field, sentence)
+        self._areas[form].ensureWidgetVisible(form.focusWidget())
 
     def close_form(self) -> None:
         self._open_form = None

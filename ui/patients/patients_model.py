@@ -72,6 +72,8 @@ class PatientsModel(QAbstractTableModel):
             return _text(line, index.column())
         if role == Role.ToolTipRole and line.row.is_deleted:
             return _("Deleted. It can be restored.")
+        if role == Role.ToolTipRole and index.column() == NAME:
+            return line.row.identity.name
         if role == Role.FontRole and line.row.is_deleted:
             return self._struck
         if role == Role.TextAlignmentRole and index.column() == N_SESSIONS:

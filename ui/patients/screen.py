@@ -14,10 +14,8 @@ def build_patients_screen(workspace: Workspace, parent: QWidget | None = None) -
     """Return the patients screen, wired to `workspace`."""
     view = PatientsScreen(parent)
     undo = Undo(view.list, workspace)
-    presenters = (
-        PatientsPresenter((view.list, view.pages), workspace, undo),
-        HistoryPresenter(view.pages.history, workspace, undo),
-        FormPresenter(view.pages, workspace),
-    )
-    view.bind(presenters, undo)
+    patients = PatientsPresenter((view.list, view.pages), workspace, undo)
+    history = HistoryPresenter(view.pages.history, workspace, undo)
+    form = FormPresenter(view.pages, workspace, patients.refresh)
+    view.bind((patients, history, form), undo)
     return view
