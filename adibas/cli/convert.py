@@ -5,7 +5,7 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_overwrite, refuse_to_replace
-from adibas.texts import message
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 SUMMARY = message("convert a recording: MCAP (.mcap), OpenNI2 (.oni) or a TUM RGB-D folder")
@@ -41,7 +41,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     if summary.notice:
         console.warn(summary.notice)
     console.say(
-        _("{file}: {n_frames} frames.").format(file=arguments.target, n_frames=summary.n_frames)
+        translate_plural(
+            "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", summary.n_frames
+        ).format(file=arguments.target, n_frames=summary.n_frames)
     )
     console.give(
         {

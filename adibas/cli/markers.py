@@ -5,7 +5,7 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, cluster_count, pixel, positive, sentence
-from adibas.texts import message
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 LARGE_SHARE = 0.2
@@ -78,11 +78,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
                 "markers, click on their middle or give a lower --sensitivity."
             ).format(percent=round(100 * learned.taken_share))
         )
+    n_clusters = len(learned.model.centroids_lab)
     console.say(
-        _("{file}: {n_pixels} pixels in {n_clusters} colours; {preview} shows them.").format(
+        _("{file}: {pixels} in {colours}; {preview} shows them.").format(
             file=arguments.out,
-            n_pixels=learned.n_pixels,
-            n_clusters=len(learned.model.centroids_lab),
+            pixels=translate_plural("{n} pixel", "{n} pixels", learned.n_pixels).format(
+                n=learned.n_pixels
+            ),
+            colours=translate_plural("{n} colour", "{n} colours", n_clusters).format(n=n_clusters),
             preview=learned.preview_path,
         )
     )

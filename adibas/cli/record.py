@@ -15,7 +15,7 @@ from adibas.cli.options import (
 )
 from adibas.errors import RecordingError, SensorError
 from adibas.files import check_place
-from adibas.texts import message
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -139,19 +139,32 @@ def _open(arguments: argparse.Namespace) -> "DepthCamera":
 
 
 def _dropped(summary: "RecordingSummary", camera: "DepthCamera") -> str:
-    if not camera.is_live:
-        text = _("{n_dropped} frames that the sensor had counted are missing in the source.")
-        return text.format(n_dropped=summary.n_dropped)
-    return _(
-        "{n_dropped} frames were lost, because the computer, the disk or the cable was too slow. "
-        "Record with --jpeg or a smaller --color-size, and put the sensor into a USB port of its "
-        "own."
-    ).format(n_dropped=summary.n_dropped)
+    if camera.is_live:
+        text = translate_plural(
+            "{n_dropped} frame was lost, because the computer, the disk or the cable was too "
+            "slow. Record with --jpeg or a smaller --color-size, and put the sensor into a USB "
+            "port of its own.",
+            "{n_dropped} frames were lost, because the computer, the disk or the cable was too "
+            "slow. Record with --jpeg or a smaller --color-size, and put the sensor into a USB "
+            "port of its own.",
+            summary.n_dropped,
+        )
+    else:
+        text = translate_plural(
+            "{n_dropped} frame that the sensor had counted is missing in the source.",
+            "{n_dropped} frames that the sensor had counted are missing in the source.",
+            summary.n_dropped,
+        )
+    return text.format(n_dropped=summary.n_dropped)
 
 
 def _tell(summary: "RecordingSummary", console: Console) -> None:
     console.say(
-        _("{file}: {n_frames} frames in {seconds:.1f} s, {n_dropped} dropped.").format(
+        translate_plural(
+            "{file}: {n_frames} frame in {seconds:.1f} s, {n_dropped} dropped.",
+            "{file}: {n_frames} frames in {seconds:.1f} s, {n_dropped} dropped.",
+            summary.n_frames,
+        ).format(
             file=summary.path,
             n_frames=summary.n_frames,
             seconds=summary.seconds,

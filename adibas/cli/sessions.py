@@ -117,7 +117,10 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
     for facts, path in zip(recordings, paths, strict=True):
         with console.progress(path.name) as progress:
             store.recordings.export(facts.recording_id, path, progress)
-        console.say(_("{file}: {n_frames} frames.").format(file=path, n_frames=facts.n_frames))
+        text = translate_plural(
+            "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", facts.n_frames
+        )
+        console.say(text.format(file=path, n_frames=facts.n_frames))
     if session.capture_ids:
         paths.append(_export_report(store, session, folder / "posture.json"))
         console.say(str(paths[-1]))

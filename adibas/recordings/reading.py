@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from adibas.errors import RecordingError
-from adibas.texts import translate as _
+from adibas.texts import translate_plural
 
 
 class DamagedError(ValueError):
@@ -40,10 +40,17 @@ def damaged_frame(file: str, index: int) -> RecordingError:
 def describe_loss(file: str, n_lost_bytes: int, n_frames: int) -> str:
     """Return the notice of a recording that was cut."""
     if n_lost_bytes == 0:
-        text = _("The recording of {file} was interrupted; all its {n_frames} frames are there.")
+        text = translate_plural(
+            "The recording of {file} was interrupted; its {n_frames} frame is there.",
+            "The recording of {file} was interrupted; all its {n_frames} frames are there.",
+            n_frames,
+        )
     else:
-        text = _(
+        text = translate_plural(
             "{file} is cut: its last {n_bytes} bytes are no whole frame and are left out. The "
-            "{n_frames} frames before them are there."
+            "{n_frames} frame before them is there.",
+            "{file} is cut: its last {n_bytes} bytes are no whole frame and are left out. The "
+            "{n_frames} frames before them are there.",
+            n_frames,
         )
     return text.format(file=file, n_bytes=n_lost_bytes, n_frames=n_frames)
