@@ -1,6 +1,7 @@
 """Text as files can hold it, and that a spreadsheet must not take for a formula."""
 
 import re
+from functools import lru_cache
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
@@ -12,6 +13,7 @@ def printable(text: str) -> str:
     return UNPRINTABLE.sub("\N{WHITE SQUARE}", text)
 
 
+@lru_cache(maxsize=4096)
 def neutralised(text: str) -> str:
     """Put an apostrophe before text that a spreadsheet would run as a formula.
 

@@ -19,7 +19,7 @@ from adibas.reports.facts import (
 )
 from adibas.reports.pictures import draw_markers, picture_of
 from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows, remark
-from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
+from adibas.reports.sheets import Column, Part, Value, add_parts, add_table, discard_unsaved
 from adibas.texts import speaking
 from adibas.texts import translate as _
 
@@ -43,16 +43,20 @@ def write_workbook(report: SessionReport, path: Path) -> None:
     ReportError
         The pictures cannot be as the report asks.
     """
-    with speaking(report.language):
-        encoded = io.BytesIO()
-        _workbook(report).save(encoded)
-    # Whole in memory first: a zip file on a full disk would complain once more when deleted.
+    workbook = Workbook(write_only=True)
+    encoded = io.BytesIO()
     with written_whole(path) as unfinished:
+        try:
+            with speaking(report.language):
+                _add_sheets(workbook, report)
+            # In memory first: a zip file on a full disk would complain once more when deleted.
+            workbook.save(encoded)
+        finally:
+            discard_unsaved(workbook)
         unfinished.write_bytes(encoded.getvalue())
 
 
-def _workbook(report: SessionReport) -> Workbook:
-    workbook = Workbook(write_only=True)
+def _add_sheets(workbook: Workbook, report: SessionReport) -> None:
     footer = _("For research, education and documentation")
     add_parts(workbook, _("Summary"), _("Posture report"), _summary(report), footer)
     tables = [
@@ -66,7 +70,6 @@ def _workbook(report: SessionReport) -> Workbook:
     for title, columns, rows in tables:
         add_table(workbook, title, *_with_view(report, columns, rows), footer)
     add_parts(workbook, _("Provenance"), _("Provenance"), _provenance(report), footer)
-    return workbook
 
 
 def _with_view(

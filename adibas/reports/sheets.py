@@ -6,7 +6,9 @@ file is said before its first row.
 
 import io
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from openpyxl import Workbook
@@ -90,9 +92,7 @@ def add_table(
         for cell, column in zip(cells, columns, strict=True):
             cell.number_format = column.number_format
         for row in some:
-            for cell, value in zip(cells, row, strict=True):
-                _fill(cell, value)
-            sheet.append(cells)
+            sheet.append([_filled(cell, value) for cell, value in zip(cells, row, strict=True)])
 
 
 def add_parts(
@@ -127,6 +127,22 @@ def add_parts(
             has_picture = True
 
 
+def discard_unsaved(workbook: Workbook) -> None:
+    """Leave nothing of a workbook whose writing failed; one that is saved has nothing left.
+
+    openpyxl keeps each sheet in a temporary file, and would complain of a full disk once more
+    when it forgets the sheet.
+    """
+    sheets: Sequence[Sheet] = workbook.worksheets
+    for sheet in sheets:
+        writer = getattr(sheet, "_writer", None)
+        if writer is not None:
+            for unfinished in (sheet._rows, writer.xf):  # noqa: SLF001  (nothing public)
+                with suppress(OSError, AttributeError):  # disk full; no row was written
+                    unfinished.close()
+            Path(writer.out).unlink(missing_ok=True)
+
+
 def _new_sheet(workbook: Workbook, title: str, widths: Sequence[float], footer: str) -> Sheet:
     """Add a sheet that prints on A4, as wide as the page, with page numbers."""
     sheet: Sheet = workbook.create_sheet(title)
@@ -145,6 +161,16 @@ def _new_sheet(workbook: Workbook, title: str, widths: Sequence[float], footer: 
         right=_HeaderFooterPart("&P / &N"),
     )
     return sheet
+
+
+def _filled(cell: Cell, value: Value) -> Cell | str | None:
+    """Return a cell with the value, or the value alone where that is quicker and the same."""
+    if value is None:
+        return None
+    if isinstance(value, str) and not value.startswith("#"):  # such as #N/A: an error value
+        return neutralised(value)
+    _fill(cell, value)
+    return cell
 
 
 def _fill(cell: Cell, value: Value) -> None:

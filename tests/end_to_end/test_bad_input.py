@@ -282,7 +282,7 @@ def test_two_markers_of_which_one_has_a_position(demo, changed, calibration, ref
     assert "Only one" not in said
 
 
-@pytest.mark.parametrize("name", ["report.txt", "report", "report.pdf", "."])
+@pytest.mark.parametrize("name", ["report.txt", "report", "report.docx", "."])
 def test_a_report_of_another_kind(name, demo, tmp_path, capsys):
     argv = ["posture", demo.recording, "--markers", demo.colors, "--out", tmp_path / name]
     assert ".xlsx" in fails(capsys, *argv)
@@ -435,7 +435,7 @@ def test_a_recording_that_is_stopped_is_whole(number, seconds, tmp_path):
         assert recording.notice is None
 
 
-@pytest.mark.parametrize("suffix", [".xlsx", ".csv"])
+@pytest.mark.parametrize("suffix", [".xlsx", ".pdf", ".csv", ".json"])
 def test_a_full_disk_leaves_the_older_report(suffix, demo, tmp_path):
     out = tmp_path / f"report{suffix}"
     out.write_bytes(OLDER)

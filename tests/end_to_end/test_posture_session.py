@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import openpyxl
 import pytest
+from pypdf import PdfReader
 
 from adibas.calibration.files import write_calibration
 from adibas.cli import main
@@ -49,9 +50,14 @@ def test_the_demo_leaves_recording_colours_and_report(demo):
         "colours.json",
         "colours.preview.png",
         "report.xlsx",
+        "report.pdf",
+        "store",
     }
     assert demo.said["report"] == str(demo.report)
     assert openpyxl.load_workbook(demo.report).sheetnames == SHEETS
+    printed = PdfReader(demo.said["report_pdf"])
+    assert "demo-patient" in printed.pages[0].extract_text()
+    assert "m01" in printed.pages[1].extract_text()
     with open_recording(demo.recording) as recording:
         assert len(recording) == demo.said["posture"]["n_frames"] == demo.n_frames
 
@@ -145,7 +151,7 @@ def test_frames_and_view_are_those_asked_for(posture, tmp_path):
             values_only=True
         )
     )
-    assert summary["View"] == "left_lateral"
+    assert summary["View"] == "left lateral"
     assert summary["Frames in the burst"] == 1
 
 

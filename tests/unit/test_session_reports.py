@@ -208,6 +208,17 @@ def test_characters_that_no_file_holds_stop_no_report(report, tmp_path):
     assert "bell\N{WHITE SQUARE}" in sheet.cell(6, 1).value
 
 
+def test_a_name_like_an_error_value_is_text(report, tmp_path):
+    strange = Marker("#N/A", 5.0, 5.0, 4.0, np.eye(2))
+    analysis = replace(
+        report.captures[0].analysis, markers=(strange, *report.captures[0].analysis.markers)
+    )
+    path = written(replace(report, captures=(CaptureReport(analysis),)), ".xlsx", tmp_path)
+    sheet = openpyxl.load_workbook(path)["Markers"]
+    assert (sheet["A2"].value, sheet["A2"].data_type) == ("#N/A", "s")
+    assert (sheet["A3"].value, sheet["A3"].data_type) == ("m01", "s")
+
+
 def test_many_markers_with_long_names_fit_the_page(report, tmp_path):
     rng = np.random.default_rng(0)
     markers = tuple(
