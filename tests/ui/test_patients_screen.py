@@ -18,6 +18,7 @@ from adibas.texts import use_language
 from ui.jobs import JobRunner
 from ui.patients.purge_dialog import PurgeDialog
 from ui.patients.screen import build_patients_screen
+from ui.workspace import Workspace
 
 Key = Qt.Key
 CTRL = Qt.KeyboardModifier.ControlModifier
@@ -323,6 +324,28 @@ def test_a_session_that_got_a_capture_elsewhere_shows_it(screen, store, workspac
     workspace.choose_session(add_session(store, ana, "anterior"))
     assert "1 capture" in screen.pages.history.list.shown_model.index(0).data()
     assert column(screen, 3)[0] == "2"
+
+
+def test_a_store_that_is_only_read_says_why_nothing_can_be_changed(
+    ana, read_only_store, inline_jobs, preferences, qtbot
+):
+    workspace = Workspace(read_only_store, inline_jobs, preferences, None)
+    screen = build_patients_screen(workspace)
+    qtbot.addWidget(screen)
+    screen.show()
+    screen.entered()
+    choose(screen)
+    assert workspace.patient == ana
+    assert screen.list._read_only.isVisible()
+    for text in ("New patient", "Edit", "Consent", "Start a session"):
+        assert not button(screen, text).isEnabled()
+    for key, modifier in ((Key.Key_N, CTRL), (Key.Key_F2, Qt.KeyboardModifier.NoModifier)):
+        QTest.keyClick(screen.list.table, key, modifier)
+        assert not screen.pages.has_form
+    QTest.keyClick(screen.list.table, Key.Key_Delete)
+    assert column(screen) == ["Ana Ruiz"]
+    assert "You can start" not in screen.pages.patient._consent.text()
+    screen.closed()
 
 
 def test_every_text_changes_with_the_language(screen, store, ana):

@@ -89,7 +89,7 @@ class HistoryPanel(QWidget):
         self._restore.setText(_("Restore"))
         self._purge.setText(_("Remove for good"))
         self.list.setAccessibleName(_("Sessions of this patient"))
-        self._empty.setText(_("There is no session yet. Begin with “Start a session”."))
+        self._show_empty()
         self.list.shown_model.retranslate()
 
     def show_history(self, history: History) -> None:
@@ -98,7 +98,7 @@ class HistoryPanel(QWidget):
         self._continue.setEnabled(history.can_continue)
         self._like_last.setEnabled(history.can_continue)
         self.list.show_sessions(history.sessions)
-        self._empty.setVisible(not history.sessions)
+        self._show_empty()
         self.list.setVisible(bool(history.sessions))
         self._show_actions()
 
@@ -127,6 +127,14 @@ class HistoryPanel(QWidget):
         if chosen is not None and callable(send):
             self._asked_of = chosen
             send(chosen)
+
+    def _show_empty(self) -> None:
+        """Say that there is no session, and how one begins where that can be."""
+        history = self._history
+        can_start = history is not None and history.can_start
+        begin = _("There is no session yet. Begin with “Start a session”.")
+        self._empty.setText(begin if can_start else _("There is no session."))
+        self._empty.setVisible(history is None or not history.sessions)
 
     def _show_actions(self) -> None:
         """Offer what fits the chosen session."""

@@ -129,6 +129,8 @@ def _facts(shown: ShownPatient) -> str:
 
 
 def _consent_text(shown: ShownPatient) -> str:
+    if shown.consent != "given" and not shown.can_change:
+        return _("No consent stands on record.")
     if shown.consent == "none":
         return _("No consent is on record. You can start; record it first where you must.")
     if shown.consent == "withdrawn":

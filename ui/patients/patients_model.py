@@ -8,7 +8,7 @@ from PySide6.QtGui import QFont
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.patients.content import PatientLine
-from ui.widgets.dates import day_text, moment_text
+from ui.widgets.dates import day_text
 
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
@@ -91,7 +91,8 @@ def _text(line: PatientLine, column: int) -> str:
         return row.identity.record_number
     if column == N_SESSIONS:
         return str(row.n_sessions or "")
-    return moment_text(row.last_session_utc).split(",")[0]
+    last_utc = row.last_session_utc
+    return "" if last_utc is None else day_text(last_utc.astimezone().date())
 
 
 def born_text(line: PatientLine) -> str:
