@@ -64,5 +64,5 @@ def picture_alone(color_rgb: UInt8Array) -> FrozenPicture:
 
 def usual_focal_px(color_rgb: UInt8Array) -> float:
     """Return the focal length that depth cameras of this kind have, pixels."""
-    height, width = color_rgb.shape[:2]
-    return USUAL_FOCAL_SHARE * max(height, width)
+    larger_side: int = max(color_rgb.shape[:2])
+    return USUAL_FOCAL_SHARE * larger_side

@@ -64,7 +64,7 @@ class SettingsPresenter:
         self._workspace.jobs.start(
             _("Checking the patient store"),
             work,
-            lambda report: self._view.show_check(tuple(report.sentences())),
+            lambda report: self._view.show_check(tuple(one.text for one in report.findings)),
         )
 
     def change_passphrase(self, old: str, new: str, repeated: str) -> None:
