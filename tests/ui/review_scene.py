@@ -14,12 +14,14 @@ from adibas.pipeline.review import CaptureSurface
 from adibas.sessions import NewCapture
 
 WIDTH, HEIGHT = 320, 256
-WALL_M = 2.0
+WALL_M = 1.0
 COLOR = CameraCalibration(WIDTH, HEIGHT, Intrinsics(280.0, 280.0, 160.0, 128.0))
-DEPTH = CameraCalibration(160, 128, Intrinsics(140.0, 140.0, 80.0, 64.0))
+DEPTH = CameraCalibration(WIDTH, HEIGHT, Intrinsics(280.0, 280.0, 160.0, 128.0))
 CALIBRATION = RgbdCalibration(COLOR, DEPTH)
 SURFACE = BurstDisparity(
-    np.full((128, 160), 1.0 / WALL_M, np.float32), np.full((128, 160), 30, np.int64), 30
+    np.full((HEIGHT, WIDTH), 1.0 / WALL_M, np.float32),
+    np.full((HEIGHT, WIDTH), 30, np.int64),
+    30,
 )
 DOTS = {"m01": (80.0, 60.0), "m02": (240.0, 60.0), "m03": (160.0, 200.0)}
 UNNOTICED = (100.0, 150.0)

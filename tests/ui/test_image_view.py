@@ -145,7 +145,7 @@ def test_a_click_beside_the_picture_tells_nothing(qtbot, view):
     assert told == []
 
 
-def test_pixels_are_drawn_where_a_click_finds_them(qtbot, view):
+def test_pixels_are_drawn_where_a_click_finds_them(view):
     picture = np.zeros((30, 40, 3), np.uint8)
     picture[7, 31] = (255, 0, 0)
     view.set_picture(picture)

@@ -31,27 +31,46 @@ def do(editor, edit):
     """Do one edit on whatever marker the numbers fall on."""
     kind, first, second = edit
     labels = list(editor.saved())
-    label = labels[first % len(labels)] if labels else None
     if kind == "add":
         editor.add(plain_marker(editor.free_label(), first, second))
     elif kind in ("undo", "redo"):
         getattr(editor, kind)()
-    elif label is None:
-        return
-    elif kind == "move":
-        editor.move(replace(editor.saved()[label], u=float(first), v=float(second)))
-    elif kind == "delete":
-        editor.delete(label)
-    elif kind == "rename":
-        other = f"name {second}"
-        if other not in labels:
-            editor.rename(label, other)
-    elif kind == "measure":
-        chosen = dict.fromkeys(labels[(first + step) % len(labels)] for step in range(3))
-        if len(chosen) > 1:
-            editor.add_measure(tuple(chosen)[: 2 + second % 2])
-    elif editor.history.measures():
-        editor.remove_measure(editor.history.measures()[0].labels)
+    elif labels:
+        DOERS[kind](editor, labels, first, second)
+
+
+def move(editor, labels, first, second):
+    marker = editor.saved()[labels[first % len(labels)]]
+    editor.move(replace(marker, u=float(first), v=float(second)))
+
+
+def delete(editor, labels, first, _second):
+    editor.delete(labels[first % len(labels)])
+
+
+def rename(editor, labels, first, second):
+    if f"name {second}" not in labels:
+        editor.rename(labels[first % len(labels)], f"name {second}")
+
+
+def measure(editor, labels, first, second):
+    chosen = dict.fromkeys(labels[(first + step) % len(labels)] for step in range(3))
+    if len(chosen) > 1:
+        editor.add_measure(tuple(chosen)[: 2 + second % 2])
+
+
+def unmeasure(editor, _labels, _first, _second):
+    for one in editor.history.measures()[:1]:
+        editor.remove_measure(one.labels)
+
+
+DOERS = {
+    "move": move,
+    "delete": delete,
+    "rename": rename,
+    "measure": measure,
+    "unmeasure": unmeasure,
+}
 
 
 def seen(capture):
