@@ -121,9 +121,10 @@ def test_a_click_near_a_marker_snaps_to_its_centre(stickers, leds, target, kind)
     assert np.mean(np.array(errors_px) < 1.0) >= 0.75
 
 
-def test_a_click_on_bare_skin_stays_where_it_is(stickers, target):
+@pytest.mark.parametrize("below_px", [25.0, 60.0], ids=["out of reach", "far away"])
+def test_a_click_on_bare_skin_stays_where_it_is(stickers, target, below_px):
     sternum = next(one for one in stickers.truths if one.name == "sternal_notch")
-    clicked = sternum.u, sternum.v + 60.0
+    clicked = sternum.u, sternum.v + below_px
     for sought in (target, None):
         snap = stickers.surface.snapped(stickers.picture_rgb, *clicked, target=sought)
         assert (snap.u, snap.v, snap.is_blob) == (*clicked, False)
