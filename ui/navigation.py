@@ -19,6 +19,9 @@ TITLES = {
     "settings": message("Settings"),
 }
 ICON_PX = 30
+LEAST_WIDTH_PX = 86
+PADDING_PX = 20
+"""Left and right of a name together, as the style sheet sets it, and some air."""
 
 
 class NavigationRail(QWidget):
@@ -56,7 +59,6 @@ class NavigationRail(QWidget):
         button.setObjectName(f"go-{name}")
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         button.setIconSize(QSize(ICON_PX, ICON_PX))
-        button.setMinimumWidth(86)
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         return button
 
@@ -73,11 +75,24 @@ class NavigationRail(QWidget):
         self._help.setText(_("Help"))
         self._help.setToolTip(_("Help") + " (F1)")
         self._help.setAccessibleName(_("Help"))
+        self._fit()
 
     def dress(self) -> None:
         """Draw the icons in the theme in use."""
         for name, button in (*self._buttons.items(), ("help", self._help)):
             button.setIcon(self._theme.icon(name))
+        self._fit()
+
+    def _fit(self) -> None:
+        """Make room for the longest name in the language and letters in use."""
+        buttons = (*self._buttons.values(), self._help)
+        width_px = LEAST_WIDTH_PX
+        for button in buttons:
+            button.ensurePolished()
+            text_px = button.fontMetrics().horizontalAdvance(button.text())
+            width_px = max(width_px, text_px + PADDING_PX)
+        for button in buttons:
+            button.setMinimumWidth(width_px)
 
     def show_button(self, name: str) -> None:
         """Offer a screen."""
