@@ -125,7 +125,7 @@ def number_table(
         ("TOPPADDING", (0, 0), (-1, -1), 1),
         ("BOTTOMPADDING", (0, 0), (-1, -1), 2),
         ("LEFTPADDING", (0, 0), (-1, -1), 3),
-        ("RIGHTPADDING", (0, 0), (-1, -1), 8),
+        ("RIGHTPADDING", (0, 0), (-1, -1), 5),
     ]
     return Table(cells, widths, style=TableStyle(style), repeatRows=1, hAlign="LEFT")
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from reportlab.lib.units import mm
-from reportlab.platypus import Flowable, Table, TableStyle
+from reportlab.platypus import Flowable, Spacer, Table, TableStyle
 
 from adibas.arrays import UInt8Array
 from adibas.data.report import CaptureReport
@@ -28,7 +28,7 @@ MOST_PAIRS = 435
 MOST_LINES_BESIDE = 26
 """That the tables beside the picture have room for."""
 LABEL_SHARE_BESIDE = 0.2
-PICTURE_HEIGHT = 118 * mm
+PICTURE_HEIGHT = 114 * mm
 MOST_PICTURE_SHARE = 0.46
 NUMBER_WIDTH, INTERVAL_WIDTH = 36, 78
 GAP = 8
@@ -53,6 +53,7 @@ def view_flowables(page: ViewPage) -> Iterator[Flowable]:
         yield _side_by_side(page, rows)
     else:
         yield picture(page.picture_rgb, WIDTH, PICTURE_HEIGHT)
+        yield Spacer(1, GAP)
         yield from _markers(page.capture, rows, WIDTH)
         yield from _free_measures(page.capture, WIDTH)
     yield from _distances(page.capture)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from adibas.arrays import BoolArray, UInt8Array
 from adibas.data.posture import PostureAnalysis
@@ -22,8 +22,12 @@ TEXT_RGB = (255, 255, 255)
 SMALLEST_TEXT_PX = 12
 TEXT_SHARE = 1 / 48
 """Height of names as a share of the picture's."""
+STROKES_PX = 6
 MARGIN_SHARE = 0.06
 """Around the patient where a picture is cropped, as a share of the larger side."""
+
+LEAST_ASPECT = 0.55
+"""Width of a cropped picture as a share of its height: room for names."""
 
 Box = tuple[float, float, float, float]
 
@@ -110,8 +114,10 @@ def _cropped(picture: Picture, outline: BoolArray) -> Picture:
     if not rows.size:
         return picture
     margin = round(MARGIN_SHARE * max(np.ptp(columns), np.ptp(rows)))
-    left, top = max(int(columns[0]) - margin, 0), max(int(rows[0]) - margin, 0)
-    part = picture.pixels_rgb[top : rows[-1] + margin + 1, left : columns[-1] + margin + 1]
+    lacking = round(LEAST_ASPECT * np.ptp(rows) - np.ptp(columns)) // 2
+    beside = max(margin, lacking)
+    left, top = max(int(columns[0]) - beside, 0), max(int(rows[0]) - margin, 0)
+    part = picture.pixels_rgb[top : rows[-1] + margin + 1, left : columns[-1] + beside + 1]
     spots = tuple(replace(spot, u=spot.u - left, v=spot.v - top) for spot in picture.spots)
     return Picture(np.ascontiguousarray(part), spots)
 
@@ -151,10 +157,11 @@ def _with_names(
     pen = ImageDraw.Draw(image)
     taken: list[Box] = [(u - r, v - r, u + r, v + r) for u, v, r in rings]
     for name, ring in zip(names, rings, strict=True):
-        text = printable(name)
+        text = _shortened(printable(name), font, width)
         left, top, right, bottom = pen.textbbox((0, 0), text, font=font, stroke_width=2)
         size = (right - left, bottom - top)
-        box = min(_places(ring, size), key=lambda box: _cost(box, taken, (width, height)))
+        places = [_inside(box, (width, height)) for box in _places(ring, size)]
+        box = min(places, key=lambda box: _hidden(box, taken))
         taken.append(box)
         place = (box[0] - left, box[1] - top)
         pen.text(place, text, TEXT_RGB, font, stroke_width=2, stroke_fill=OUTLINE_RGB)
@@ -171,11 +178,25 @@ def _places(ring: tuple[int, int, int], size: tuple[float, float]) -> Iterator[B
             yield left, top, left + width, top + height
 
 
-def _cost(box: Box, taken: Sequence[Box], size: tuple[int, int]) -> float:
-    """Return the area of other boxes, or outside the picture, that a box hides."""
-    inside = _overlap(box, (0.0, 0.0, float(size[0]), float(size[1])))
-    outside = (box[2] - box[0]) * (box[3] - box[1]) - inside
-    return 10.0 * outside + sum(_overlap(box, other) for other in taken)
+def _inside(box: Box, size: tuple[int, int]) -> Box:
+    """Return the box moved into a picture of (width, height)."""
+    right = min(max(box[0], 0.0), size[0] - (box[2] - box[0])) - box[0]
+    down = min(max(box[1], 0.0), size[1] - (box[3] - box[1])) - box[1]
+    return box[0] + right, box[1] + down, box[2] + right, box[3] + down
+
+
+def _shortened(text: str, font: ImageFont.FreeTypeFont, width: int) -> str:
+    """Return the text, or as much of its beginning as is no wider than the picture."""
+    shown = text
+    while len(shown) > 1 and font.getlength(shown) > width - STROKES_PX:
+        text = text[:-1]
+        shown = f"{text}\N{HORIZONTAL ELLIPSIS}"
+    return shown
+
+
+def _hidden(box: Box, taken: Sequence[Box]) -> float:
+    """Return the area of other boxes that a box hides."""
+    return sum(_overlap(box, other) for other in taken)
 
 
 def _overlap(a: Box, b: Box) -> float:

@@ -216,3 +216,15 @@ def test_names_of_any_script_are_drawn_inside_the_picture_and_apart():
     alone = draw_markers(Picture(grey.pixels_rgb, spots[5:]), 480)
     assert drawn.shape == (480, 640, 3)
     assert white > 3 * (alone.min(axis=2) > 200).sum() > 0
+
+
+def test_a_long_name_is_written_whole_at_the_edge_and_shortened_where_it_cannot_be():
+    grey = np.full((300, 200, 3), 90, np.uint8)
+    at_edge = Picture(grey, (Spot("left_shoulder", 198.0, 150.0, 3.0, True),))
+    free = Picture(grey, (Spot("left_shoulder", 20.0, 150.0, 3.0, True),))
+    white = [(draw_markers(picture, 300).min(axis=2) > 200).sum() for picture in (at_edge, free)]
+    assert white[0] == pytest.approx(white[1], rel=0.05)
+    endless = Picture(grey, (Spot("x" * 300, 100.0, 150.0, 3.0, True),))
+    drawn = draw_markers(endless, 300).min(axis=2) > 200
+    assert drawn.sum() > 100
+    assert not drawn[:, -1].any()
