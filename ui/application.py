@@ -120,7 +120,7 @@ class Application:
         if self.workspace is None:
             return
         self.window.remove_screens()
-        self.workspace.live.close()
+        self.workspace.live.end()
         self.workspace.store.close()
         self.workspace = None
 

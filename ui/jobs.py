@@ -16,6 +16,15 @@ from ui.ports import CancelledError, Job, JobControl, Result
 N_WORKERS = 2
 
 
+@dataclass(frozen=True, slots=True)
+class _Handlers:
+    """Who is told what came of a job."""
+
+    done: Callable[[Any], None]
+    failed: Callable[[AdibasError], None]
+    ended: Callable[[], None] | None
+
+
 @dataclass(eq=False)
 class ThreadJob(JobControl, Job):
     """One job: its thread asks it whether to go on, the window whether it still runs."""
@@ -65,8 +74,7 @@ class JobRunner(QObject):
         self.changed: Event[[ThreadJob, int, int]] = Event()
         self._problem = problem
         self._pool = ThreadPoolExecutor(N_WORKERS, thread_name_prefix="job")
-        self._handlers: dict[ThreadJob, tuple[Callable[[Any], None], Callable[[AdibasError], None]]]
-        self._handlers = {}
+        self._handlers: dict[ThreadJob, _Handlers] = {}
         self._told.connect(self._on_told, Qt.ConnectionType.QueuedConnection)
 
     def start(
@@ -75,10 +83,11 @@ class JobRunner(QObject):
         work: Callable[[JobControl], Result],
         done: Callable[[Result], None],
         failed: Callable[[AdibasError], None] | None = None,
+        ended: Callable[[], None] | None = None,
     ) -> ThreadJob:
         """Run `work` in a worker thread and give its result to `done` in the window's thread."""
         job = ThreadJob(label, self._told.emit)
-        self._handlers[job] = (done, failed or self._problem)
+        self._handlers[job] = _Handlers(done, failed or self._problem, ended)
         self._pool.submit(self._run, job, work)
         self.changed.emit(job, 0, 0)
         return job
@@ -114,12 +123,14 @@ class JobRunner(QObject):
         if what == "progress":
             self.changed.emit(job, *value)
             return
-        done, failed = self._handlers.pop(job)
+        told = self._handlers.pop(job)
         job.end()
         self.changed.emit(job, 0, 0)
+        if told.ended is not None:
+            told.ended()
         if what == "crashed":
             sys.excepthook(type(value), value, value.__traceback__)
         elif what == "failed" and not job.is_cancelled:
-            failed(value)
+            told.failed(value)
         elif what == "done" and not job.is_cancelled:
-            done(value)
+            told.done(value)

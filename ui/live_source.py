@@ -1,26 +1,43 @@
 """The sensor of the core, told to the window in the window's own thread."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
 from PySide6.QtCore import QObject
 
+from adibas.pipeline.acquisition import Opener
 from adibas.pipeline.live import LiveFrame, LiveView, SensorState
 from adibas.pipeline.posture import MarkerTarget
 from adibas.sensors.ports import SensorOptions
+from adibas.sensors.sources import open_source
 from ui.events import Event
 from ui.frame_bridge import CallBridge, NewestBridge
 
 
 class QtLiveSource(QObject):
-    """Owns the live core; frames drop where the window is slow, states never."""
+    """Owns the live core; frames drop where the window is slow, states never.
 
-    def __init__(self, parent: QObject | None = None) -> None:
+    Closing a sensor waits for its last read, a second where it is silent: a thread of its own does
+    that. Every order has a number, and what the core tells bears that of its own order.
+
+    Parameters
+    ----------
+    opener : callable
+        Opens a source; another one in tests.
+    """
+
+    def __init__(self, parent: QObject | None = None, opener: Opener = open_source) -> None:
         super().__init__(parent)
         self.frame_arrived: Event[[LiveFrame]] = Event()
         self.state_changed: Event[[SensorState]] = Event()
         self._newest: LiveFrame | None = None
-        self._frames = NewestBridge(self._on_frame, self)
-        self._states = CallBridge(self._on_state, self)
-        self._view = LiveView(_Listener(self._frames, self._states))
         self._state = SensorState("closed")
+        self._opened: tuple[str, SensorOptions] | None = None
+        self._number = 0
+        frames, states = NewestBridge(self._on_frame, self), CallBridge(self._on_state, self)
+        self._listener = _Listener(frames, states)
+        self._view = LiveView(self._listener, opener=opener)
+        self._orders = ThreadPoolExecutor(1, thread_name_prefix="live-orders")
 
     @property
     def newest(self) -> LiveFrame | None:
@@ -29,8 +46,13 @@ class QtLiveSource(QObject):
 
     @property
     def state(self) -> SensorState:
-        """What the sensor does."""
+        """What the source fares that was ordered last."""
         return self._state
+
+    @property
+    def opened(self) -> tuple[str, SensorOptions] | None:
+        """What was opened last, also where it was closed since."""
+        return self._opened
 
     @property
     def view(self) -> LiveView:
@@ -39,27 +61,66 @@ class QtLiveSource(QObject):
 
     def open(self, source: str, options: SensorOptions) -> None:
         """Show another source from now on."""
-        self._newest = None
-        self._view.open(source, options)
+        self._opened = (source, options)
+        self._order(SensorState("opening"), lambda: self._view.open(source, options))
 
     def set_target(self, target: MarkerTarget | None) -> None:
         """Look for these markers."""
         self._view.set_target(target)
 
-    def close(self) -> None:
-        """Let go of the sensor and end its threads."""
-        self._view.close()
-        self._newest = None
+    def set_rotation(self, rotation_deg: int) -> None:
+        """Say how far the picture is turned for showing."""
+        self._view.set_rotation(rotation_deg)
 
-    def _on_frame(self, frame: object) -> None:
+    def close(self) -> None:
+        """Let go of the sensor."""
+        self._order(SensorState("closed"), None)
+
+    def end(self) -> None:
+        """Let go of the sensor and wait until no thread is left."""
+        self.close()
+        self._orders.shutdown(wait=True)
+
+    def _order(self, state: SensorState, action: Callable[[], None] | None) -> None:
+        self._number += 1
+        self._newest = None
+        self._orders.submit(self._follow, self._number, action)
+        self._state = state
+        self.state_changed.emit(state)
+
+    def _follow(self, number: int, action: Callable[[], None] | None) -> None:
+        """Follow an order, in the thread of orders, unless a newer one waits behind it."""
+        if number != self._number:
+            return
+        self._view.close()
+        self._listener.number = number
+        if action is not None:
+            action()
+
+    def _on_frame(self, told: object) -> None:
+        frame = self._current(told)
         if isinstance(frame, LiveFrame):
             self._newest = frame
             self.frame_arrived.emit(frame)
 
-    def _on_state(self, state: object) -> None:
+    def _on_state(self, told: object) -> None:
+        state = self._current(told)
         if isinstance(state, SensorState):
             self._state = state
             self.state_changed.emit(state)
+
+    def _current(self, told: object) -> object | None:
+        """Return what was told, None where it comes of a source that was left."""
+        return told.thing if isinstance(told, _Told) and told.number == self._number else None
+
+
+class _Told:
+    """A frame or a state, and the order that it comes of."""
+
+    __slots__ = ("number", "thing")
+
+    def __init__(self, number: int, thing: object) -> None:
+        self.number, self.thing = number, thing
 
 
 class _Listener:
@@ -68,11 +129,12 @@ class _Listener:
     def __init__(self, frames: NewestBridge, states: CallBridge) -> None:
         self._frames = frames
         self._states = states
+        self.number = 0
 
     def frame_arrived(self, frame: LiveFrame) -> None:
         """Take a frame."""
-        self._frames.publish(frame)
+        self._frames.publish(_Told(self.number, frame))
 
     def state_changed(self, state: SensorState) -> None:
         """Take a state."""
-        self._states.publish(state)
+        self._states.publish(_Told(self.number, state))

@@ -36,7 +36,7 @@ class Job(Protocol):
     def is_running(self) -> bool: ...
 
     def cancel(self) -> None:
-        """Ask it to stop at its next progress; nothing is told of it afterwards."""
+        """Ask it to stop at its next progress; only `ended` is told of it afterwards."""
 
 
 class Jobs(Protocol):
@@ -48,6 +48,7 @@ class Jobs(Protocol):
         work: Callable[[JobControl], Result],
         done: Callable[[Result], None],
         failed: Callable[[AdibasError], None] | None = None,
+        ended: Callable[[], None] | None = None,
     ) -> Job:
         """Run `work` in a worker thread and give its result to `done` in the window's thread.
 
@@ -58,12 +59,19 @@ class Jobs(Protocol):
         failed : callable or None
             Told of an `AdibasError`; None: the window shows it. Anything else is a bug and goes
             to the crash report.
+        ended : callable or None
+            Told first when nothing runs any more, whatever came of it: also where the user
+            stopped the job, and where it met a bug.
         """
         ...
 
 
 class LiveSource(Protocol):
-    """The sensor as the window sees it; everything it tells arrives in the window's thread."""
+    """The sensor as the window sees it; everything it tells arrives in the window's thread.
+
+    Orders return at once and are followed in their order; a newer one replaces those that wait.
+    What still comes of a source that was left is not told.
+    """
 
     frame_arrived: Event[[LiveFrame]]
     state_changed: Event[[SensorState]]
@@ -73,7 +81,12 @@ class LiveSource(Protocol):
         """The newest frame; None before the first and after the last."""
 
     @property
-    def state(self) -> SensorState: ...
+    def state(self) -> SensorState:
+        """What the source fares that was ordered last: ``opening`` from the order on."""
+
+    @property
+    def opened(self) -> tuple[str, SensorOptions] | None:
+        """What was opened last, also where it was closed since; None before the first."""
 
     @property
     def view(self) -> LiveView:
@@ -83,4 +96,10 @@ class LiveSource(Protocol):
 
     def set_target(self, target: MarkerTarget | None) -> None: ...
 
-    def close(self) -> None: ...
+    def set_rotation(self, rotation_deg: int) -> None: ...
+
+    def close(self) -> None:
+        """Let go of the sensor; it can be opened anew."""
+
+    def end(self) -> None:
+        """Close, and wait until no thread is left."""

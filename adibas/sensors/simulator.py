@@ -1,7 +1,7 @@
 """The simulated clinic as a camera."""
 
 from collections import deque
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import SensorError
@@ -61,11 +61,20 @@ class SimulatorCamera(DepthCamera):
         return False
 
     def read(self, timeout_s: float = READ_TIMEOUT_S) -> SensorFrame | None:  # noqa: ARG002
-        """Return the next frame, None at the end of the scene; `timeout_s` has no meaning here."""
+        """Return the next frame, None at the end of the scene; `timeout_s` has no meaning here.
+
+        Raises
+        ------
+        SensorError
+            The simulator is closed, or the program is about to end.
+        """
         self._render_ahead()
         if not self._ahead:
             return None
-        frame = self._ahead.popleft().result()
+        try:
+            frame = self._ahead.popleft().result()
+        except CancelledError as error:
+            raise SensorError("The simulator is closed. Open it again.") from error
         self._render_ahead()
         if self._pacer is not None:
             self._pacer.wait_for(frame.timestamp_ns)
@@ -80,7 +89,11 @@ class SimulatorCamera(DepthCamera):
         while len(self._ahead) < N_RENDERERS:
             if n_frames is not None and self._next_index >= n_frames:
                 return
-            self._ahead.append(self._renderers.submit(self._render, self._next_index))
+            try:
+                rendered = self._renderers.submit(self._render, self._next_index)
+            except RuntimeError as error:  # as they say that they take no more work
+                raise SensorError("The simulator is closed. Open it again.") from error
+            self._ahead.append(rendered)
             self._next_index += 1
 
     def _render(self, index: int) -> SensorFrame:

@@ -59,3 +59,13 @@ def test_an_unknown_scene_lists_those_that_exist():
         open_source("simulator:moon")
     for name in scene_names():
         assert name in str(told.value)
+
+
+def test_what_is_closed_while_it_is_read_says_so():
+    camera = open_source("simulator", SensorOptions(color_size=(640, 480)))
+    camera.read()
+    camera.close()
+    for _ in range(3):  # a frame may be whole already
+        with pytest.raises(SensorError, match="is closed"):
+            while camera.read() is not None:
+                pass

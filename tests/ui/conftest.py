@@ -74,16 +74,20 @@ class InlineJobs:
         self.problems: list[AdibasError] = []
         self.is_stopped = False
 
-    def start(self, label, work, done, failed=None):
+    def start(self, label, work, done, failed=None, ended=None):
         self.labels.append(label)
         job = InlineJob(self.is_stopped)
+        ended = ended or (lambda: None)
         try:
             result = work(job)
         except CancelledError:
+            ended()
             return job
         except AdibasError as error:
+            ended()
             (failed or self.problems.append)(error)
             return job
+        ended()
         done(result)
         return job
 
@@ -129,16 +133,27 @@ class NoSensor:
         self.state = SensorState("closed")
         self.view = None
         self.target = None
-        self.opened = []
+        self.rotation_deg = 0
+        self.orders = []
+
+    @property
+    def opened(self):
+        return next((order for order in reversed(self.orders) if order), None)
 
     def open(self, source, options) -> None:
-        self.opened.append((source, options))
+        self.orders.append((source, options))
 
     def set_target(self, target) -> None:
         self.target = target
 
+    def set_rotation(self, rotation_deg) -> None:
+        self.rotation_deg = rotation_deg
+
     def close(self) -> None:
-        self.opened.clear()
+        self.orders.append(None)
+
+    def end(self) -> None:
+        self.close()
 
 
 @pytest.fixture
