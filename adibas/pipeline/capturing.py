@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from adibas.arrays import UInt8Array
 from adibas.calibration.files import check_fits
+from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker, RejectedBlob
@@ -17,7 +18,6 @@ from adibas.pipeline.burst_recording import Burst, Progress
 from adibas.pipeline.live import LiveView
 from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.session import Clock, utc_now
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
 from adibas.sessions import NewCapture, SessionStore

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Mapping
 
+from adibas.clock import Clock, utc_now
 from adibas.data.patients import Identity, Patient
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Session, SessionSetup
@@ -10,7 +11,7 @@ from adibas.errors import SensorError
 from adibas.pipeline.capturing import CaptureRequest, take_capture
 from adibas.pipeline.live import LiveFrame, LiveView, SensorState
 from adibas.pipeline.posture import MarkerTarget
-from adibas.pipeline.session import Clock, Progress, utc_now
+from adibas.pipeline.session import Progress
 from adibas.pipeline.targets import target_to_document
 from adibas.sensors.ports import SensorOptions
 from adibas.sessions import SessionStore

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adibas.arrays import FloatArray, UInt8Array
+from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.corrections import FreeMeasure
 from adibas.data.markers import Marker
@@ -172,7 +172,10 @@ def chosen_measures(markers: tuple[Marker, ...], chosen: tuple[FreeMeasure, ...]
 
 
 def posture_analysis(
-    capture: Capture, picture_rgb: UInt8Array, patient: str = ""
+    capture: Capture,
+    picture_rgb: UInt8Array,
+    patient: str = "",
+    surface_per_m: Float32Array | None = None,
 ) -> PostureAnalysis:
     """Return the analysis of a capture with its markers as corrected, for reports.
 
@@ -184,6 +187,8 @@ def posture_analysis(
         Its picture.
     patient : str
         A pseudonym.
+    surface_per_m : (H', W') float32 array or None
+        Mean of 1/z, 1/metres (`BurstDisparity.mean_per_m`); None where none was kept.
     """
     markers = capture.markers()
     measures = measures_of(markers)
@@ -204,4 +209,5 @@ def posture_analysis(
         calibration=capture.calibration,
         provenance=capture.provenance,
         notices=(*capture.notices, *((CORRECTED,) if was_corrected else ())),
+        surface_per_m=surface_per_m,
     )

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 
 from adibas.arrays import UInt8Array
 from adibas.calibration.files import check_fits, read_calibration
+from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.posture import PostureAnalysis
@@ -21,14 +21,8 @@ from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.ports import RecordingReader
 
 Progress = Callable[[int, int], None]
-Clock = Callable[[], datetime]
 
 MARKERS_FOR_A_DISTANCE = 2
-
-
-def utc_now() -> datetime:
-    """Return the time of day; tests pass their own clock."""
-    return datetime.now(UTC)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from adibas.arrays import Float32Array, UInt8Array
 from adibas.data.posture import PostureAnalysis
 from adibas.data.report import CaptureReport, PictureChoice, SessionReport
 from adibas.data.sessions import Capture, Session
-from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.review import posture_analysis
 
 
 def report_of_analysis(
@@ -64,20 +64,5 @@ def capture_report(
     surface_per_m : (H', W') float32 array or None
         Mean of 1/z, 1/metres (`BurstDisparity.mean_per_m`); None where none was kept.
     """
-    markers = capture.markers()
-    analysis = PostureAnalysis(
-        patient="",
-        view=capture.view,
-        n_frames=capture.n_frames,
-        first_frame=capture.first_frame,
-        markers=markers,
-        rejected=capture.rejected,
-        distances=all_distances(markers),
-        angles=all_angles(markers),
-        picture_rgb=picture_rgb,
-        calibration=capture.calibration,
-        provenance=capture.provenance,
-        notices=capture.notices,
-        surface_per_m=surface_per_m,
-    )
+    analysis = posture_analysis(capture, picture_rgb, surface_per_m=surface_per_m)
     return CaptureReport(analysis, capture.history.placed_by_hand(), capture.history.measures())

@@ -10,7 +10,7 @@ from typing import Literal
 from sqlalchemy import select
 from sqlalchemy.orm import Session as Transaction
 
-from adibas.sessions.clock import Clock, to_text
+from adibas.clock import Clock, to_text
 from adibas.sessions.database import Database
 from adibas.sessions.schema import AuditHead, AuditRecord
 

@@ -8,6 +8,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session as Transaction
 
 from adibas.arrays import UInt8Array
+from adibas.clock import to_text
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.corrections import CorrectionHistory
 from adibas.data.markers import Marker, RejectedBlob
@@ -16,7 +17,6 @@ from adibas.data.sessions import Capture
 from adibas.errors import StoreError
 from adibas.markers.disparity import BurstDisparity
 from adibas.sessions.audit import AuditLog
-from adibas.sessions.clock import to_text
 from adibas.sessions.correcting import history_of, save_history
 from adibas.sessions.database import Database
 from adibas.sessions.documents import (

@@ -8,10 +8,10 @@ from datetime import date, datetime
 from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session as Transaction
 
+from adibas.clock import to_text
 from adibas.data.patients import Consent, Identity, Patient
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
-from adibas.sessions.clock import to_text
 from adibas.sessions.database import Database
 from adibas.sessions.documents import from_json, to_json
 from adibas.sessions.schema import (

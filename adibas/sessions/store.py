@@ -6,10 +6,11 @@ from typing import Self
 
 import platformdirs
 
+from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
+from adibas.files import remove_unfinished
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.captures import Captures
-from adibas.sessions.clock import Clock, utc_now
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.kept_files import KeptFiles, remove_leftovers
 from adibas.sessions.key_file import KEY_FILE
@@ -66,6 +67,10 @@ class SessionStore:
 
     def tidy(self) -> None:
         """Finish what a crash interrupted; for the one opener that may write."""
+        try:
+            remove_unfinished(self.folder)
+        except OSError as error:
+            raise cannot_use(self.folder, error) from error
         self._files.finish()
         remove_leftovers(self._database, self._sealed)
         self.recordings.recover()

@@ -1,4 +1,4 @@
-"""The time of day, as the store asks for it."""
+"""The time of day, as everything asks for it that writes it down."""
 
 from collections.abc import Callable
 from datetime import UTC, datetime
