@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from adibas.errors import FileError
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """No space on the disk, in the user's share of it, or in one file."""
+_UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.\w+)?")
 
 
 @contextmanager
@@ -35,10 +37,27 @@ def written_whole(path: Path) -> Iterator[Path]:
         yield unfinished
         _flush_to_disk(unfinished)
         unfinished.replace(path)
+        flush_folder(path.parent)
     except OSError as error:
         raise cannot_write(path, error) from error
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def remove_unfinished(folder: Path) -> int:
+    """Remove what a crash within `written_whole` left in `folder`; return how many files.
+
+    Only where no other process writes: a file in the making looks the same.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be read or written.
+    """
+    unfinished = [path for path in folder.iterdir() if _UNFINISHED.fullmatch(path.name)]
+    for path in unfinished:
+        path.unlink(missing_ok=True)
+    return len(unfinished)
 
 
 def check_place(path: Path) -> None:
@@ -92,9 +111,15 @@ def flush_folder(folder: Path) -> None:
     """Wait until the names in `folder` are on the disk; Windows keeps them in its journal."""
     if os.name == "nt":
         return
-    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except PermissionError:  # it may be written into but not read
+        return
     try:
         os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # network disks that flush files alone
+            raise
     finally:
         os.close(descriptor)
 

@@ -22,6 +22,11 @@ def rows(*, quick: bool) -> Iterable[Row]:
     last_of_each = [o.n_saved for o in outcomes if (o.seed + 1) % KILLS_PER_STORE == 0]
     after = f"after {n_kills:,} kills at random moments"
     yield Row(f"things lost or damaged {after}", len(problems), "things", 0, "goal")
+    for outcome in outcomes:
+        for problem in outcome.problems:
+            yield Row(
+                f"seed {outcome.seed}, {outcome.moment_s:.3f} s: {problem}", 1, "things", 0, "goal"
+            )
     lost = max(outcome.n_frames_lost for outcome in outcomes)
     yield Row(f"most written frames lost by one kill {after}", lost, "frames", 30, "goal <=")
     yield Row("saved patients, sessions, captures and recordings", sum(last_of_each), "things")

@@ -122,12 +122,12 @@ def _kill_once(
     if not is_early and not receiver.poll(SECONDS_TO_START):
         outcome.problems.append("the process did not open the store")
     _listen(receiver, time.monotonic() + outcome.moment_s, before, latest)
+    if not process.is_alive():
+        outcome.problems.append(f"the process ended by itself: {process.exitcode}")
     process.kill()
     process.join()
     _listen(receiver, time.monotonic() + SECONDS_TO_START, before, latest)
     receiver.close()
-    if process.exitcode != -9:
-        outcome.problems.append(f"the process ended by itself: {process.exitcode}")
     look(folder, outcome, before, latest)
     return outcome
 
@@ -152,6 +152,7 @@ def look(folder: Path, outcome: Outcome, everything: Acknowledged, latest: Ackno
             _compare(store, outcome, everything)
             _compare_recordings(store, outcome, everything, latest)
             outcome.problems += [finding.text for finding in store.verify().findings]
+            outcome.problems += [f"{path.name} is left over" for path in folder.rglob(".*")]
     except AdibasError as error:
         outcome.problems.append(str(error))
 

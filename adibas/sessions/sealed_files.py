@@ -1,7 +1,7 @@
 """Small files, such as pictures, each sealed with AES-256-GCM under a key of its own."""
 
 from adibas.errors import FileError, StoreError
-from adibas.files import flush_folder, written_whole
+from adibas.files import flush_folder, remove_unfinished, written_whole
 from adibas.recordings.seal import SealError
 from adibas.sessions.sealed_folder import SealedFolder, cannot_read, cannot_save, cannot_unseal
 from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal
@@ -34,7 +34,6 @@ class SealedFiles(SealedFolder):
             with written_whole(path) as unfinished, unfinished.open("wb") as file:
                 file.write(MAGIC)
                 file.write(sealed)
-            flush_folder(path.parent)
             if is_new_folder:
                 flush_folder(self.folder)
         except OSError as error:
@@ -70,13 +69,10 @@ class SealedFiles(SealedFolder):
 
         Only for the one who may write: another process' file in the making looks the same.
         """
-        unfinished = [path for path in self._paths() if path.name.startswith(".")]
         try:
-            for path in unfinished:
-                path.unlink(missing_ok=True)
+            return sum(remove_unfinished(folder) for folder in self.folder.glob("*/"))
         except OSError as error:
             raise cannot_save(error) from error
-        return len(unfinished)
 
 
 def _as_store_error(error: FileError) -> StoreError:

@@ -74,6 +74,17 @@ def session(store):
     return store.sessions.start(patient.pseudonym, SessionSetup())
 
 
+def test_a_key_that_was_half_written_does_not_stay(tmp_path):
+    left_over = tmp_path / f".{'0a' * 16}.json"
+    left_over.write_text("{}")
+    with open_store(tmp_path, PASSPHRASE, key_params=CHEAP):
+        assert not left_over.exists()
+        left_over.write_text("{}")
+        with open_store(tmp_path, PASSPHRASE) as reader:
+            assert reader.is_read_only
+        assert left_over.exists()
+
+
 def test_stores_made_side_by_side_do_not_meet(tmp_path):
     """Alembic keeps its connection in a global, OpenSSL one pool of threads for Argon2id."""
     params = Argon2Params(iterations=1, lanes=4, memory_kib=8192)

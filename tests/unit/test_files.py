@@ -1,11 +1,12 @@
 """A file appears whole or not at all."""
 
 import errno
+import os
 
 import pytest
 
 from adibas.errors import FileError
-from adibas.files import written_whole
+from adibas.files import remove_unfinished, written_whole
 
 
 def test_a_written_file_appears_under_its_name_alone(tmp_path):
@@ -15,6 +16,22 @@ def test_a_written_file_appears_under_its_name_alone(tmp_path):
         assert not path.exists()
     assert path.read_text() == "whole"
     assert list(path.parent.iterdir()) == [path]
+
+
+def test_content_and_name_are_on_the_disk_before_anybody_relies_on_them(tmp_path, monkeypatch):
+    flushed = []
+    monkeypatch.setattr(os, "fsync", lambda descriptor: flushed.append(os.fstat(descriptor).st_ino))
+    with written_whole(tmp_path / "key.json") as unfinished:
+        unfinished.write_text("whole")
+    assert flushed == [(tmp_path / "key.json").stat().st_ino, tmp_path.stat().st_ino]
+
+
+def test_what_a_crash_left_half_written_is_removed_and_nothing_else(tmp_path):
+    for name in (".bashrc", "a.json", f".{'0a' * 16}", f"{'0a' * 16}.json"):
+        (tmp_path / name).write_text("")
+    kept = set(tmp_path.iterdir())
+    assert remove_unfinished(tmp_path) == 1
+    assert set(tmp_path.iterdir()) == kept - {tmp_path / f".{'0a' * 16}"}
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path):
