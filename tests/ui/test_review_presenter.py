@@ -124,7 +124,8 @@ def test_a_session_without_pictures_sends_to_the_capture(view, workspace, seen, 
     assert seen.last("show_nothing").args[1] == "capture"
 
 
-def test_the_first_capture_is_shown_with_its_picture_markers_and_measures(review, seen, saved):
+@pytest.mark.usefixtures("review")
+def test_the_first_capture_is_shown_with_its_picture_markers_and_measures(seen, saved):
     items, chosen, rotation_deg = seen.strip
     assert [item.view for item in items] == ["anterior", "posterior"]
     assert [item.n_markers for item in items] == [3, 3]
@@ -549,15 +550,17 @@ def test_the_surface_is_shown_with_the_markers(review, view):
     assert [one.label for one in space.markers] == list(DOTS)
 
 
-def test_a_table_that_is_late_is_followed_by_the_newest(
-    view, workspace, seen, inline_jobs, saved, monkeypatch
-):
-    workspace.choose_session(saved[1])
+class Running:
+    """A job that has not ended."""
+
+    is_running = True
+
+
+@pytest.fixture
+def late_tables(inline_jobs, monkeypatch):
+    """The tables of measures that are waited for; calling one ends its job."""
     waiting = []
     start = inline_jobs.start
-
-    class Running:
-        is_running = True
 
     def hold_tables(label, work, done, failed=None):
         if label != "Measuring":
@@ -572,25 +575,45 @@ def test_a_table_that_is_late_is_followed_by_the_newest(
         return job
 
     monkeypatch.setattr(inline_jobs, "start", hold_tables)
-    presenter = ReviewPresenter(view, workspace)
-    presenter.entered()
-    presenter.points.keep_measure(("m01", "m02"))
+    return waiting
+
+
+def test_a_table_that_is_late_is_followed_by_the_newest(late_tables, points, seen):
+    points.keep_measure(("m01", "m02"))
     assert seen.points.measures[0].value is None  # nothing was measured yet
-    presenter.points.drag("m01", 90.0, 60.0)
-    presenter.points.drag("m01", 95.0, 60.0)
-    assert len(waiting) == 1
-    waiting[0]()
-    assert seen.value("m01", "m02") == pytest.approx(mm_between(DOTS["m01"], DOTS["m02"]), rel=1e-4)
+    points.drag("m01", 90.0, 60.0)
+    points.drag("m01", 95.0, 60.0)
+    assert len(late_tables) == 1
+    late_tables[0]()
+    expected_mm = mm_between(DOTS["m01"], DOTS["m02"])
+    assert seen.value("m01", "m02") == pytest.approx(expected_mm, rel=1e-4)
     assert seen.points.measures[0].value is not None
-    assert len(waiting) == 2
-    waiting[1]()
+    assert len(late_tables) == 2
+    late_tables[1]()
     expected_mm = mm_between((95.0, 60.0), DOTS["m02"])
     assert seen.value("m01", "m02") == pytest.approx(expected_mm, rel=1e-4)
-    view.show_measures.reset_mock()
-    presenter.points.drag("m01", 99.0, 60.0)
+
+
+def test_a_table_of_a_capture_that_was_left_is_not_shown(late_tables, review, seen, workspace):
+    review.points.drag("m01", 99.0, 60.0)
     workspace.choose_session(None)
-    waiting[2]()
+    late_tables[0]()
     assert seen.measures == ()
+
+
+def test_a_surface_that_comes_too_late_is_not_shown(
+    review, view, workspace, inline_jobs, saved, monkeypatch
+):
+    waiting = []
+    monkeypatch.setattr(
+        inline_jobs, "start", lambda _label, work, done: waiting.append((work, done))
+    )
+    review.open_space()
+    work, done = waiting[0]
+    review.choose_capture(saved[2][1].capture_id)
+    done(work(None))
+    view.show_space.assert_not_called()
+    review.choose_capture(workspace.capture_id)
 
 
 def test_measures_of_a_deleted_marker_go_with_it(points, seen, store, saved):

@@ -49,7 +49,8 @@ class NotesPanel(QWidget):
         if not is_typing:
             self.save()
             self._session_id, self._saved = session_id, notes
-            self._text.setPlainText(notes)
+            if self._text.toPlainText() != notes:  # else the cursor would jump to the beginning
+                self._text.setPlainText(notes)
             self._pause.stop()
 
     def show_notices(self, sentences: tuple[str, ...]) -> None:

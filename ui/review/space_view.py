@@ -120,7 +120,9 @@ class SpaceView(QWidget):
             painter.drawText(self.rect().adjusted(16, 16, -16, -16), wrapped, text)
         else:
             painter.drawImage(0, 0, self._surface_image())
+            painter.save()
             self._paint_markers(painter, self._space)
+            painter.restore()
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
