@@ -1,27 +1,29 @@
 """`adibas sessions`: what the patient store holds, out of it, and whether it is whole."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_out, add_overwrite, refuse_to_replace
+from adibas.cli.options import add_out, add_overwrite, add_report_options, refuse_to_replace
 from adibas.cli.store_options import add_store, open_existing
 from adibas.errors import StoreError
 from adibas.files import check_place
-from adibas.texts import message, system_language, translate_plural
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.data.markers import Marker
     from adibas.data.sessions import Capture, Session
+    from adibas.pipeline.stored_report import ReportWish
     from adibas.sessions import PatientRow, SessionStore
 
 SUMMARY = message("list, show, export, verify or purge what the patient store holds")
 
 SOMETHING_FOUND = 1
 ALL_PATIENTS = 1_000_000
+REPORTS = ("posture.json", "report.xlsx", "report.pdf")
 
 Work = Callable[["SessionStore", argparse.Namespace, Console], int]
 
@@ -45,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     exporting = add("export", _("Recordings of a session as plain MCAP, and its report."), _export)
     for action in (showing, exporting):
         action.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
+    add_report_options(exporting)
     add_out(exporting, _("DIR"), _("folder to write into"))
     add_overwrite(exporting)
     add("verify", _("Check the database, the audit log and every file."), _verify)
@@ -107,6 +110,9 @@ def _show(store: "SessionStore", arguments: argparse.Namespace, console: Console
 
 
 def _export(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.data.report import PictureChoice
+    from adibas.pipeline.stored_report import ReportWish
+
     session = store.sessions.get(arguments.session)
     recordings = store.recordings.of_session(session.session_id)
     folder: Path = arguments.out
@@ -122,28 +128,28 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
         )
         console.say(text.format(file=path, n_frames=facts.n_frames))
     if session.capture_ids:
-        paths.append(_export_report(store, session, folder / "posture.json"))
-        console.say(str(paths[-1]))
+        wish = ReportWish(arguments.language, PictureChoice(arguments.pictures))
+        for path in _export_reports(store, session, folder, wish):
+            paths.append(path)
+            console.say(str(path))
     if not paths:
         console.warn(_("The session has neither recordings nor captures; nothing was written."))
     console.give({"out": [str(path) for path in paths]})
     return 0
 
 
-def _export_report(store: "SessionStore", session: "Session", path: Path) -> Path:
-    from adibas.pipeline.session_report import capture_report, report_of_session
+def _export_reports(
+    store: "SessionStore", session: "Session", folder: Path, wish: "ReportWish"
+) -> Iterator[Path]:
+    """Write the session's report in every kind that has all of it; an older one is replaced."""
+    from adibas.pipeline.stored_report import stored_report
     from adibas.reports import write_report
 
-    captures = []
-    for capture in store.captures.of_session(session.session_id):
-        surface = store.captures.surface(capture.capture_id)
-        picture_rgb = store.captures.picture(capture.capture_id)
-        captures.append(
-            capture_report(capture, picture_rgb, None if surface is None else surface.mean_per_m)
-        )
-    store.note_export("json", session.session_id)
-    write_report(report_of_session(session, tuple(captures), system_language()), path)
-    return path
+    report = stored_report(store, session.session_id, wish)
+    for name in REPORTS:
+        write_report(report, folder / name)
+        store.note_export(Path(name).suffix.removeprefix("."), session.session_id)
+        yield folder / name
 
 
 def _verify(store: "SessionStore", _arguments: argparse.Namespace, console: Console) -> int:
