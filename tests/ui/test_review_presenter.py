@@ -152,6 +152,8 @@ def test_nothing_is_read_before_the_screen_is_seen(view, workspace, saved, inlin
 
 def test_another_capture_can_be_chosen_here_and_elsewhere(review, seen, workspace, saved):
     first, second = (one.capture_id for one in saved[2])
+    review.choose_capture(first)
+    assert workspace.capture_id is None  # it is open already
     review.choose_capture(second)
     assert workspace.capture_id == second
     assert seen.strip[1] == second
@@ -438,6 +440,21 @@ def test_nothing_can_be_edited_until_the_depth_is_there(
     assert seen.points.can_edit
 
 
+def test_a_picture_that_fails_after_the_session_was_left_is_told_only(
+    view, workspace, seen, inline_jobs, saved, monkeypatch
+):
+    sentences = told(workspace)
+    waiting = []
+    monkeypatch.setattr(inline_jobs, "start", lambda *job: waiting.append(job))
+    workspace.choose_session(saved[1])
+    ReviewPresenter(view, workspace).entered()
+    workspace.choose_session(None)
+    failed = next(job[3] for job in waiting if job[0] == "Opening the picture")
+    failed(StoreError("It is damaged."))
+    assert sentences == [("bad", "It is damaged.")]
+    assert seen.measures == ()
+
+
 def test_a_picture_that_comes_too_late_is_not_shown(
     view, workspace, inline_jobs, saved, monkeypatch
 ):
@@ -460,13 +477,15 @@ def test_a_picture_that_comes_too_late_is_not_shown(
     view.show_picture.assert_called_once()
 
 
-def test_a_picture_that_cannot_be_read_is_told(view, workspace, inline_jobs, store, saved):
+def test_a_picture_that_cannot_be_read_is_told(view, workspace, seen, store, saved):
+    sentences = told(workspace)
     for file in store.folder.joinpath("pictures").rglob("*.sealed"):
         file.write_bytes(b"damaged")
     workspace.choose_session(saved[1])
     presenter = ReviewPresenter(view, workspace)
     presenter.entered()
-    assert inline_jobs.problems
+    assert [kind for kind, _sentence in sentences] == ["bad"]
+    assert len(seen.measures) == 6
     presenter.open_space()
     view.show_space.assert_not_called()
 
@@ -601,19 +620,14 @@ def test_a_table_of_a_capture_that_was_left_is_not_shown(late_tables, review, se
     assert seen.measures == ()
 
 
-def test_a_surface_that_comes_too_late_is_not_shown(
-    review, view, workspace, inline_jobs, saved, monkeypatch
-):
+def test_a_surface_that_comes_too_late_is_not_shown(review, view, inline_jobs, saved, monkeypatch):
     waiting = []
-    monkeypatch.setattr(
-        inline_jobs, "start", lambda _label, work, done: waiting.append((work, done))
-    )
+    monkeypatch.setattr(inline_jobs, "start", lambda *job: waiting.append(job))
     review.open_space()
-    work, done = waiting[0]
+    work, done = waiting[0][1:]
     review.choose_capture(saved[2][1].capture_id)
     done(work(None))
     view.show_space.assert_not_called()
-    review.choose_capture(workspace.capture_id)
 
 
 def test_measures_of_a_deleted_marker_go_with_it(points, seen, store, saved):

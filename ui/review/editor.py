@@ -30,9 +30,7 @@ class CaptureEditor:
         Saves a history and returns the capture with it; what it raises leaves all as it was.
     """
 
-    def __init__(
-        self, capture: Capture, save: Callable[[CorrectionHistory], Capture] | None = None
-    ) -> None:
+    def __init__(self, capture: Capture, save: Callable[[CorrectionHistory], Capture]) -> None:
         self._capture = capture
         self._save = save
         self._held: Marker | None = None
@@ -141,8 +139,7 @@ class CaptureEditor:
 
     def _keep(self, history: CorrectionHistory) -> None:
         self._held = None
-        if self._save is not None:
-            self._capture = self._save(history)
+        self._capture = self._save(history)
 
 
 def alike(labels: tuple[str, ...], others: tuple[str, ...]) -> bool:

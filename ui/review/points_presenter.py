@@ -98,8 +98,8 @@ class PointsPresenter:
         """Show the markers of a capture; they can be edited once `give_surface` was called."""
         self._editor = CaptureEditor(capture, partial(self._save, capture.capture_id))
         self._opened, self._selected, self._picked = None, None, ()
+        self._view.show_measures(())
         self._show()
-        self._measure_all()
 
     def give_surface(self, opened: Opened) -> None:
         """Allow editing."""
@@ -112,12 +112,17 @@ class PointsPresenter:
         self._table.clear()
         self._show()
 
+    def measure_all(self) -> None:
+        """Show every measure of the markers as seen, as soon as possible."""
+        if self._editor is not None:
+            self._table.follow(self._editor.capture.capture_id, self._editor.markers())
+
     def let_go(self) -> None:
         """Forget a drag that is in progress: nothing of it was saved."""
         if self._editor is not None and self._editor.held is not None:
             self._editor.hold(None)
             self._show()
-            self._measure_all()
+            self.measure_all()
 
     def choose_mode(self, mode: Mode) -> None:
         """Let clicks do something else."""
@@ -182,7 +187,7 @@ class PointsPresenter:
         editor.hold(opened.surface.measured(label, u, v, radius_px=radius_px))
         self._selected = label
         self._show()
-        self._measure_all()
+        self.measure_all()
 
     def drop(self, label: str, u: float, v: float, *, is_free: bool) -> None:
         """Save a dragged marker at the blob nearest to (u, v), or right there."""
@@ -274,11 +279,7 @@ class PointsPresenter:
         if self._selected is not None and all(m.label != self._selected for m in self.markers):
             self._selected = None
         self._show()
-        self._measure_all()
-
-    def _measure_all(self) -> None:
-        if self._editor is not None:
-            self._table.follow(self._editor.capture.capture_id, self._editor.markers())
+        self.measure_all()
 
     def _show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
         """Show the table; with the first one the free measures get their values."""

@@ -205,7 +205,7 @@ class ReviewPresenter:
         self._view.show_captures(tuple(items), self._opened, self._rotation_deg)
 
     def _load_picture(self, capture: Capture) -> None:
-        """Read the picture first, so that it is seen at once; then the surface."""
+        """Read the picture first, so that it is seen at once; then measure, and read the depth."""
         store = self._workspace.store
 
         def work(_control: JobControl) -> UInt8Array:
@@ -214,9 +214,14 @@ class ReviewPresenter:
         def done(picture_rgb: UInt8Array) -> None:
             if self._opened == capture.capture_id:
                 self._view.show_picture(picture_rgb, self._rotation_deg)
+                self.points.measure_all()
                 self._load_surface(capture, picture_rgb)
 
-        self._workspace.jobs.start(_("Opening the picture"), work, done)
+        def failed(error: AdibasError) -> None:
+            self._workspace.report_problem(error)
+            self.points.measure_all()
+
+        self._workspace.jobs.start(_("Opening the picture"), work, done, failed)
 
     def _load_surface(self, capture: Capture, picture_rgb: UInt8Array) -> None:
         store = self._workspace.store
