@@ -4,29 +4,34 @@ import logging
 import sys
 from pathlib import Path
 
-from PySide6.QtCore import QLibraryInfo, QLocale, QTranslator
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import QLocale
+from PySide6.QtWidgets import QApplication, QToolTip
 
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
 from adibas.pipeline.demo_session import demo_patient
 from adibas.sessions import SessionStore, default_store_folder
+from adibas.texts import translate as _
 from adibas.texts import use_language
+from ui.appearance import Appearance
+from ui.closing import OrderlyClose
 from ui.crash import install_crash_report
+from ui.dropping import screen_for
+from ui.frame_bridge import CallBridge
+from ui.idle import IdleCall
 from ui.inactivity import InactivityWatch
 from ui.jobs import JobRunner
 from ui.live_source import QtLiveSource
+from ui.log import log_folder, start_log
 from ui.preferences import Preferences, PreferencesFile
 from ui.screens import build_screens
+from ui.signals import SignalWatch
 from ui.theme import Theme
 from ui.unlock_presenter import UnlockPresenter
 from ui.window import MainWindow
-from ui.workspace import Workspace
+from ui.workspace import Place, Workspace
 
 logger = logging.getLogger(__name__)
-
-BUSY_MINUTES = 1
-"""So much later locking is tried again while something runs."""
 
 
 class Application:
@@ -49,36 +54,56 @@ class Application:
         self.preferences = preferences
         told_folder = Path(preferences.now.store) if preferences.now.store else None
         self._folder = store_folder or told_folder or default_store_folder()
-        self._translator = QTranslator()
         self._theme = Theme(app)
         use_language(preferences.now.language)
         self._theme.use(preferences.now.theme, preferences.now.font_scale)
         self.jobs = JobRunner(self._report)
         self.window = MainWindow(self._theme, self.jobs, preferences)
         self.workspace: Workspace | None = None
+        self._left_at: tuple[Place, str] | None = None
+        self._is_locking = False
         self._watch = InactivityWatch(self.lock, self.window)
-        app.installEventFilter(self._watch)
-        self._take_hook_away = install_crash_report(lambda said: self.window.tell("bad", said))
-        preferences.changed.subscribe(self._on_preferences)
-        self._used = preferences.now
+        self._idle = IdleCall(self.jobs, self._finish_lock)
+        self._closing = OrderlyClose(self.window, self.jobs)
+        self._bugs = CallBridge(lambda said: self.window.tell_of_bug(str(said)), self.window)
+        self._take_hook_away = install_crash_report(self._bugs.publish)
+        self._appearance = Appearance(app, self._theme, self.window, preferences)
+        self._autolock_minutes = preferences.now.autolock_minutes
         self._is_closed = False
+        self._connect()
+
+    def _connect(self) -> None:
+        self._app.installEventFilter(self._watch)
+        self.preferences.changed.subscribe(self._on_preferences)
+        self.window.may_close = self._closing.may_close
         self.window.closing.subscribe(self.close)
-        self._use_qt_language()
+        self.window.dropped.subscribe(self._open_dropped)
+        self.window.lock_wanted.subscribe(self.lock)
 
     def start(self) -> None:
         """Show the window and open the store."""
         self.window.show()
-        self._unlock()
+        self._show_unlock().begin()
 
     def lock(self) -> None:
-        """Put the store and everything of patients away until it is unlocked again."""
-        if self.workspace is None:
+        """Show nothing of patients, and put the store away until it is unlocked again.
+
+        What still runs is finished behind the lock: a report in the making is not thrown away.
+        """
+        if self.workspace is None or self._is_locking:
             return
-        if self.jobs.is_busy:
-            self._watch.set_minutes(BUSY_MINUTES)  # a report in the making is not thrown away
-            return
-        self._take_apart()
-        self._unlock()
+        self._is_locking = True
+        self._watch.set_minutes(0)
+        self._left_at = (self.workspace.place, self.window.shown)
+        self._close_other_windows()
+        logger.info("locked")
+        self.window.unlock_page.show_locking()
+        self.window.show_unlock()
+        self._idle.wait()
+
+    def end(self) -> None:
+        """Close the window without a question: the desktop session or the terminal ends."""
+        self._closing.close_without_asking()
 
     def close(self) -> None:
         """End threads and close the store; a second call does nothing."""
@@ -86,34 +111,85 @@ class Application:
             return
         self._is_closed = True
         self._app.removeEventFilter(self._watch)
+        self._appearance.close()
         self._watch.set_minutes(0)
-        self.jobs.close()
+        self._closing.finish()
+        self._idle.close()
         self._take_apart()
+        self.jobs.close()
         self._take_hook_away()
 
-    def _unlock(self) -> None:
+    def _finish_lock(self) -> None:
+        self._is_locking = False
+        self._close_other_windows()
+        self._take_apart()
+        self._show_unlock().ask()
+
+    def _show_unlock(self) -> UnlockPresenter:
         page = self.window.unlock_page
-        presenter = UnlockPresenter(
-            page, self._folder, self.preferences.now.operator, self.jobs, self._on_opened
-        )
+        operator = self.preferences.now.operator
+        presenter = UnlockPresenter(page, self._folder, operator, self.jobs, self._on_opened)
         page.bind(presenter)
         self.window.show_unlock()
-        presenter.begin()
+        return presenter
 
     def _on_opened(self, store: SessionStore, is_new: bool) -> None:
         live = QtLiveSource(self.window)
         workspace = Workspace(store, self.jobs, self.preferences, live)
         if is_new:
             workspace.attempt(lambda: _want_nothing(demo_patient(store)))
+        logger.info("store opened, read only: %s", store.is_read_only)
         self.workspace = workspace
         workspace.noticed.subscribe(self.window.tell)
-        workspace.screen_wanted.subscribe(self.window.show_screen)
+        workspace.screen_wanted.subscribe(self._show_screen)
         workspace.patient_changed.subscribe(self._show_patient)
         for screen in build_screens(workspace, self._theme, self.window):
             self.window.add_screen(screen)
+        self.window.setLocale(QLocale(self.preferences.now.language))
         self.window.show_read_only(is_read_only=store.is_read_only)
         self._watch.set_minutes(self.preferences.now.autolock_minutes)
-        self.window.show_first_screen()
+        self._show_where_the_user_was(workspace)
+        if store.is_read_only:
+            workspace.tell(
+                "warning",
+                _(
+                    "Another window has the patient store open. Here you can look at everything "
+                    "and write reports; close that window to change anything."
+                ),
+            )
+
+    def _show_where_the_user_was(self, workspace: Workspace) -> None:
+        if self._left_at is None:
+            self.window.show_first_screen()
+            return
+        (place, screen), self._left_at = self._left_at, None
+        workspace.return_to(place)
+        self.window.show_screen(screen)
+
+    def _show_screen(self, name: str) -> None:
+        if self._is_locking and self._left_at is not None:
+            self._left_at = (self._left_at[0], name)  # what is being finished goes on there
+        else:
+            self.window.show_screen(name)
+
+    def _open_dropped(self, paths: tuple[Path, ...]) -> None:
+        workspace = self.workspace
+        if workspace is None:
+            return
+        try:
+            name = screen_for(paths)
+        except AdibasError as error:
+            workspace.report_problem(error)
+            return
+        self.window.show_screen(name)
+        self.window.screen_named(name).open_file(paths[0])
+
+    def _close_other_windows(self) -> None:
+        """Close dialogs, menus and tips: they may show a patient."""
+        QToolTip.hideText()
+        for widget in self._app.topLevelWidgets():
+            if widget is not self.window and widget.isVisible():
+                widget.close()
 
     def _take_apart(self) -> None:
         """Close screens, sensor and store."""
@@ -125,7 +201,9 @@ class Application:
         self.workspace = None
 
     def _show_patient(self) -> None:
-        patient = self.workspace.patient if self.workspace is not None else None
+        if self.workspace is None or self._is_locking:
+            return
+        patient = self.workspace.patient
         text = "" if patient is None else f"{patient.identity.name}  ·  {patient.pseudonym}"
         self.window.show_patient(text)
 
@@ -134,26 +212,11 @@ class Application:
             self.workspace.report_problem(error)
 
     def _on_preferences(self, now: Preferences) -> None:
-        before, self._used = self._used, now
-        if now.language != before.language:
-            use_language(now.language)
-            self._use_qt_language()
-        if (now.theme, now.font_scale) != (before.theme, before.font_scale):
-            self._theme.use(now.theme, now.font_scale)
-            self.window.dress()
-        if now.autolock_minutes != before.autolock_minutes:
+        if now.autolock_minutes != self._autolock_minutes and self.workspace is not None:
             self._watch.set_minutes(now.autolock_minutes)
+        self._autolock_minutes = now.autolock_minutes
         if self.workspace is not None:
             self.workspace.store.operator = now.operator
-
-    def _use_qt_language(self) -> None:
-        """Let Qt's own texts speak, too; every widget is told of the change."""
-        language = self.preferences.now.language
-        self._app.removeTranslator(self._translator)
-        folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
-        self._translator.load(f"qtbase_{language}", folder)
-        QLocale.setDefault(QLocale(language))
-        self._app.installTranslator(self._translator)
 
 
 def _want_nothing(_patient: Patient) -> None:
@@ -162,11 +225,15 @@ def _want_nothing(_patient: Patient) -> None:
 
 def run(arguments: list[str]) -> int:
     """Open the window and return when it is closed."""
+    end_log = start_log(log_folder())
     app = QApplication([sys.argv[0], *arguments])
     app.setApplicationName("ADiBAS")
     app.setDesktopFileName("adibas")
     application = Application(app, PreferencesFile())
+    signals = SignalWatch(application.end)
     application.start()
     code = app.exec()
     application.close()
+    signals.close()
+    end_log()
     return code

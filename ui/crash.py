@@ -2,6 +2,7 @@
 
 import logging
 import sys
+import threading
 from collections.abc import Callable
 from types import TracebackType
 
@@ -11,8 +12,19 @@ logger = logging.getLogger(__name__)
 
 
 def install_crash_report(tell: Callable[[str], None]) -> Callable[[], None]:
-    """Log what nobody caught and tell the user; return what takes the hook away again."""
-    before = sys.excepthook
+    """Log what nobody caught, in any thread, and tell the user.
+
+    Parameters
+    ----------
+    tell : callable
+        Given a sentence, in the thread of the bug.
+
+    Returns
+    -------
+    take_away : callable
+        Takes the hooks away again.
+    """
+    before, before_in_threads = sys.excepthook, threading.excepthook
 
     def report(
         kind: type[BaseException], error: BaseException, traceback: TracebackType | None
@@ -28,10 +40,16 @@ def install_crash_report(tell: Callable[[str], None]) -> Callable[[], None]:
             )
         )
 
-    sys.excepthook = report
+    def report_of_thread(ended: threading.ExceptHookArgs) -> None:
+        if ended.exc_value is not None:  # nothing is left of it while the program ends
+            report(ended.exc_type, ended.exc_value, ended.exc_traceback)
+
+    sys.excepthook, threading.excepthook = report, report_of_thread
 
     def take_away() -> None:
         if sys.excepthook is report:
             sys.excepthook = before
+        if threading.excepthook is report_of_thread:
+            threading.excepthook = before_in_threads
 
     return take_away

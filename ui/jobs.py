@@ -97,10 +97,19 @@ class JobRunner(QObject):
         """Whether any job runs."""
         return bool(self._handlers)
 
-    def close(self) -> None:
-        """Cancel what runs and wait for it; nothing is told any more."""
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What runs, as the user reads it; what began first comes first."""
+        return tuple(job.label for job in self._handlers)
+
+    def cancel_all(self) -> None:
+        """Ask everything that runs to stop."""
         for job in self._handlers:
             job.cancel()
+
+    def close(self) -> None:
+        """Cancel what runs and wait for it; nothing is told any more."""
+        self.cancel_all()
         self._pool.shutdown(wait=True, cancel_futures=True)
         self._handlers.clear()
 

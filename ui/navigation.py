@@ -18,6 +18,9 @@ TITLES = {
     "reports": message("Reports"),
     "settings": message("Settings"),
 }
+OTHERS = {"help": (message("Help"), "F1"), "lock": (message("Lock"), "Ctrl+L")}
+"""Buttons that show no screen, and their keys."""
+
 ICON_PX = 30
 LEAST_WIDTH_PX = 86
 PADDING_PX = 20
@@ -25,7 +28,7 @@ PADDING_PX = 20
 
 
 class NavigationRail(QWidget):
-    """Buttons with icon and name, Ctrl+1 to Ctrl+6."""
+    """Buttons with icon and name: Ctrl+1 to Ctrl+6, F1, Ctrl+L."""
 
     def __init__(self, theme: Theme, choose: Callable[[str], None], parent: QWidget | None) -> None:
         super().__init__(parent)
@@ -48,9 +51,11 @@ class NavigationRail(QWidget):
             button.hide()
             layout.addWidget(button)
             self._buttons[name] = button
-        self._help = self._button("help")
-        self._help.clicked.connect(lambda _checked: choose("help"))
-        layout.addWidget(self._help)
+        self._others = {name: self._button(name) for name in OTHERS}
+        for name, button in self._others.items():
+            button.setShortcut(QKeySequence(OTHERS[name][1]))
+            button.clicked.connect(lambda _checked, name=name: choose(name))
+            layout.addWidget(button)
         self.retranslate()
         self.dress()
 
@@ -64,28 +69,26 @@ class NavigationRail(QWidget):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        for name, button in self._buttons.items():
-            title = _(TITLES[name])
+        titles = TITLES | {name: title for name, (title, _key) in OTHERS.items()}
+        for name, button in self._all():
+            title = _(titles[name])
             shortcut = button.shortcut()
             button.setText(title)
             button.setShortcut(shortcut)  # a new text takes the shortcut away
             keys = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
             button.setToolTip(f"{title} ({keys})")
             button.setAccessibleName(title)
-        self._help.setText(_("Help"))
-        self._help.setToolTip(_("Help") + " (F1)")
-        self._help.setAccessibleName(_("Help"))
         self._fit()
 
     def dress(self) -> None:
         """Draw the icons in the theme in use."""
-        for name, button in (*self._buttons.items(), ("help", self._help)):
+        for name, button in self._all():
             button.setIcon(self._theme.icon(name))
         self._fit()
 
     def _fit(self) -> None:
         """Make room for the longest name in the language and letters in use."""
-        buttons = (*self._buttons.values(), self._help)
+        buttons = [button for _name, button in self._all()]
         width_px = LEAST_WIDTH_PX
         for button in buttons:
             button.ensurePolished()
@@ -93,6 +96,9 @@ class NavigationRail(QWidget):
             width_px = max(width_px, text_px + PADDING_PX)
         for button in buttons:
             button.setMinimumWidth(width_px)
+
+    def _all(self) -> tuple[tuple[str, QToolButton], ...]:
+        return (*self._buttons.items(), *self._others.items())
 
     def show_button(self, name: str) -> None:
         """Offer a screen."""

@@ -2,7 +2,7 @@
 
 import json
 import logging
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ import platformdirs
 
 from adibas.errors import FileError
 from adibas.files import written_whole
-from adibas.texts import system_language
+from adibas.texts import LANGUAGES, system_language
 from ui.events import Event
 
 logger = logging.getLogger(__name__)
@@ -45,8 +45,12 @@ class Preferences:
         Paths, newest first.
     store : str
         Folder of the store; empty = the usual one.
-    geometry : str
-        Of the window, as Qt packs it, hexadecimal.
+    report_folder : str
+        Where reports were written last.
+    geometry, docks : str
+        Of the window and of the help beside it, as Qt packs them, hexadecimal.
+    splitters : dict of str
+        The same of the bars between the parts of screens.
     """
 
     language: str = ""
@@ -59,7 +63,10 @@ class Preferences:
     burst_frames: int = 30
     recent_recordings: tuple[str, ...] = ()
     store: str = ""
+    report_folder: str = ""
     geometry: str = ""
+    docks: str = ""
+    splitters: dict[str, str] = field(default_factory=dict)
 
 
 class PreferencesFile:
@@ -70,7 +77,7 @@ class PreferencesFile:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self._path = path or Path(platformdirs.user_config_dir("adibas")) / FILE
+        self._path = path or platformdirs.user_config_path("adibas", appauthor=False) / FILE
         self.changed: Event[[Preferences]] = Event()
         self.now = _read(self._path)
         if not self.now.language:
@@ -101,27 +108,36 @@ class PreferencesFile:
 def _read(path: Path) -> Preferences:
     try:
         values = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return Preferences()
     if not isinstance(values, dict):
         return Preferences()
     usual = Preferences()
     known = {}
     for one in fields(Preferences):
-        value = values.get(one.name, getattr(usual, one.name))
-        if isinstance(value, list):
-            value = tuple(str(part) for part in value)
+        value = _understood(values.get(one.name))
         if type(value) is type(getattr(usual, one.name)):
             known[one.name] = value
     return _bounded(Preferences(**known))
 
 
+def _understood(value: Any) -> Any:
+    """Return a value of the file as the preferences hold it."""
+    if isinstance(value, list):
+        return tuple(str(part) for part in value)
+    if isinstance(value, dict):
+        return {name: str(part) for name, part in value.items()}
+    return value
+
+
 def _bounded(preferences: Preferences) -> Preferences:
     """Return the preferences with what makes no sense put right."""
+    scale = preferences.font_scale
     return replace(
         preferences,
+        language=preferences.language if preferences.language in LANGUAGES else "",
         theme=preferences.theme if preferences.theme in THEMES else "system",
-        font_scale=min(max(preferences.font_scale, FONT_SCALES[0]), FONT_SCALES[-1]),
+        font_scale=min(FONT_SCALES, key=lambda offered: abs(offered - scale)),
         autolock_minutes=max(preferences.autolock_minutes, 0),
         countdown_s=min(max(preferences.countdown_s, 0), 60),
         burst_frames=min(max(preferences.burst_frames, 1), 300),

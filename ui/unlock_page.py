@@ -3,7 +3,14 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel, QLineEdit, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
 
 from adibas.texts import translate as _
 from ui.theme import Theme
@@ -11,7 +18,8 @@ from ui.unlock_presenter import UnlockPresenter
 from ui.widgets.screen import Screen
 
 LOGO_PX = 88
-WIDTH_PX = 440
+WIDTH_LETTERS = 44
+LEAST_WIDTH_PX = 440
 
 
 class UnlockPage(Screen):
@@ -31,15 +39,19 @@ class UnlockPage(Screen):
         self._title.setProperty("kind", "title")
         self._problem.setProperty("kind", "bad")
         self._button.setProperty("main", "true")
-        for label in (self._explanation, self._problem):
+        for label in (self._title, self._explanation, self._problem):
             label.setWordWrap(True)
         for field in (self._first, self._second):
             field.setEchoMode(QLineEdit.EchoMode.Password)
             field.returnPressed.connect(self._button.click)
         self._button.clicked.connect(self._on_button)
-        column = QWidget(self)
-        column.setFixedWidth(WIDTH_PX)
-        inner = QVBoxLayout(column)
+        self._column = QWidget(self)
+        self._lay_out()
+        self.dress()
+        self.show_busy()
+
+    def _lay_out(self) -> None:
+        inner = QVBoxLayout(self._column)
         inner.setSpacing(14)
         for widget in (
             self._logo,
@@ -51,10 +63,15 @@ class UnlockPage(Screen):
             self._button,
         ):
             inner.addWidget(widget)
+        area = QScrollArea(self)
+        area.setWidget(self._column)
+        area.setWidgetResizable(True)
+        area.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        area.setFrameShape(QScrollArea.Shape.NoFrame)
+        inner.insertStretch(0)
+        inner.addStretch()
         layout = QVBoxLayout(self)
-        layout.addWidget(column, 0, Qt.AlignmentFlag.AlignCenter)
-        self.dress()
-        self.show_busy()
+        layout.addWidget(area)
 
     def bind(self, presenter: UnlockPresenter) -> None:
         """Send what is typed to `presenter`, and own it."""
@@ -64,6 +81,8 @@ class UnlockPage(Screen):
         """Draw the logo in the theme in use."""
         icon = self._theme.icon("adibas", self._theme.tokens.accent)
         self._logo.setPixmap(icon.pixmap(LOGO_PX, LOGO_PX))
+        width_px = WIDTH_LETTERS * self.fontMetrics().averageCharWidth()
+        self._column.setMaximumWidth(max(LEAST_WIDTH_PX, width_px))
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -80,6 +99,11 @@ class UnlockPage(Screen):
         self._show(_busy_words, fields=0)
         self._button.hide()
 
+    def show_locking(self) -> None:
+        """Say that the window is locked while something is finished behind it."""
+        self._show(_locking_words, fields=0)
+        self._button.hide()
+
     def ask_new_passphrase(self) -> None:
         self._show(_new_words, fields=2)
         self._send = lambda: self._presenter.give_new_passphrase(
@@ -92,7 +116,7 @@ class UnlockPage(Screen):
 
     def ask_unlock(self) -> None:
         self._show(_unlock_words, fields=0)
-        self._send = self._presenter.begin
+        self._send = self._presenter.open_from_keyring
 
     def show_problem(self, sentence: str) -> None:
         self._problem.setText(sentence)
@@ -114,6 +138,10 @@ class UnlockPage(Screen):
 
 def _busy_words() -> tuple[str, str, str]:
     return "ADiBAS", _("Opening the patient store"), ""
+
+
+def _locking_words() -> tuple[str, str, str]:
+    return _("Locked"), _("What still runs is finished first."), ""
 
 
 def _new_words() -> tuple[str, str, str]:

@@ -8,7 +8,9 @@ from adibas.errors import AdibasError
 from adibas.sessions import KeyState, SessionStore, key_state, open_store
 from adibas.texts import describe
 from adibas.texts import translate as _
-from ui.ports import JobControl, Jobs
+from ui.ports import CancelledError, JobControl, Jobs
+
+NEW = (KeyState.NEW_KEYRING, KeyState.NEW_PASSPHRASE)
 
 
 class UnlockView(Protocol):
@@ -32,6 +34,8 @@ class UnlockView(Protocol):
 
 class UnlockPresenter:
     """Finds out what the store needs, asks for it, and hands the open store over.
+
+    The keyring is asked in a job, too: the desktop may show a question of its own meanwhile.
 
     Parameters
     ----------
@@ -60,23 +64,18 @@ class UnlockPresenter:
         self._operator = operator
         self._jobs = jobs
         self._opened = opened
-        self._is_new = False
 
     def begin(self) -> None:
         """Open the store, or ask for what it needs."""
-        try:
-            state = key_state(self._folder)
-        except AdibasError as error:
-            self._view.ask_unlock()
-            self._view.show_problem(describe(error))
-            return
-        self._is_new = state in (KeyState.NEW_KEYRING, KeyState.NEW_PASSPHRASE)
-        if state is KeyState.NEW_PASSPHRASE:
-            self._view.ask_new_passphrase()
-        elif state is KeyState.PASSPHRASE:
-            self._view.ask_passphrase()
-        else:
-            self._open(None, self._view.ask_unlock)
+        self._look(lambda _state: self.open_from_keyring())
+
+    def ask(self) -> None:
+        """Ask for what the store needs, also where that is only a button: nobody may be here."""
+        self._look(lambda _state: self._view.ask_unlock())
+
+    def open_from_keyring(self) -> None:
+        """Open with the key that the desktop keeps."""
+        self._open(None, self._view.ask_unlock)
 
     def give_passphrase(self, passphrase: str) -> None:
         """Open with the passphrase of an existing store."""
@@ -89,17 +88,49 @@ class UnlockPresenter:
             return
         self._open(passphrase, self._view.ask_new_passphrase)
 
-    def _open(self, passphrase: str | None, ask_again: Callable[[], None]) -> None:
+    def _look(self, with_keyring: Callable[[KeyState], None]) -> None:
+        """Find out where the key is; ask for a passphrase where there must be one."""
         self._view.show_busy()
-        is_new = self._is_new
 
-        def work(_control: JobControl) -> SessionStore:
-            return open_store(self._folder, passphrase, operator=self._operator)
+        def work(_control: JobControl) -> KeyState:
+            return key_state(self._folder)
 
-        def failed(error: AdibasError) -> None:
-            ask_again()
-            self._view.show_problem(describe(error))
+        def done(state: KeyState) -> None:
+            if state is KeyState.NEW_PASSPHRASE:
+                self._view.ask_new_passphrase()
+            elif state is KeyState.PASSPHRASE:
+                self._view.ask_passphrase()
+            else:
+                with_keyring(state)
 
         self._jobs.start(
-            _("Opening the patient store"), work, lambda store: self._opened(store, is_new), failed
+            _("Looking for the key of the patient store"),
+            work,
+            done,
+            self._tell,
+            ended=self._view.ask_unlock,
         )
+
+    def _open(self, passphrase: str | None, ask_again: Callable[[], None]) -> None:
+        self._view.show_busy()
+
+        def work(control: JobControl) -> tuple[SessionStore, bool]:
+            is_new = key_state(self._folder) in NEW
+            store = open_store(self._folder, passphrase, operator=self._operator)
+            try:
+                control.progress(1, 1)
+            except CancelledError:
+                store.close()
+                raise
+            return store, is_new
+
+        self._jobs.start(
+            _("Opening the patient store"),
+            work,
+            lambda opened: self._opened(*opened),
+            self._tell,
+            ended=ask_again,
+        )
+
+    def _tell(self, error: AdibasError) -> None:
+        self._view.show_problem(describe(error))

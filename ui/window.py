@@ -1,11 +1,15 @@
 """The window: a rail of screens, what is told to the user, and the help beside them."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 from PySide6.QtCore import QByteArray, QEvent, Qt
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMainWindow,
+    QSplitter,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -32,15 +36,27 @@ class MainWindow(QMainWindow):
     Events
     ------
     closing()
-        The user closes the window; whoever owns threads ends them.
-    dropped(path)
-        A file or folder was dropped onto the window.
+        The window closes; whoever owns threads ends them.
+    dropped(paths)
+        Files or folders were dropped onto the window.
+    shown_changed(name)
+        Another screen is seen; no name: the window is locked.
+    lock_wanted()
+        The user leaves and wants nothing of patients to be seen.
+
+    Attributes
+    ----------
+    may_close : callable
+        Asked before the window closes; who says no closes it later.
     """
 
     def __init__(self, theme: Theme, jobs: JobRunner, preferences: PreferencesFile) -> None:
         super().__init__()
         self.closing: Event[[]] = Event()
-        self.dropped: Event[[str]] = Event()
+        self.dropped: Event[[tuple[Path, ...]]] = Event()
+        self.shown_changed: Event[[str]] = Event()
+        self.lock_wanted: Event[[]] = Event()
+        self.may_close: Callable[[], bool] = _yes
         self._theme = theme
         self._preferences = preferences
         self._screens: dict[str, Screen] = {}
@@ -52,11 +68,12 @@ class MainWindow(QMainWindow):
         self._help = HelpDock(self)
         self._lay_out()
         jobs.changed.subscribe(self._progress.show_job)
-        help_key = QShortcut(QKeySequence(Qt.Key.Key_F1), self)
-        help_key.activated.connect(self.show_help)
+        self._help_key = QShortcut(QKeySequence(Qt.Key.Key_F1), self.unlock_page, self.show_help)
+        QShortcut(QKeySequence.StandardKey.Quit, self, self.close)
         self.setAcceptDrops(True)
         self.resize(*USUAL_SIZE)
-        self.restoreGeometry(QByteArray.fromHex(preferences.now.geometry.encode()))
+        self.restoreGeometry(_bytes(preferences.now.geometry))
+        self.restoreState(_bytes(preferences.now.docks))
         self.retranslate()
 
     def _lay_out(self) -> None:
@@ -85,6 +102,7 @@ class MainWindow(QMainWindow):
         """Set the window's own texts in the language in use."""
         self.setWindowTitle("ADiBAS")
         self._read_only.setText(_("Read only: another window has this store open"))
+        self._messages.put_away()  # a sentence in the language before
         for part in (self._rail, self._messages, self._progress, self._help):
             part.retranslate()
 
@@ -98,15 +116,19 @@ class MainWindow(QMainWindow):
         """Draw what is drawn in the theme in use."""
         self._rail.dress()
         self.unlock_page.dress()
+        self.setWindowIcon(self._theme.icon("adibas", self._theme.tokens.accent))
 
     def add_screen(self, screen: Screen) -> None:
         """Take a screen; its name is one of the rail's."""
         self._screens[screen.name] = screen
         self._pages.addWidget(screen)
+        for name, splitter in _splitters(screen):
+            splitter.restoreState(_bytes(self._preferences.now.splitters.get(name, "")))
         self._rail.show_button(screen.name)
 
     def remove_screens(self) -> None:
         """Close all screens and forget them."""
+        self._keep_layout()
         for screen in self._screens.values():
             screen.closed()
             self._pages.removeWidget(screen)
@@ -135,6 +157,7 @@ class MainWindow(QMainWindow):
         self._rail.show_chosen(name)
         self._help.follow(name)
         wanted.entered()
+        self.shown_changed.emit(name)
 
     def show_first_screen(self) -> None:
         """Show the screen that was added first."""
@@ -146,8 +169,10 @@ class MainWindow(QMainWindow):
         if isinstance(page, Screen):
             page.left()
         self._outer.setCurrentWidget(self.unlock_page)
-        self._messages.hide()
+        self._messages.put_away()
         self.show_patient("")
+        self._help.follow(self.unlock_page.name)
+        self.shown_changed.emit("")
 
     def show_patient(self, text: str) -> None:
         """Say at the bottom who is being looked at."""
@@ -161,6 +186,13 @@ class MainWindow(QMainWindow):
         """Tell the user something."""
         self._messages.tell(kind, sentence)
 
+    def tell_of_bug(self, sentence: str) -> None:
+        """Tell the user that the program failed, on whatever page he is."""
+        if self._outer.currentWidget() is self.unlock_page:
+            self.unlock_page.show_problem(sentence)
+        else:
+            self.tell("bad", sentence)
+
     @property
     def told(self) -> str:
         """What the user is being told."""
@@ -173,18 +205,59 @@ class MainWindow(QMainWindow):
     def _on_rail(self, name: str) -> None:
         if name == "help":
             self.show_help()
+        elif name == "lock":
+            self.lock_wanted.emit()
         else:
             self.show_screen(name)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:  # noqa: N802  (Qt's name)
-        if self.shown and len(event.mimeData().urls()) == 1:
+        if self.shown and _files(event):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:  # noqa: N802  (Qt's name)
-        self.dropped.emit(event.mimeData().urls()[0].toLocalFile())
         event.acceptProposedAction()
+        self.dropped.emit(_files(event))
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802  (Qt's name)
-        self._preferences.change(geometry=bytes(self.saveGeometry().toHex().data()).decode())
+        if not self.may_close():
+            event.ignore()
+            return
+        self._keep_layout()
         self.closing.emit()
         super().closeEvent(event)
+
+    def _keep_layout(self) -> None:
+        """Write down where everything is, for the next start."""
+        splitters = dict(self._preferences.now.splitters)
+        for screen in self._screens.values():
+            for name, splitter in _splitters(screen):
+                splitters[name] = _text(splitter.saveState())
+        self._preferences.change(
+            geometry=_text(self.saveGeometry()),
+            docks=_text(self.saveState()),
+            splitters=splitters,
+        )
+
+
+def _yes() -> bool:
+    """Let the window close: nobody says otherwise."""
+    return True
+
+
+def _files(event: QDropEvent) -> tuple[Path, ...]:
+    """Return the files and folders of this computer that are being dropped."""
+    urls = event.mimeData().urls()
+    return tuple(Path(url.toLocalFile()) for url in urls if url.isLocalFile())
+
+
+def _splitters(screen: Screen) -> tuple[tuple[str, QSplitter], ...]:
+    found = screen.findChildren(QSplitter)
+    return tuple((f"{screen.name}-{number}", one) for number, one in enumerate(found, 1))
+
+
+def _bytes(packed: str) -> QByteArray:
+    return QByteArray.fromHex(QByteArray(packed.encode()))
+
+
+def _text(state: QByteArray) -> str:
+    return bytes(state.toHex().data()).decode()

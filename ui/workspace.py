@@ -1,6 +1,7 @@
 """What all screens share: the store, who is being looked at, and what the user was told. No Qt."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 from adibas.data.patients import Patient
@@ -14,6 +15,24 @@ from ui.ports import Jobs, LiveSource
 from ui.preferences import PreferencesFile
 
 NoticeKind = Literal["good", "warning", "bad"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What was being looked at, without anything of the patient: it outlives a lock.
+
+    Attributes
+    ----------
+    patient, session_id, capture_id : str or None
+        Random ids of the store.
+    target : MarkerTarget or None
+        What markers look like.
+    """
+
+    patient: str | None
+    session_id: str | None
+    capture_id: str | None
+    target: MarkerTarget | None
 
 
 class Workspace:
@@ -93,6 +112,29 @@ class Workspace:
         self.target = target
         self.live.set_target(target)
         self.target_changed.emit()
+
+    @property
+    def place(self) -> Place:
+        """What is being looked at."""
+        return Place(
+            patient=self.patient.pseudonym if self.patient is not None else None,
+            session_id=self.session.session_id if self.session is not None else None,
+            capture_id=self.capture_id,
+            target=self.target,
+        )
+
+    def return_to(self, place: Place) -> None:
+        """Look at the same again; what is gone meanwhile is told."""
+        if place.target is not None:
+            self.set_target(place.target)
+        self.attempt(lambda: self._choose_all(place))
+
+    def _choose_all(self, place: Place) -> None:
+        if place.patient is not None:
+            self.choose_patient(self.store.patients.get(place.patient))
+        if place.session_id is not None:
+            self.choose_session(self.store.sessions.get(place.session_id))
+            self.choose_capture(place.capture_id)
 
     def show_screen(self, name: str) -> None:
         """Ask the window to show another screen."""

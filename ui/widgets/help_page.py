@@ -2,7 +2,8 @@
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QDockWidget, QTextBrowser, QWidget
+from PySide6.QtWidgets import QApplication, QDockWidget, QTextBrowser, QWidget
+from shiboken6 import isValid
 
 from adibas.resources import resource_path
 from adibas.texts import spoken_language
@@ -32,7 +33,8 @@ class HelpDock(QDockWidget):
         self.setAllowedAreas(
             Qt.DockWidgetArea.RightDockWidgetArea | Qt.DockWidgetArea.LeftDockWidgetArea
         )
-        escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self._text, self.hide)
+        self._focus_before: QWidget | None = None
+        escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self._text, self._put_away)
         escape.setContext(Qt.ShortcutContext.WidgetShortcut)
         self.retranslate()
         self.hide()
@@ -44,11 +46,19 @@ class HelpDock(QDockWidget):
         self._text.setMarkdown(read_help(self._name, spoken_language()))
 
     def show_page(self, name: str) -> None:
-        """Show the page of a screen."""
+        """Show the page of a screen; Escape leads back to where the user was."""
         self._name = name
+        if not self._text.hasFocus():
+            self._focus_before = QApplication.focusWidget()
         self.retranslate()
         self.show()
         self._text.setFocus()
+
+    def _put_away(self) -> None:
+        self.hide()
+        before = self._focus_before
+        if before is not None and isValid(before) and before.isVisible():
+            before.setFocus()
 
     def follow(self, name: str) -> None:
         """Turn to the page of the screen that is seen now, if the help is open."""

@@ -22,11 +22,11 @@ class MessageBar(QFrame):
         )
         self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._close = QPushButton(self)
-        self._close.clicked.connect(self.hide)
+        self._close.clicked.connect(self.put_away)
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(GOOD_NEWS_MS)
-        self._timer.timeout.connect(self.hide)
+        self._timer.timeout.connect(self.put_away)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(12, 8, 8, 8)
         layout.addWidget(self._label)
@@ -51,6 +51,13 @@ class MessageBar(QFrame):
             self._timer.start()
         else:
             self._timer.stop()
+
+    def put_away(self) -> None:
+        """Tell nothing any more; no word of it is kept."""
+        self._timer.stop()
+        self.hide()
+        self._label.clear()
+        self._label.setAccessibleName("")
 
     @property
     def text(self) -> str:

@@ -1,5 +1,7 @@
 """What every screen of the window has in common."""
 
+from pathlib import Path
+
 from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QWidget
 
@@ -24,6 +26,9 @@ class Screen(QWidget):
 
     def closed(self) -> None:
         """Let go of threads, timers and files: the window closes."""
+
+    def open_file(self, path: Path) -> None:
+        """Open what was dropped onto the window; most screens open nothing."""
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
         """Speak the new language."""

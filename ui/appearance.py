@@ -1,0 +1,58 @@
+"""Language, colours and letters of everything that is seen, as the user prefers them."""
+
+from PySide6.QtCore import QLibraryInfo, QLocale, Qt, QTranslator
+from PySide6.QtWidgets import QApplication
+
+from adibas.texts import use_language
+from ui.preferences import Preferences, PreferencesFile
+from ui.theme import Theme
+from ui.window import MainWindow
+
+
+class Appearance:
+    """Follows the preferences and, where the user wants that, the desktop."""
+
+    def __init__(
+        self, app: QApplication, theme: Theme, window: MainWindow, preferences: PreferencesFile
+    ) -> None:
+        self._app = app
+        self._theme = theme
+        self._window = window
+        self._preferences = preferences
+        self._translator = QTranslator()
+        self._used = preferences.now
+        self._end = preferences.changed.subscribe(self._on_preferences)
+        app.styleHints().colorSchemeChanged.connect(self._on_desktop)
+        self._speak()
+
+    def close(self) -> None:
+        """Follow nothing any more."""
+        self._end()
+        self._app.styleHints().colorSchemeChanged.disconnect(self._on_desktop)
+        self._app.removeTranslator(self._translator)
+
+    def _on_preferences(self, now: Preferences) -> None:
+        before, self._used = self._used, now
+        if now.language != before.language:
+            use_language(now.language)
+            self._speak()
+        if (now.theme, now.font_scale) != (before.theme, before.font_scale):
+            self._dress()
+
+    def _on_desktop(self, _scheme: Qt.ColorScheme) -> None:
+        if self._preferences.now.theme == "system":
+            self._dress()
+
+    def _dress(self) -> None:
+        self._theme.use(self._preferences.now.theme, self._preferences.now.font_scale)
+        self._window.dress()
+
+    def _speak(self) -> None:
+        """Let Qt's own texts and numbers speak, too; every widget is told of the change."""
+        language = self._preferences.now.language
+        QLocale.setDefault(QLocale(language))
+        self._window.setLocale(QLocale(language))
+        self._app.removeTranslator(self._translator)
+        folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
+        self._translator.load(f"qtbase_{language}", folder)
+        self._app.installTranslator(self._translator)
