@@ -146,8 +146,26 @@ def test_a_point_dropped_near_a_blob_snaps_unless_alt_is_held(user, capture):
     near = (UNNOTICED[0] + 4, UNNOTICED[1] + 4)
     user.drag(DOTS["m01"], near)
     assert places(capture())["m01"] == pytest.approx(UNNOTICED, abs=0.3)
-    user.drag(DOTS["m02"], near, ALT)
-    assert places(capture())["m02"] == pytest.approx(near, abs=0.5)
+    for label, keys in (("m02", ALT), ("m03", CTRL)):
+        user.drag(DOTS[label], near, keys)
+        assert places(capture())[label] == pytest.approx(near, abs=0.5)
+        user.key(Qt.Key.Key_Z, CTRL)
+
+
+def test_a_point_of_a_picture_that_is_turned_upright_is_dragged(qtbot, workspace, theme, store):
+    _patient, session, captures = saved_session(store, rotation_deg=90)
+    workspace.choose_session(session)
+    user = shown(qtbot, workspace, theme)
+    assert user.image.placement.rotation_deg == 90
+    user.drag(DOTS["m01"], (200.0, 120.0), ALT)
+    moved = places(store.captures.get(captures[0].capture_id))["m01"]
+    assert moved == pytest.approx((200.0, 120.0), abs=0.5)
+    user.click(*DOTS["m03"])
+    user.key(Qt.Key.Key_Right)  # to the right of what is seen: up in the picture
+    nudged = places(store.captures.get(captures[0].capture_id))["m03"]
+    assert nudged == (DOTS["m03"][0], DOTS["m03"][1] - 1)
+    icon = user.screen.findChild(QListWidget).item(0).icon().availableSizes()[0]
+    assert icon.height() > icon.width()
 
 
 def test_nothing_is_saved_while_the_mouse_is_down(qtbot, user, capture):

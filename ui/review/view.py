@@ -214,7 +214,9 @@ class ReviewScreen(Screen):
         return _(READ_ONLY_HINT) if self._is_read_only else _(WAIT_HINT)
 
     def _is_free(self) -> bool:
-        return bool(self._image.modifiers & Qt.KeyboardModifier.AltModifier)
+        """Whether nothing is to snap: Alt, or Ctrl where the desktop keeps Alt and mouse."""
+        keys = Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ControlModifier
+        return bool(self._image.modifiers & keys)
 
     def _on_go(self) -> None:
         self._presenter.go_to(self._wanted_screen)
