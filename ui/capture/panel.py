@@ -1,5 +1,7 @@
 """The controls beside the live picture: source, display, views, capture."""
 
+from pathlib import Path
+
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QImage, QKeySequence, QPixmap
 from PySide6.QtWidgets import (
@@ -45,12 +47,12 @@ class SourcePanel(QGroupBox):
         self._source_label.setBuddy(self._sources)
         self._size_label.setBuddy(self._sizes)
         self._look, self._open, self._turn = (QPushButton(self) for _ in range(3))
-        for width, height in SIZES:
-            self._sizes.addItem(f"{width} x {height}")
+        self._choices: dict[str, SourceChoice] = {}
+        self._offered = SIZES
         self._sources.activated.connect(
             lambda _i: self.source_chosen.emit(self._sources.currentData())
         )
-        self._sizes.activated.connect(lambda index: self.size_chosen.emit(SIZES[index]))
+        self._sizes.activated.connect(lambda index: self.size_chosen.emit(self._offered[index]))
         self._look.clicked.connect(self.look_asked)
         self._open.clicked.connect(self.recording_asked)
         self._turn.clicked.connect(self.turn_asked)
@@ -75,21 +77,29 @@ class SourcePanel(QGroupBox):
 
     def show_sources(self, choices: tuple[SourceChoice, ...], chosen: str) -> None:
         """Offer sources."""
+        self._choices = {choice.source: choice for choice in choices}
         self._sources.clear()
         for choice in choices:
             self._sources.addItem(choice.title, choice.source)
         self._show_source(chosen)
 
     def show_setup(self, setup: SessionSetup) -> None:
-        """Show what is in use."""
-        size = tuple(setup.color_size)
-        self._sizes.setCurrentIndex(SIZES.index(size) if size in SIZES else -1)
+        """Show what is in use; a recording has the size that it has."""
         self._show_source(setup.source)
+        choice = self._choices.get(setup.source)
+        self._offered = SIZES if choice is None else choice.sizes
+        self._sizes.clear()
+        self._sizes.addItems([f"{width} x {height}" for width, height in self._offered])
+        width, height = setup.color_size
+        is_offered = (width, height) in self._offered
+        index = self._offered.index((width, height)) if is_offered else -1
+        self._sizes.setCurrentIndex(index)
+        self._sizes.setEnabled(bool(self._offered))
 
     def _show_source(self, source: str) -> None:
         index = self._sources.findData(source)
         if index < 0:
-            self._sources.addItem(source.rsplit("/", 1)[-1], source)
+            self._sources.addItem(Path(source).name, source)
             index = self._sources.count() - 1
         self._sources.setCurrentIndex(index)
 
@@ -214,7 +224,7 @@ class ShutterPanel(QWidget):
         self._capture.setShortcut(QKeySequence("Ctrl+Return"))
         self._capture.clicked.connect(self.capture_asked)
         self._learn.clicked.connect(self.learn_asked)
-        self._is_counting = False
+        self._can_stop = self._is_ready = False
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         row = QHBoxLayout()
@@ -227,7 +237,7 @@ class ShutterPanel(QWidget):
         """Set the texts in the language in use."""
         self._learn.setText(_("&Learn the marker colour"))
         shortcut = self._capture.shortcut()
-        self._capture.setText(_("Stop") if self._is_counting else _("&Capture this view"))
+        self._capture.setText(_("Stop") if self._can_stop else _("&Capture this view"))
         self._capture.setShortcut(shortcut)
         self._capture.setToolTip(shortcut.toString(QKeySequence.SequenceFormat.NativeText))
 
@@ -235,12 +245,18 @@ class ShutterPanel(QWidget):
         """Say what lacks."""
         self._readiness.setText(sentence)
         self._readiness.setVisible(bool(sentence))
-        self._capture.setEnabled(is_ready)
+        self._is_ready = is_ready
+        self._enable()
 
-    def show_counting(self, *, is_counting: bool) -> None:
+    def show_stop(self, *, can_stop: bool) -> None:
         """Let the button stop what it began."""
-        self._is_counting = is_counting
+        self._can_stop = can_stop
         self.retranslate()
+        self._enable()
+
+    def _enable(self) -> None:
+        self._capture.setEnabled(self._is_ready or self._can_stop)
+        self._learn.setEnabled(not self._can_stop)
 
 
 def _icon(picture_rgb: UInt8Array | None) -> QIcon:

@@ -2,24 +2,32 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 from adibas.data.posture import VIEWS
 from adibas.errors import SensorError
 from adibas.sensors import openni2_modes, realsense_library
+from adibas.sensors.ports import SensorDescription
 from adibas.texts import translate as _
 from ui.view_names import VIEW_NAMES
 
 SIMULATOR = "simulator"
-SIZES = ((1280, 1024), (640, 480))
-"""Of the colour image; what a sensor cannot do it refuses in words."""
+Sizes: TypeAlias = tuple[tuple[int, int], ...]
+SIZES: Sizes = ((1280, 1024), (640, 480))
+"""Of the colour image, (width, height), where a sensor was not asked."""
 
 
 @dataclass(frozen=True, slots=True)
 class SourceChoice:
-    """A line of the list: its name for the user, and the text that opens it."""
+    """A line of the list: its name for the user, and the text that opens it.
+
+    `sizes` are those of its colour image, (width, height); empty where it has the one it has.
+    """
 
     title: str
     source: str
+    sizes: Sizes = SIZES
+    is_sensor: bool = False
 
 
 def find_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
@@ -36,14 +44,23 @@ def find_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
             sensors = list_sensors()
         except SensorError:
             continue
-        found += [SourceChoice(f"{sensor.name or name} ({name})", source) for sensor in sensors[:1]]
+        found += [
+            SourceChoice(f"{sensor.name or name} ({name})", source, color_sizes(sensor), True)
+            for sensor in sensors[:1]
+        ]
     return (*found, *usual_sources(recent))
 
 
 def usual_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
     """Return what is there without looking for sensors."""
-    recordings = (SourceChoice(Path(path).name, path) for path in recent)
+    recordings = (SourceChoice(Path(path).name, path, sizes=()) for path in recent)
     return (SourceChoice(_("Simulated patient (demo sensor)"), SIMULATOR), *recordings)
+
+
+def color_sizes(sensor: SensorDescription) -> Sizes:
+    """Return what the sensor says that its colour image can be, largest first."""
+    sizes = {(mode.width, mode.height) for mode in sensor.modes if mode.stream == "color"}
+    return tuple(sorted(sizes, reverse=True)) or SIZES
 
 
 def source_for_view(source: str, view: str) -> str:

@@ -1,6 +1,5 @@
 """The capture screen: live pictures, and controls beside them. No decisions."""
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,13 +16,13 @@ from PySide6.QtWidgets import (
 from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
-from adibas.texts import describe, translate_plural
 from adibas.texts import translate as _
 from ui.capture.depth_picture import blended, depth_picture
 from ui.capture.live_overlays import overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import SourceChoice
+from ui.capture.status_line import StatusLine
 from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
 from ui.widgets.side_panel import SidePanel
@@ -43,15 +42,12 @@ class CaptureScreen(Screen):
         self._count = QLabel(self._color)
         self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._count.hide()
-        self._sensor, self._hints = QLabel(self), QLabel(self)
+        self._hints, self._status = QLabel(self), StatusLine(self)
         self._hints.setProperty("kind", "warning")
         self._hints.setWordWrap(True)
-        self._disk = QLabel(self)
         self._source, self._display = SourcePanel(self), DisplayPanel(self)
         self._views, self._shutter = ViewsPanel(self), ShutterPanel(self)
         self._frame: LiveFrame | None = None
-        self._state = SensorState("closed")
-        self._minutes: float | None = None
         self._display.changed.connect(self._show_frame)
         self._lay_out()
         self.retranslate()
@@ -61,13 +57,10 @@ class CaptureScreen(Screen):
         pictures.addWidget(self._color, 1)
         pictures.addWidget(self._depth, 1)
         self._depth.hide()
-        status = QHBoxLayout()
-        status.addWidget(self._sensor, 1)
-        status.addWidget(self._disk)
         left = QVBoxLayout()
         left.addLayout(pictures, 1)
         left.addWidget(self._hints)
-        left.addLayout(status)
+        left.addWidget(self._status)
         panel = SidePanel(self)
         for part in (self._views, self._source, self._display):
             panel.column.addWidget(part)
@@ -84,10 +77,11 @@ class CaptureScreen(Screen):
     def bind(self, presenter: CapturePresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
         self._presenter = presenter
-        self._source.source_chosen.connect(presenter.choose_source)
-        self._source.size_chosen.connect(presenter.choose_size)
-        self._source.look_asked.connect(presenter.look_for_sources)
-        self._source.turn_asked.connect(presenter.turn)
+        sources = presenter.sources
+        self._source.source_chosen.connect(sources.choose_source)
+        self._source.size_chosen.connect(sources.choose_size)
+        self._source.look_asked.connect(sources.look_for_sources)
+        self._source.turn_asked.connect(sources.turn)
         self._source.recording_asked.connect(self._ask_recording)
         self._views.chosen.connect(presenter.choose_view)
         self._views.review_asked.connect(presenter.review)
@@ -98,12 +92,11 @@ class CaptureScreen(Screen):
         """Set the texts in the language in use."""
         self._color.setAccessibleName(_("Live picture"))
         self._depth.setAccessibleName(_("Live depth"))
-        for part in (self._source, self._display, self._views, self._shutter):
+        for part in (self._source, self._display, self._views, self._shutter, self._status):
             part.retranslate()
         for picture in (self._color, self._depth):
-            picture.set_placeholder(_("Waiting for the sensor"))
-        self.show_sensor(self._state)
-        self.show_disk(self._minutes)
+            picture.set_placeholder(_("No picture yet"))
+        self._show_hints()
 
     def entered(self) -> None:
         self._presenter.enter()
@@ -116,7 +109,7 @@ class CaptureScreen(Screen):
 
     def open_file(self, path: Path) -> None:
         """Replay a dropped recording."""
-        self._presenter.open_recording(path)
+        self._presenter.sources.open_recording(path)
 
     def show_both(self) -> None:
         """Show colour and depth side by side."""
@@ -133,27 +126,20 @@ class CaptureScreen(Screen):
     def show_frame(self, frame: LiveFrame) -> None:
         self._frame = frame
         self._show_frame()
-        self._show_state(frame)
+        self._show_hints()
+        self._status.show_frame(frame)
 
     def show_sensor(self, state: SensorState) -> None:
-        self._state = state
-        if state.kind in ("closed", "opening", "ended"):
+        self._status.show_state(state)
+        if state.kind not in ("live", "lost"):
             self._frame = None
             for picture in (self._color, self._depth):
                 picture.set_picture(None)
                 picture.set_overlays(())
-        self._show_state(self._frame)
+            self._show_hints()
 
     def show_disk(self, minutes: float | None) -> None:
-        self._minutes = minutes
-        if minutes is None:
-            self._disk.setText(_("The disk cannot be asked"))
-        elif math.isinf(minutes):
-            self._disk.setText("")
-        else:
-            whole = math.floor(minutes)
-            told = translate_plural("Disk: {n} minute left", "Disk: {n} minutes left", whole)
-            self._disk.setText(told.format(n=whole))
+        self._status.show_disk(minutes)
 
     def show_views(self, view: str, taken: dict[str, UInt8Array]) -> None:
         self._views.show_views(view, taken)
@@ -162,7 +148,7 @@ class CaptureScreen(Screen):
         self._shutter.show_readiness(sentence, is_ready=is_ready)
 
     def show_countdown(self, seconds: int | None) -> None:
-        self._shutter.show_counting(is_counting=seconds is not None)
+        self._shutter.show_stop(can_stop=seconds is not None)
         if seconds is None:
             self._count.hide()
             return
@@ -175,7 +161,7 @@ class CaptureScreen(Screen):
         self._count.show()
 
     def show_capturing(self, *, is_capturing: bool) -> None:
-        self._shutter.setEnabled(not is_capturing)
+        self._shutter.show_stop(can_stop=is_capturing)
         self._views.setEnabled(not is_capturing)
         self._source.setEnabled(not is_capturing)
 
@@ -200,25 +186,15 @@ class CaptureScreen(Screen):
         if self._depth.isVisible() and frame.depth_m is not None:
             self._depth.set_picture(depth_picture(frame.depth_m))
 
-    def _show_state(self, frame: LiveFrame | None) -> None:
-        if self._state.error is not None:
-            self._sensor.setText(describe(self._state.error))
-        elif self._state.kind == "live" and frame is not None:
-            dropped = translate_plural(
-                "{n} frame dropped", "{n} frames dropped", frame.n_dropped
-            ).format(n=frame.n_dropped)
-            rate = _("Live, {rate:.0f} pictures a second").format(rate=frame.frame_rate_hz)
-            self._sensor.setText(f"{rate}  ·  {dropped}")
-        elif self._state.kind == "ended":
-            self._sensor.setText(_("The recording is over."))
-        else:
-            self._sensor.setText(_("Waiting for the sensor"))
-        hints = frame.hints if frame is not None else ()
-        self._hints.setText("\n".join(_(hint) for hint in hints))
+    def _show_hints(self) -> None:
+        hints = self._frame.hints if self._frame is not None else ()
+        text = "\n".join(_(hint) for hint in hints)
+        if self._hints.text() != text:
+            self._hints.setText(text)
 
     def _ask_recording(self) -> None:
         dialog = QFileDialog(self, _("Open a recording"))
         dialog.setNameFilter(f"{_('Recordings')} {RECORDINGS}")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.fileSelected.connect(lambda name: self._presenter.open_recording(Path(name)))
+        dialog.fileSelected.connect(lambda name: self._presenter.sources.open_recording(Path(name)))
         dialog.open()

@@ -1,0 +1,84 @@
+"""The line under the live picture: sensor, lost frames, disk. It always says all three."""
+
+import math
+
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+
+from adibas.pipeline.live import LiveFrame, SensorState
+from adibas.texts import describe, message, translate_plural
+from adibas.texts import translate as _
+
+FEW_MINUTES = 5
+STATES = {
+    "closed": message("No sensor is open"),
+    "opening": message("Waiting for the sensor"),
+    "live": message("Live"),
+    "ended": message("The recording is over."),
+}
+
+
+class StatusLine(QWidget):
+    """Words, and a warning's colour where something is wrong."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._sensor, self._dropped, self._disk = (QLabel(self) for _ in range(3))
+        self._sensor.setWordWrap(True)
+        self._state = SensorState("closed")
+        self._rate_hz, self._n_dropped = 0.0, 0
+        self._minutes: float | None = None
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(16)
+        layout.addWidget(self._sensor, 1)
+        layout.addWidget(self._dropped)
+        layout.addWidget(self._disk)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._say_sensor()
+        self.show_disk(self._minutes)
+
+    def show_state(self, state: SensorState) -> None:
+        """Say how the sensor fares; a source that is opened has lost nothing yet."""
+        self._state = state
+        if state.kind in ("closed", "opening"):
+            self._rate_hz, self._n_dropped = 0.0, 0
+        self._say_sensor()
+
+    def show_frame(self, frame: LiveFrame) -> None:
+        """Say how well frames come."""
+        self._rate_hz, self._n_dropped = frame.frame_rate_hz, frame.n_dropped
+        self._say_sensor()
+
+    def show_disk(self, minutes: float | None) -> None:
+        """Say how many minutes the disk will hold; None where it cannot be told."""
+        self._minutes = minutes
+        if minutes is None:
+            _say(self._disk, _("The disk cannot be asked"), "warning")
+            return
+        whole = math.floor(minutes)
+        told = translate_plural("Disk: {n} minute left", "Disk: {n} minutes left", whole)
+        _say(self._disk, told.format(n=whole), "warning" if whole < FEW_MINUTES else "")
+
+    def _say_sensor(self) -> None:
+        state, n_dropped = self._state, self._n_dropped
+        if state.error is not None:
+            _say(self._sensor, describe(state.error), "bad")
+        elif state.kind == "live" and self._rate_hz > 0:
+            rate = _("Live, {rate:.0f} pictures a second").format(rate=self._rate_hz)
+            _say(self._sensor, rate, "")
+        else:
+            _say(self._sensor, _(STATES.get(state.kind, STATES["opening"])), "")
+        dropped = translate_plural("{n} frame dropped", "{n} frames dropped", n_dropped)
+        _say(self._dropped, dropped.format(n=n_dropped), "warning" if n_dropped else "")
+
+
+def _say(label: QLabel, text: str, kind: str) -> None:
+    """Set a text and its kind; dressing anew costs more than the text, so only where it must."""
+    if label.text() != text:
+        label.setText(text)
+    if (label.property("kind") or "") != kind:
+        label.setProperty("kind", kind)
+        label.style().unpolish(label)
+        label.style().polish(label)
