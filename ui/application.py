@@ -77,6 +77,8 @@ class Application:
         self.preferences.changed.subscribe(self._on_preferences)
         self.window.may_close = self._closing.may_close
         self.window.closing.subscribe(self.close)
+        self.window.shown_changed.subscribe(self._rest_sensor)
+        self.jobs.changed.subscribe(lambda _job, _done, _total: self._rest_sensor())
         self.window.dropped.subscribe(self._open_dropped)
         self.window.lock_wanted.subscribe(self.lock)
 
@@ -199,6 +201,13 @@ class Application:
         self.workspace.live.end()
         self.workspace.store.close()
         self.workspace = None
+
+    def _rest_sensor(self) -> None:
+        """Let go of the sensor where no screen shows it and no job may need it."""
+        if self.workspace is None or self.window.shown in LIVE_SCREENS or self.jobs.is_busy:
+            return
+        if self.workspace.live.state.kind != "closed":
+            self.workspace.live.close()
 
     def _show_patient(self) -> None:
         if self.workspace is None or self._is_locking:
