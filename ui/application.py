@@ -33,6 +33,9 @@ from ui.workspace import Place, Workspace
 
 logger = logging.getLogger(__name__)
 
+LIVE_SCREENS = ("capture", "markers")
+"""They show the sensor, and open it when they are entered."""
+
 
 class Application:
     """One window over one store.
@@ -77,7 +80,7 @@ class Application:
         self.preferences.changed.subscribe(self._on_preferences)
         self.window.may_close = self._closing.may_close
         self.window.closing.subscribe(self.close)
-        self.window.shown_changed.subscribe(self._rest_sensor)
+        self.window.shown_changed.subscribe(lambda _name: self._rest_sensor())
         self.jobs.changed.subscribe(lambda _job, _done, _total: self._rest_sensor())
         self.window.dropped.subscribe(self._open_dropped)
         self.window.lock_wanted.subscribe(self.lock)

@@ -157,7 +157,6 @@ class MainWindow(QMainWindow):
         self._rail.show_chosen(name)
         self._help.follow(name)
         wanted.entered()
-        self.shown_changed.emit()
         self.shown_changed.emit(name)
 
     def show_first_screen(self) -> None:
