@@ -29,8 +29,15 @@ class Demo:
     analysis: PostureAnalysis
 
 
-def run_demo(folder: Path, progress: Progress, clock: Clock = utc_now) -> Demo:
+def run_demo(
+    folder: Path, progress: Progress, clock: Clock = utc_now, n_frames: int | None = None
+) -> Demo:
     """Record the demo patient, learn the marker colour by clicks, analyse the burst.
+
+    Parameters
+    ----------
+    n_frames : int or None
+        Of the burst; None: `N_FRAMES`.
 
     Raises
     ------
@@ -39,27 +46,28 @@ def run_demo(folder: Path, progress: Progress, clock: Clock = utc_now) -> Demo:
     """
     recording, colors = folder / "recording.mcap", folder / "colours.json"
     scene = open_scene(SCENE, seed=SEED, jpeg_quality=JPEG_QUALITY)
-    n_steps = 2 * N_FRAMES
-    clicks = _record(scene, recording, lambda done, _total: progress(done, n_steps))
+    n_frames = N_FRAMES if n_frames is None else n_frames
+    n_steps = 2 * n_frames
+    clicks = _record(scene, recording, n_frames, lambda done, _total: progress(done, n_steps))
     learn_from_file(LearningRequest(recording, clicks), colors)
     request = PostureRequest(recording=recording, markers=str(colors), view=SCENE, patient=PATIENT)
     analysis = analyse_recording(
-        request, lambda done, _total: progress(N_FRAMES + done, n_steps), clock
+        request, lambda done, _total: progress(n_frames + done, n_steps), clock
     )
     return Demo(recording, colors, analysis)
 
 
 def _record(
-    scene: SimulatedScene, path: Path, progress: Progress
+    scene: SimulatedScene, path: Path, n_frames: int, progress: Progress
 ) -> tuple[tuple[float, float], ...]:
     """Record the scene; return where a user would click on markers in the first frame."""
     clicks: tuple[tuple[float, float], ...] = ()
     with create_recording(path, scene.info, RecordingOptions(is_live=False)) as writer:
-        for index in range(N_FRAMES):
+        for index in range(n_frames):
             simulated = scene.frame(index)
             writer.write(simulated.sensor_frame)
             clicks = clicks or _clicks(simulated.truth.markers)
-            progress(index + 1, N_FRAMES)
+            progress(index + 1, n_frames)
     return clicks
 
 
