@@ -38,8 +38,8 @@ class NavigationRail(QWidget):
         self._group = QButtonGroup(self)
         self._buttons: dict[str, QToolButton] = {}
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 12, 8, 12)
-        layout.setSpacing(6)
+        layout.setContentsMargins(8, 8, 8, 8)
+        layout.setSpacing(3)
         for number, name in enumerate(TITLES, 1):
             button = self._button(name)
             button.setShortcut(QKeySequence(f"Ctrl+{number}"))

@@ -150,6 +150,8 @@ def _palette(tokens: Tokens) -> QPalette:
 def _style_sheet(tokens: Tokens, font_pt: float) -> str:
     sheet = resource_path("style", "window.qss").read_text(encoding="utf-8")
     sheet = sheet.replace("@title_pt@", f"{TITLE_SHARE * font_pt:.1f}")
+    check = "check-dark.svg" if tokens is DARK else "check-light.svg"
+    sheet = sheet.replace("@check@", resource_path("style", check).as_posix())
     for name in Tokens.__dataclass_fields__:
         sheet = sheet.replace(f"@{name}@", getattr(tokens, name))
     return sheet

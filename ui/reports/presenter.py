@@ -12,12 +12,15 @@ from adibas.pipeline.stored_report import ReportWish, StoredReports, stored_repo
 from adibas.reports.batch import write_session_reports
 from adibas.reports.facts import Pairs, capture_facts, capture_names, general_facts, session_facts
 from adibas.reports.pictures import draw_markers, picture_of
+from adibas.sessions import SessionStore
 from adibas.texts import describe, speaking, translate_plural
 from adibas.texts import translate as _
 from ui.ports import Job, JobControl
+from ui.preferences import Preferences
 from ui.workspace import Workspace
 
 MOST_SESSIONS = 200
+MOST_PATIENTS = 10_000
 PREVIEW_HEIGHT_PX = 900
 
 
@@ -69,9 +72,11 @@ class ReportsPresenter:
         self._chosen: tuple[str, ...] = ()
         self._preview_job: Job | None = None
         self._is_seen = False
+        self._seen_session: str | None = None
+        self._is_language_chosen = False
         self._ends = [
             workspace.session_changed.subscribe(self._on_session),
-            workspace.capture_chosen.subscribe(self._on_session),
+            workspace.preferences.changed.subscribe(self._on_preferences),
         ]
         view.show_wish(self._wish)
         view.show_written(None)
@@ -82,17 +87,23 @@ class ReportsPresenter:
             end()
 
     def enter(self) -> None:
-        """Offer the sessions there are now, the one that is looked at first of all."""
+        """Offer the sessions there are now; another one that is looked at is chosen alone."""
         self._is_seen = True
         session = self._workspace.session
-        if session is not None:
+        if session is not None and session.session_id != self._seen_session:
             self._chosen = (session.session_id,)
+            self._seen_session = session.session_id
         self._show_sessions()
         self._preview()
 
     def leave(self) -> None:
         """Note that nobody looks."""
         self._is_seen = False
+
+    @property
+    def folder(self) -> str:
+        """Where reports were written last; empty before the first."""
+        return self._workspace.preferences.now.report_folder
 
     def choose_sessions(self, session_ids: tuple[str, ...]) -> None:
         """Report these."""
@@ -102,6 +113,7 @@ class ReportsPresenter:
 
     def choose_language(self, language: str) -> None:
         """Write in this language, whatever the window speaks."""
+        self._is_language_chosen = True
         self._change(replace(self._wish, language=language))
 
     def choose_pictures(self, pictures: PictureChoice) -> None:
@@ -114,13 +126,13 @@ class ReportsPresenter:
             self._workspace.tell("warning", _("Choose a session, and a kind of file."))
             return
         store, chosen, wish = self._workspace.store, self._chosen, self._wish
+        self._workspace.preferences.change(report_folder=str(folder))
 
         def work(control: JobControl) -> tuple[Path, ...]:
-            reports = StoredReports(store, chosen, wish)
-            written = write_session_reports(reports, folder, kinds, control.progress)
-            if not store.is_read_only:
+            if not store.is_read_only:  # noted first: what is half written has left the store, too
                 store.note_export("report", *chosen)
-            return written
+            reports = StoredReports(store, chosen, wish)
+            return write_session_reports(reports, folder, kinds, control.progress)
 
         self._workspace.jobs.start(
             _("Writing reports"), work, lambda written: self._on_written(folder, written)
@@ -143,27 +155,34 @@ class ReportsPresenter:
         self._view.show_wish(wish)
         self._preview()
 
+    def _on_preferences(self, now: Preferences) -> None:
+        """Follow the window's language until another one was chosen."""
+        if now.language != self._wish.language and not self._is_language_chosen:
+            self._wish = replace(self._wish, language=now.language)
+            self._view.show_wish(self._wish)
+            if self._is_seen:
+                self._preview()
+
     def _show_sessions(self) -> None:
-        store = self._workspace.store
-        sessions = list(store.sessions.recent(MOST_SESSIONS))
-        current = self._workspace.session
-        if current is not None and all(s.session_id != current.session_id for s in sessions):
-            sessions.insert(0, current)
-        names: dict[str, str] = {}
-        for row in store.patients.search("", limit=10_000, with_deleted=True):
-            names[row.pseudonym] = row.identity.name
-        self._view.show_sessions(
-            tuple(
-                SessionLine(
-                    session_id=session.session_id,
-                    who=names.get(session.patient, session.patient),
-                    session=session,
-                    is_chosen=session.session_id in self._chosen,
+        """List what can be reported; among many patients the names take a while."""
+        store, current = self._workspace.store, self._workspace.session
+
+        def work(_control: JobControl) -> tuple[tuple[Session, str], ...]:
+            return _sessions_and_names(store, current)
+
+        def done(found: tuple[tuple[Session, str], ...]) -> None:
+            self._view.show_sessions(
+                tuple(
+                    SessionLine(one.session_id, who, one, one.session_id in self._chosen)
+                    for one, who in found
                 )
-                for session in sessions
-                if session.capture_ids
             )
-        )
+            if not found:
+                self._view.show_no_preview(
+                    _("No session has a capture yet. Take one on the capture screen.")
+                )
+
+        self._workspace.jobs.start(_("Listing the sessions"), work, done)
 
     def _preview(self) -> None:
         """Make the preview of the first chosen session, in place of one still in work."""
@@ -183,6 +202,18 @@ class ReportsPresenter:
         self._preview_job = self._workspace.jobs.start(
             _("Making the preview"), work, lambda made: self._view.show_preview(*made), failed
         )
+
+
+def _sessions_and_names(
+    store: SessionStore, current: Session | None
+) -> tuple[tuple[Session, str], ...]:
+    """Return the sessions that have captures, newest first, each with its patient's name."""
+    sessions = list(store.sessions.recent(MOST_SESSIONS))
+    if current is not None and all(one.session_id != current.session_id for one in sessions):
+        sessions.insert(0, current)
+    rows = store.patients.search("", limit=MOST_PATIENTS, with_deleted=True)
+    names = {row.pseudonym: row.identity.name for row in rows}
+    return tuple((one, names.get(one.patient, one.patient)) for one in sessions if one.capture_ids)
 
 
 def preview(report: SessionReport) -> tuple[Pairs, tuple[PreviewPage, ...]]:

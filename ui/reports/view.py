@@ -207,7 +207,7 @@ class ReportsScreen(Screen):
         )
 
     def _ask_folder(self) -> None:
-        dialog = QFileDialog(self, _("Folder for the report"))
+        dialog = QFileDialog(self, _("Folder for the report"), self._presenter.folder)
         dialog.setFileMode(QFileDialog.FileMode.Directory)
         dialog.setOption(QFileDialog.Option.ShowDirsOnly)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)

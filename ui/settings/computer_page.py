@@ -3,6 +3,7 @@
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QHeaderView,
+    QLabel,
     QPushButton,
     QTableWidget,
     QTableWidgetItem,
@@ -33,8 +34,15 @@ class ComputerPage(QWidget):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
         for column in (2, 3):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch)
+        self._log, self._log_folder = QLabel(self), ""
+        self._log.setWordWrap(True)
+        self._log.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse
+            | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        )
         layout = QVBoxLayout(self)
         layout.addWidget(self._table)
+        layout.addWidget(self._log)
         layout.addWidget(self._again, 0, Qt.AlignmentFlag.AlignLeft)
         self.retranslate()
 
@@ -43,6 +51,16 @@ class ComputerPage(QWidget):
         self._table.setHorizontalHeaderLabels([_("What"), _("State"), _("Found"), _("What to do")])
         self._table.setAccessibleName(_("This computer"))
         self._again.setText(_("Look &again"))
+        self._log.setText(
+            _("The program's log, without any patient, lies in {folder}").format(
+                folder=self._log_folder
+            )
+        )
+
+    def show_log(self, folder: str) -> None:
+        """Show where the log lies."""
+        self._log_folder = folder
+        self.retranslate()
 
     def show_findings(self, found: tuple[Finding, ...]) -> None:
         """Show what was found."""

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 from adibas.sensors.doctor import Finding, findings
 from adibas.sessions import KeyState, VerifyReport, change_passphrase, key_state
 from adibas.texts import translate as _
+from ui.log import log_folder
 from ui.ports import JobControl
 from ui.preferences import Preferences
 from ui.workspace import Workspace
@@ -19,11 +20,17 @@ class SettingsView(Protocol):
     def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
         """Show where the store lies and what keeps its key."""
 
+    def show_log(self, folder: str) -> None:
+        """Show where the program's log lies."""
+
     def show_findings(self, found: tuple[Finding, ...]) -> None:
         """Show what this computer has and lacks."""
 
     def show_check(self, sentences: tuple[str, ...]) -> None:
         """Show what a check of the store found; nothing = all is well."""
+
+    def hide_check(self) -> None:
+        """Show nothing of an earlier check."""
 
     def clear_passphrases(self) -> None:
         """Forget what was typed."""
@@ -35,13 +42,19 @@ class SettingsPresenter:
     def __init__(self, view: SettingsView, workspace: Workspace) -> None:
         self._view = view
         self._workspace = workspace
-        self._end = workspace.preferences.changed.subscribe(view.show_preferences)
+        self._language = workspace.preferences.now.language
+        self._has_findings = False
+        self._end = workspace.preferences.changed.subscribe(self._on_preferences)
         view.show_preferences(workspace.preferences.now)
-        self._show_protection()
+        view.show_log(str(log_folder()))
 
     def close(self) -> None:
         """Listen no more."""
         self._end()
+
+    def enter(self) -> None:
+        """Show what keeps the key: the keyring may have to be asked."""
+        self._show_protection()
 
     def change(self, **changes: Any) -> None:
         """Take new values of preferences."""
@@ -53,6 +66,7 @@ class SettingsPresenter:
         def work(_control: JobControl) -> tuple[Finding, ...]:
             return findings(self._workspace.store.folder)
 
+        self._has_findings = True
         self._workspace.jobs.start(_("Looking at this computer"), work, self._view.show_findings)
 
     def check_store(self) -> None:
@@ -85,12 +99,24 @@ class SettingsPresenter:
         self._show_protection()
         self._workspace.tell("good", _("From now on the new passphrase opens the patient store."))
 
+    def _on_preferences(self, now: Preferences) -> None:
+        self._view.show_preferences(now)
+        if now.language == self._language:
+            return
+        self._language = now.language
+        self._view.hide_check()  # it was said in the language before
+        if self._has_findings:
+            self.examine_computer()
+
     def _show_protection(self) -> None:
         store = self._workspace.store
-        self._workspace.attempt(
-            lambda: self._view.show_protection(
-                str(store.folder),
-                has_passphrase=key_state(store.folder) is KeyState.PASSPHRASE,
-                is_read_only=store.is_read_only,
+
+        def work(_control: JobControl) -> bool:
+            return key_state(store.folder) is KeyState.PASSPHRASE
+
+        def done(has_passphrase: bool) -> None:
+            self._view.show_protection(
+                str(store.folder), has_passphrase=has_passphrase, is_read_only=store.is_read_only
             )
-        )
+
+        self._workspace.jobs.start(_("Looking for the key of the patient store"), work, done)

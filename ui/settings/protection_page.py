@@ -80,7 +80,7 @@ class ProtectionPage(QWidget):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        titles = (_("Lock"), _("Passphrase"), _("Patient store"))
+        titles = (_("Locking"), _("Passphrase"), _("Patient store"))
         for group, title in zip(self._groups, titles, strict=True):
             group.setTitle(title)
         self._minutes_label.setText(_("Lock &after so long without mouse or key"))
@@ -119,6 +119,11 @@ class ProtectionPage(QWidget):
             or _("All is well: the audit trail is unbroken, no file is missing.")
         )
         self._result.show()
+
+    def hide_check(self) -> None:
+        """Show nothing of an earlier check."""
+        self._result.hide()
+        self._result.clear()
 
     def clear_passphrases(self) -> None:
         """Forget what was typed."""

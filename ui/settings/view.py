@@ -60,6 +60,9 @@ class SettingsScreen(Screen):
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
+    def entered(self) -> None:
+        self._presenter.enter()
+
     def closed(self) -> None:
         self._presenter.close()
 
@@ -72,11 +75,17 @@ class SettingsScreen(Screen):
             folder, has_passphrase=has_passphrase, is_read_only=is_read_only
         )
 
+    def show_log(self, folder: str) -> None:
+        self._computer.show_log(folder)
+
     def show_findings(self, found: tuple[Finding, ...]) -> None:
         self._computer.show_findings(found)
 
     def show_check(self, sentences: tuple[str, ...]) -> None:
         self._protection.show_check(sentences)
+
+    def hide_check(self) -> None:
+        self._protection.hide_check()
 
     def clear_passphrases(self) -> None:
         self._protection.clear_passphrases()
