@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QToolTip
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
 from adibas.pipeline.demo_session import demo_patient
+from adibas.pipeline.warming import start_warming
 from adibas.sessions import SessionStore, default_store_folder
 from adibas.texts import translate as _
 from adibas.texts import use_language
@@ -244,8 +245,11 @@ def run(arguments: list[str]) -> int:
     application = Application(app, PreferencesFile())
     signals = SignalWatch(application.end)
     application.start()
+    compiling = start_warming()
     code = app.exec()
     application.close()
+    if compiling is not None:
+        compiling.terminate()
     signals.close()
     end_log()
     return code
