@@ -2,7 +2,7 @@
 
 BIN := .venv/bin
 
-.PHONY: run test check translations setup lock clean
+.PHONY: run test check translations screenshots setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
 run: setup
@@ -33,6 +33,11 @@ setup:
 lock:
 	uv pip compile pyproject.toml --extra dev --extra realsense --universal --python-version 3.11 \
 		--generate-hashes --no-emit-index-url --no-header --no-annotate -o installers/requirements.lock
+
+## Draw every screen in every language, theme and size, and the manual's set.
+screenshots: setup
+	$(BIN)/python -m installers.screenshots
+	$(BIN)/python -m installers.screenshots --docs
 
 clean:
 	rm -rf .venv build dist
