@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPixmap
+from PySide6.QtGui import QColor, QIcon, QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QButtonGroup,
     QHBoxLayout,
@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
-from ui.markers.presenter import Mode, Shown
+from ui.markers.ports import Mode, Shown
 
 SWATCH_PX = 28
 MOST_SENSITIVITY, MOST_CLUSTERS = 60, 8
@@ -48,12 +48,18 @@ class LearnerControls(QWidget):
         self._clusters = QSpinBox(self)
         self._clusters.setRange(1, MOST_CLUSTERS)
         self._labels = [QLabel(self) for _ in range(5)]
+        self._values = [QLabel(self) for _ in range(2)]
         self._regions = QListWidget(self)
         self._discard = QPushButton(self)
         self._swatches = QHBoxLayout()
         self._swatch_colors: tuple[tuple[int, int, int], ...] = ()
+        for slider, value in zip((self._sensitivity, self._brightness), self._values, strict=True):
+            slider.valueChanged.connect(value.setNum)
         self._sensitivity.valueChanged.connect(self.sensitivity_moved)
         self._brightness.valueChanged.connect(self.brightness_moved)
+        delete = QShortcut(QKeySequence(QKeySequence.StandardKey.Delete), self._regions)
+        delete.setContext(Qt.ShortcutContext.WidgetShortcut)
+        delete.activated.connect(self._discard.click)
         self._clusters.valueChanged.connect(self.clusters_chosen)
         self._discard.clicked.connect(lambda: self._send_row(self.discard_asked.emit))
         self._lay_out()
@@ -75,8 +81,15 @@ class LearnerControls(QWidget):
         modes.addWidget(self._led)
         modes.addStretch()
         layout.addLayout(modes)
-        for part in (sensitivity, self._sensitivity, brightness, self._brightness):
-            layout.addWidget(part)
+        sliders = (self._sensitivity, self._brightness)
+        for label, value, slider in zip(
+            (sensitivity, brightness), self._values, sliders, strict=True
+        ):
+            row = QHBoxLayout()
+            row.addWidget(label, 1)
+            row.addWidget(value, 0, Qt.AlignmentFlag.AlignTop)
+            layout.addLayout(row)
+            layout.addWidget(slider)
         layout.addWidget(regions)
         layout.addWidget(self._regions, 1)
         layout.addWidget(self._discard, 0, Qt.AlignmentFlag.AlignLeft)
@@ -85,10 +98,11 @@ class LearnerControls(QWidget):
         layout.addWidget(colors)
         layout.addLayout(self._swatches)
         self._color_parts = (
-            *(sensitivity, self._sensitivity, clusters, self._clusters, colors),
+            *(sensitivity, self._values[0], self._sensitivity),
+            *(clusters, self._clusters, colors),
             *(regions, self._regions, self._discard),
         )
-        self._led_parts = (brightness, self._brightness)
+        self._led_parts = (brightness, self._values[1], self._brightness)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -117,6 +131,8 @@ class LearnerControls(QWidget):
         self._clusters.setValue(shown.n_clusters)
         for widget in parts:
             widget.blockSignals(False)
+        self._values[0].setNum(self._sensitivity.value())
+        self._values[1].setNum(self._brightness.value())
         for part in self._color_parts:
             part.setVisible(mode == "color")
         for part in self._led_parts:
@@ -126,13 +142,14 @@ class LearnerControls(QWidget):
         self._show_swatches(() if mode == "led" else shown.swatches)
 
     def _show_regions(self, shown: Shown) -> None:
-        row = self._regions.currentRow()
+        row, n_before = self._regions.currentRow(), self._regions.count()
         self._regions.clear()
         for color, n_pixels in shown.regions:
             text = translate_plural("{n} pixel", "{n} pixels", n_pixels).format(n=n_pixels)
             self._regions.addItem(QListWidgetItem(QIcon(_patch(color)), text))
         last = len(shown.regions) - 1
-        self._regions.setCurrentRow(min(row, last) if row >= 0 else last)
+        is_new = len(shown.regions) > n_before
+        self._regions.setCurrentRow(last if is_new else min(row, last))
 
     def _show_swatches(self, colors: tuple[tuple[int, int, int], ...]) -> None:
         if colors == self._swatch_colors:

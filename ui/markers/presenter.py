@@ -1,11 +1,11 @@
 """What the learner shows, and what a click on its picture means. Knows nothing of Qt."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal, Protocol
 
-from adibas.arrays import BoolArray, UInt8Array
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.sessions import SessionSetup
 from adibas.errors import AdibasError
 from adibas.markers.color_files import read_colors, write_colors
 from adibas.markers.color_model import ColorModel, LearningParams
@@ -20,54 +20,9 @@ from adibas.pipeline.posture import MarkerTarget
 from adibas.pipeline.targets import target_to_document
 from adibas.sensors.ports import SensorOptions
 from adibas.texts import translate as _
+from ui.markers.ports import LearnerView, Mode, Shown
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
-
-Mode = Literal["color", "led"]
-
-
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """What the learner's controls show.
-
-    Attributes
-    ----------
-    mode : str
-        ``color`` or ``led``.
-    sensitivity, n_clusters, least_brightness : float, int
-        Of the controls.
-    regions : tuple of ((r, g, b), pixels)
-        One for each click.
-    swatches : tuple of (r, g, b)
-        Colours of the centroids.
-    has_picture, has_target : bool
-        Whether a picture is held still, and whether there is something to look for.
-    """
-
-    mode: Mode
-    sensitivity: float
-    n_clusters: int
-    least_brightness: float
-    regions: tuple[tuple[tuple[int, int, int], int], ...]
-    swatches: tuple[tuple[int, int, int], ...]
-    has_picture: bool
-    has_target: bool
-
-
-class LearnerView(Protocol):
-    """The screen, as this presenter needs it."""
-
-    def show_picture(self, picture_rgb: UInt8Array | None, *, is_frozen: bool) -> None:
-        """Show a live or a frozen picture; None where there is none yet."""
-
-    def show_taken(self, taken: BoolArray | None) -> None:
-        """Tint the pixels that the clicks took."""
-
-    def show_found(self, found: Detections | None) -> None:
-        """Draw and count the markers that are found so far."""
-
-    def show_controls(self, shown: Shown) -> None:
-        """Show regions, swatches and sliders."""
 
 
 class LearnerPresenter:
@@ -88,6 +43,7 @@ class LearnerPresenter:
         self._pending_click: tuple[float, float] | None = None
         self._model: ColorModel | None = None
         self._job: Job | None = None
+        self._reading: Job | None = None
         self._is_seen = False
         self._ends: list[Callable[[], None]] = [
             workspace.live.frame_arrived.subscribe(self._on_frame),
@@ -97,6 +53,7 @@ class LearnerPresenter:
 
     def close(self) -> None:
         """Listen no more."""
+        self._stop_looking()
         for end in self._ends:
             end()
 
@@ -104,6 +61,7 @@ class LearnerPresenter:
         """Show the sensor's picture where nothing is frozen."""
         self._is_seen = True
         if self._picture is None:
+            self._open_sensor()
             newest = self._workspace.live.newest
             self._view.show_picture(newest.color_rgb if newest else None, is_frozen=False)
 
@@ -112,15 +70,11 @@ class LearnerPresenter:
         self._is_seen = False
 
     def show_sensor(self) -> None:
-        """Let the frozen picture go; start the sensor of the session if it does not run."""
-        self._picture, self._board = None, None
+        """Let the frozen picture go and show what the sensor sees."""
+        self._stop_looking()
+        self._picture, self._board, self._pending_click = None, None, None
         self._view.show_found(None)
         self._view.show_taken(None)
-        live, session = self._workspace.live, self._workspace.session
-        if live.state.kind in ("closed", "ended"):
-            source = "simulator" if session is None else session.setup.source
-            size = (1280, 1024) if session is None else session.setup.color_size
-            live.open(source, SensorOptions(color_size=size))
         self._show_controls()
         self.enter()
 
@@ -129,7 +83,7 @@ class LearnerPresenter:
         newest = self._workspace.live.newest
         picture = None
         if newest is not None:
-            picture = freeze(newest, self._workspace.live.view.calibration)
+            picture = freeze(newest, self._calibration())
         if picture is None:
             self._workspace.tell("warning", _("There is no picture of the sensor yet."))
             return
@@ -141,7 +95,8 @@ class LearnerPresenter:
         def work(_control: JobControl) -> FrozenPicture:
             return picture_alone(read_picture(path))
 
-        self._workspace.jobs.start(_("Reading the picture"), work, self._take)
+        self._stop_reading()
+        self._reading = self._workspace.jobs.start(_("Reading the picture"), work, self._take)
 
     def click(self, u: float, v: float) -> None:
         """Grow a region from a pixel; a live picture is frozen first."""
@@ -150,6 +105,7 @@ class LearnerPresenter:
         board = self._board
         if board is None:
             self._pending_click = (u, v)  # the picture is still being made ready
+            self._make_board()
         elif self._mode == "color" and self._workspace.attempt(lambda: _ignore(board.click(u, v))):
             self._learn()
 
@@ -175,6 +131,7 @@ class LearnerPresenter:
     def set_mode(self, mode: Mode) -> None:
         """Look for learned colours, or for LEDs."""
         self._mode = mode
+        self._show_controls()
         self._view.show_taken(self._board.taken() if self._board and mode == "color" else None)
         self._find()
 
@@ -186,11 +143,8 @@ class LearnerPresenter:
 
     def reset(self) -> None:
         """Forget all clicks and colours; the picture stays."""
-        self._params, self._model = LearningParams(), None
-        if self._board is not None:
-            self._board = self._board.without_regions()
-        self._view.show_taken(None)
-        self._find()
+        self._params, self._led, self._model = LearningParams(), LedParams(), None
+        self._forget_clicks()
 
     def use(self) -> None:
         """Look for these markers from now on, and keep that with the session."""
@@ -223,30 +177,51 @@ class LearnerPresenter:
         except AdibasError as error:
             self._workspace.report_problem(error)
             return
-        self.reset()
         self._mode, self._model = "color", model
+        self._forget_clicks()
+
+    def _forget_clicks(self) -> None:
+        """Go on without regions, with the markers that are known."""
+        if self._board is not None:
+            self._board = self._board.without_regions()
+            self._board.params = self._params
+        self._pending_click = None
+        self._view.show_taken(None)
+        self._show_controls()
         self._find()
 
     def _take(self, picture: FrozenPicture) -> None:
         """Show a frozen picture, and make it ready for clicks."""
         self._picture, self._board, self._pending_click = picture, None, None
-        self._view.show_picture(picture.color_rgb, is_frozen=True)
+        self._stop_reading()
+        self._view.show_found(None)  # of another picture, which may have another size
         self._view.show_taken(None)
-        params = self._params
+        self._view.show_picture(picture.color_rgb, is_frozen=True)
+        self._show_controls()
+        self._make_board()
+        self._find()
+
+    def _make_board(self) -> None:
+        """Make the frozen picture ready for clicks, unless that is being done."""
+        picture, params = self._picture, self._params
+        if picture is None or (self._reading is not None and self._reading.is_running):
+            return
 
         def work(_control: JobControl) -> LearningBoard:
             return LearningBoard(picture.color_rgb, params)
 
-        self._workspace.jobs.start(_("Looking at the picture"), work, self._on_board)
-        self._find()
+        self._reading = self._workspace.jobs.start(
+            _("Looking at the picture"), work, self._on_board
+        )
 
     def _on_board(self, board: LearningBoard) -> None:
         if self._picture is None or board.color_rgb is not self._picture.color_rgb:
             return  # another picture was taken meanwhile
         board.params = self._params
         self._board = board
-        if self._pending_click is not None:
-            self.click(*self._pending_click)
+        click, self._pending_click = self._pending_click, None
+        if click is not None:
+            self.click(*click)
 
     def _learn(self) -> None:
         """Show what was taken at once; colours and markers follow."""
@@ -259,13 +234,17 @@ class LearnerPresenter:
         self._start(lambda: learned_model(lab, regions, params) if regions else None)
 
     def _find(self) -> None:
+        """Look for the markers that are known."""
         model = self._model
-        self._start(lambda: model)
+        if self._picture is None:
+            self._stop_looking()
+            self._on_found((model, None))
+        else:
+            self._start(lambda: model)
 
     def _start(self, learn: Callable[[], ColorModel | None]) -> None:
         """Learn and look for markers in a job, in place of one that is still at it."""
-        if self._job is not None and self._job.is_running:
-            self._job.cancel()
+        self._stop_looking()
         picture, mode, led = self._picture, self._mode, self._led
 
         def work(_control: JobControl) -> tuple[ColorModel | None, Detections | None]:
@@ -277,6 +256,15 @@ class LearnerPresenter:
 
         self._job = self._workspace.jobs.start(_("Looking for markers"), work, self._on_found)
 
+    def _stop_looking(self) -> None:
+        if self._job is not None and self._job.is_running:
+            self._job.cancel()
+
+    def _stop_reading(self) -> None:
+        if self._reading is not None and self._reading.is_running:
+            self._reading.cancel()
+        self._reading = None
+
     def _on_found(self, result: tuple[ColorModel | None, Detections | None]) -> None:
         self._model, found = result
         self._view.show_found(found)
@@ -287,13 +275,30 @@ class LearnerPresenter:
             self._view.show_picture(frame.color_rgb, is_frozen=False)
 
     def _on_target(self) -> None:
-        """Show the markers in use, if they were not learned here."""
+        """Show the markers that are looked for from now on, if they were not learned here."""
         target = self._workspace.target
+        if target is None or target is self._target():
+            self._show_controls()
+            return
         if isinstance(target, LedParams):
             self._mode, self._led = "led", target
-        elif target is not None and target is not self._model:
+        else:
             self._mode, self._model = "color", target
-        self._show_controls()
+        self._forget_clicks()
+
+    def _open_sensor(self) -> None:
+        """Open what was open last, else the source of the session, unless it is open."""
+        live, session = self._workspace.live, self._workspace.session
+        if live.state.kind not in ("closed", "ended"):
+            return
+        setup = SessionSetup() if session is None else session.setup
+        width, height = setup.color_size
+        usual = (setup.source, SensorOptions(color_size=(width, height)))
+        live.open(*(live.opened or usual))
+
+    def _calibration(self) -> RgbdCalibration | None:
+        view, info = self._workspace.live.view, self._workspace.live.state.info
+        return None if info is None else view.calibration
 
     def _target(self) -> MarkerTarget | None:
         return self._led if self._mode == "led" else self._model

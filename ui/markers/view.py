@@ -17,7 +17,8 @@ from adibas.markers.detection import Detections
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.markers.controls import LearnerControls
-from ui.markers.presenter import LearnerPresenter, Shown
+from ui.markers.ports import Mode, Shown
+from ui.markers.presenter import LearnerPresenter
 from ui.widgets.image_view import ImageView
 from ui.widgets.overlays import Dot, Overlay, Region
 from ui.widgets.screen import Screen
@@ -45,7 +46,7 @@ class LearnerScreen(Screen):
         self._buttons["use"].setProperty("main", "true")
         self._taken: Region | None = None
         self._found: Detections | None = None
-        self._is_frozen = False
+        self._mode: Mode = "color"
         self._lay_out()
         self.retranslate()
 
@@ -96,9 +97,7 @@ class LearnerScreen(Screen):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._title.setText(_("What do the markers look like?"))
-        self._advice.setText(
-            _("Freeze the picture, then click on the middle of a marker. Click on more of them.")
-        )
+        self._show_advice()
         self._picture.setAccessibleName(_("Picture to click on"))
         self._picture.set_placeholder(_("No picture yet. Show the sensor, or open a picture."))
         for name, text in (
@@ -126,7 +125,6 @@ class LearnerScreen(Screen):
 
     def show_picture(self, picture_rgb: UInt8Array | None, *, is_frozen: bool) -> None:
         self._picture.set_picture(picture_rgb)
-        self._is_frozen = is_frozen
         self._buttons["freeze"].setEnabled(picture_rgb is not None and not is_frozen)
 
     def show_taken(self, taken: BoolArray | None) -> None:
@@ -142,11 +140,23 @@ class LearnerScreen(Screen):
         self._controls.show_controls(shown)
         self._buttons["use"].setEnabled(shown.has_target)
         self._buttons["save"].setEnabled(bool(shown.swatches) and shown.mode == "color")
-        self._buttons["sensor"].setEnabled(shown.has_picture or not self._is_frozen)
+        self._buttons["sensor"].setEnabled(shown.has_picture)
+        if shown.mode != self._mode:
+            self._mode = shown.mode
+            self._show_advice()
 
     def open_file(self, path: Path) -> None:
         """Learn on a dropped picture or recording."""
         self._presenter.open_file(path)
+
+    def _show_advice(self) -> None:
+        if self._mode == "led":
+            advice = _("Freeze the picture, then lower the brightness until every LED is found.")
+        else:
+            advice = _(
+                "Freeze the picture, then click on the middle of a marker. Click on more of them."
+            )
+        self._advice.setText(advice)
 
     def _show_overlays(self) -> None:
         overlays: list[Overlay] = [] if self._taken is None else [self._taken]
