@@ -359,6 +359,12 @@ def test_the_surface_is_turned_and_the_picture_comes_back(qtbot, user):
     qtbot.mouseMove(space, QPoint(90, 70))
     qtbot.mouseRelease(space, LEFT, NO_KEY, QPoint(90, 70))
     assert space.grab().toImage() != before
+    for name in ("zoom-in", "fit", "zoom-out"):
+        before = space.grab().toImage()
+        user.tool(name).trigger()
+        assert space.grab().toImage() != before
+    assert user.image.placement.zoom == 1.0
+    assert any("turn the surface" in one.text() for one in user.screen.findChildren(QLabel))
     before = space.grab().toImage()
     user.screen._markers.chosen.emit("m01")
     user.key(Qt.Key.Key_Delete)
@@ -388,6 +394,12 @@ def test_without_a_session_there_is_a_way_to_one(qtbot, workspace, theme):
     workspace.screen_wanted.subscribe(wanted.append)
     user.button("Go to Patients").click()
     assert wanted == ["patients"]
+    use_language("es")
+    try:
+        user.screen.retranslate()
+        assert not [one for one in user.screen.findChildren(QLabel) if "session" in one.text()]
+    finally:
+        use_language("en")
 
 
 def test_all_that_can_be_used_has_a_name_and_a_key(user):

@@ -18,6 +18,7 @@ class NotesPanel(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._session_id, self._saved = "", ""
+        self._sentences: tuple[str, ...] = ()
         self._label, self._notices = QLabel(self), QLabel(self)
         self._text = QPlainTextEdit(self)
         self._text.setTabChangesFocus(True)
@@ -40,6 +41,7 @@ class NotesPanel(QWidget):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._label.setText(_("&Notes of the session"))
+        self._word_notices()
         self._text.setPlaceholderText(_("What is worth remembering; it is saved as you type."))
 
     def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
@@ -54,9 +56,13 @@ class NotesPanel(QWidget):
             self._pause.stop()
 
     def show_notices(self, sentences: tuple[str, ...]) -> None:
-        """Show what must be known of the capture."""
-        self._notices.setText("\n".join(sentences))
+        """Show what must be known of the capture: texts of the catalogues, not translated yet."""
+        self._sentences = sentences
         self._notices.setVisible(bool(sentences))
+        self._word_notices()
+
+    def _word_notices(self) -> None:
+        self._notices.setText("\n".join(_(sentence) for sentence in self._sentences))
 
     def save(self) -> None:
         """Hand out what was typed and not saved yet."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 from adibas.arrays import UInt8Array
 from adibas.data.sessions import Capture, Session
 from adibas.errors import AdibasError, MarkerError
+from adibas.texts import message
 from adibas.texts import translate as _
 from ui.ports import JobControl
 from ui.review.content import CaptureItem, Space
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from adibas.markers.disparity import BurstDisparity
     from adibas.pipeline.posture import MarkerTarget
 
+NO_SESSION = message("No session is open. Choose a patient and a session.")
+NO_CAPTURE = message("This session has no picture yet. Take one first.")
 N_SESSIONS_FOR_NAMES = 5
 """The newest of the patient, whose marker names are suggested."""
 
@@ -26,7 +29,7 @@ class ReviewView(PointsView, Protocol):
     """The screen, as these presenters need it."""
 
     def show_nothing(self, sentence: str, screen: str) -> None:
-        """Say what to do first, and offer the screen where it is done."""
+        """Say what to do first (not translated yet), and offer the screen where it is done."""
 
     def show_captures(
         self, items: tuple[CaptureItem, ...], chosen: str | None, rotation_deg: int
@@ -37,7 +40,7 @@ class ReviewView(PointsView, Protocol):
         """Show the picture of the capture; None while it is read."""
 
     def show_notices(self, sentences: tuple[str, ...]) -> None:
-        """Show what must be known of the capture."""
+        """Show what must be known of the capture: texts that are not translated yet."""
 
     def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
         """Show the notes of a session."""
@@ -148,14 +151,14 @@ class ReviewPresenter:
         before, self._session = self._session, self._workspace.session
         session = self._session
         if session is None:
-            self._show_nothing(_("No session is open. Choose a patient and a session."), "patients")
+            self._show_nothing(NO_SESSION, "patients")
             return
         if not self._workspace.attempt(lambda: self._read(session)):
             self._captures = {}
         is_editable = not self._workspace.store.is_read_only
         self._view.show_notes(session.session_id, session.notes, can_edit=is_editable)
         if not self._captures:
-            self._show_nothing(_("This session has no picture yet. Take one first."), "capture")
+            self._show_nothing(NO_CAPTURE, "capture")
             return
         wished = (self._workspace.capture_id, self._opened, next(iter(self._captures)))
         self._open(next(one for one in wished if one in self._captures))
@@ -186,7 +189,7 @@ class ReviewPresenter:
         capture = self._captures[capture_id]
         self._opened, self._surface = capture_id, None
         self._show_strip()
-        self._view.show_notices(tuple(_(notice) for notice in capture.notices))
+        self._view.show_notices(capture.notices)
         self._view.show_picture(None, self._rotation_deg)
         self.points.open_capture(capture)
         self._load_picture(capture)

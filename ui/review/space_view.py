@@ -78,7 +78,7 @@ class SpaceView(QWidget):
             self._points_m = space.points_m.astype(np.float32)
             red, green, blue = space.colors_rgb.astype(np.uint32).T
             self._packed = 0xFF000000 | red << 16 | green << 8 | blue
-        self._look_from_ahead()
+        self.fit()
 
     def show_markers(self, markers: tuple[Marker, ...]) -> None:
         """Show the markers where they are now."""
@@ -167,11 +167,13 @@ class SpaceView(QWidget):
         self._pitch_rad = min(max(tilt, -STEEPEST_RAD), STEEPEST_RAD)
         self.update()
 
-    def _zoom_by(self, factor: float) -> None:
+    def zoom_by(self, factor: float) -> None:
+        """Come nearer, or go away."""
         self._zoom = min(max(self._zoom * factor, LEAST_ZOOM), MOST_ZOOM)
         self.update()
 
-    def _look_from_ahead(self) -> None:
+    def fit(self) -> None:
+        """Look from ahead at all of it."""
         self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
         self.update()
 
@@ -188,7 +190,7 @@ class SpaceView(QWidget):
         self._pressed_at = None
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802  (Qt's name)
-        self._zoom_by(WHEEL_STEP ** (event.angleDelta().y() / 120))
+        self.zoom_by(WHEEL_STEP ** (event.angleDelta().y() / 120))
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
@@ -196,10 +198,10 @@ class SpaceView(QWidget):
         if key in TURNS:
             self._turn(*TURNS[Qt.Key(key)])
         elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
-            self._zoom_by(WHEEL_STEP)
+            self.zoom_by(WHEEL_STEP)
         elif key == Qt.Key.Key_Minus:
-            self._zoom_by(1 / WHEEL_STEP)
+            self.zoom_by(1 / WHEEL_STEP)
         elif key == Qt.Key.Key_0:
-            self._look_from_ahead()
+            self.fit()
         else:
             super().keyPressEvent(event)

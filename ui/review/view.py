@@ -1,5 +1,7 @@
 """The review screen: captures, picture, markers, measures, notes. No decisions."""
 
+from collections.abc import Callable
+
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
@@ -25,7 +27,7 @@ from ui.review.notes_panel import NotesPanel
 from ui.review.presenter import ReviewPresenter
 from ui.review.space_view import SpaceView
 from ui.review.tools import ReviewTools
-from ui.review.wording import MODE_HINTS, READ_ONLY_HINT, WAIT_HINT
+from ui.review.wording import MODE_HINTS, READ_ONLY_HINT, SPACE_HINT, WAIT_HINT
 from ui.theme import Theme
 from ui.widgets.image_view import WHEEL_STEP, ImageView
 from ui.widgets.screen import Screen
@@ -44,7 +46,7 @@ class ReviewScreen(Screen):
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._points = Points()
-        self._wanted_screen = "patients"
+        self._nothing_sentence, self._wanted_screen = "", "patients"
         self._is_read_only = False
         self._tools = ReviewTools(theme, self)
         self._hint, self._nothing = QLabel(self), QLabel(self)
@@ -144,7 +146,7 @@ class ReviewScreen(Screen):
         self._image.setAccessibleName(_("Picture with markers"))
         self._image.set_placeholder(_("The picture is being read"))
         self._space.setAccessibleName(_("Surface in 3-D"))
-        self._go.setText(_("Go to {screen}").format(screen=_(TITLES[self._wanted_screen])))
+        self._word_nothing()
         self.show_points(self._points)
 
     def entered(self) -> None:
@@ -159,9 +161,8 @@ class ReviewScreen(Screen):
         self._presenter.close()
 
     def show_nothing(self, sentence: str, screen: str) -> None:
-        self._nothing.setText(sentence)
-        self._wanted_screen = screen
-        self._go.setText(_("Go to {screen}").format(screen=_(TITLES[screen])))
+        self._nothing_sentence, self._wanted_screen = sentence, screen
+        self._word_nothing()
         self._pages.setCurrentIndex(NOTHING_PAGE)
 
     def show_captures(
@@ -173,8 +174,7 @@ class ReviewScreen(Screen):
     def show_picture(self, picture_rgb: UInt8Array | None, rotation_deg: int) -> None:
         self._image.set_rotation(rotation_deg)
         self._image.set_picture(picture_rgb)
-        self._tools.action_named("space").setChecked(False)
-        self._center.setCurrentIndex(PICTURE_PAGE)
+        self._show_center(PICTURE_PAGE)
 
     def show_notices(self, sentences: tuple[str, ...]) -> None:
         self._notes.show_notices(sentences)
@@ -206,9 +206,15 @@ class ReviewScreen(Screen):
 
     def show_space(self, space: Space | None) -> None:
         self._space.show_space(space)
-        self._center.setCurrentIndex(SPACE_PAGE)
+        self._show_center(SPACE_PAGE)
+
+    def _word_nothing(self) -> None:
+        self._nothing.setText(_(self._nothing_sentence))
+        self._go.setText(_("Go to {screen}").format(screen=_(TITLES[self._wanted_screen])))
 
     def _hint_text(self, points: Points) -> str:
+        if self._center.currentIndex() == SPACE_PAGE:
+            return _(SPACE_HINT)
         if points.can_edit:
             return _(MODE_HINTS[points.mode])
         return _(READ_ONLY_HINT) if self._is_read_only else _(WAIT_HINT)
@@ -230,16 +236,24 @@ class ReviewScreen(Screen):
 
     def _on_tool(self, name: str) -> None:
         points = self._presenter.points
-        actions = {
+        actions: dict[str, Callable[[], None]] = {
             "undo": points.undo,
             "redo": points.redo,
             "delete": points.delete,
             "rename": self._on_rename,
-            "zoom-in": lambda: self._image.zoom_by(WHEEL_STEP**2),
-            "zoom-out": lambda: self._image.zoom_by(WHEEL_STEP**-2),
-            "fit": self._image.fit,
+            "zoom-in": lambda: self._seen_view().zoom_by(WHEEL_STEP**2),
+            "zoom-out": lambda: self._seen_view().zoom_by(WHEEL_STEP**-2),
+            "fit": lambda: self._seen_view().fit(),
         }
         actions[name]()
+
+    def _seen_view(self) -> ImageView | SpaceView:
+        return self._space if self._center.currentIndex() == SPACE_PAGE else self._image
+
+    def _show_center(self, page: int) -> None:
+        self._center.setCurrentIndex(page)
+        self._tools.action_named("space").setChecked(page == SPACE_PAGE)
+        self._hint.setText(self._hint_text(self._points))
 
     def _on_rename(self) -> None:
         self._upper.setCurrentWidget(self._markers)
@@ -251,4 +265,4 @@ class ReviewScreen(Screen):
         elif is_on:
             self._presenter.open_space()
         else:
-            self._center.setCurrentIndex(PICTURE_PAGE)
+            self._show_center(PICTURE_PAGE)

@@ -25,6 +25,7 @@ MODE_HINTS = {
     Mode.DISTANCE: message("Click two markers, one after the other."),
     Mode.ANGLE: message("Click three markers; the angle is at the second one."),
 }
+SPACE_HINT = message("Drag or press arrows to turn the surface; 0 looks from the front again.")
 READ_ONLY_HINT = message("The store is read only: look and measure, nothing is changed.")
 WAIT_HINT = message("The depth of the capture is being read; a moment.")
 
