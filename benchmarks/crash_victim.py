@@ -18,8 +18,8 @@ from adibas.data.markers import Marker
 from adibas.data.patients import Identity
 from adibas.data.posture import VIEWS, Provenance
 from adibas.data.sessions import Capture, SessionSetup
+from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
-from adibas.markers.disparity import BurstDisparity
 from adibas.recordings import RecordingOptions
 from adibas.recordings.rvl import encode_rvl
 from adibas.sessions import NewCapture, SessionStore, open_store

@@ -6,39 +6,13 @@ constant and symmetric, and a plane is linear in the pixel. So everything is ave
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import Float32Array, FloatArray, IntArray, check_shape, read_only
+from adibas.arrays import Float32Array, FloatArray, check_shape
 from adibas.data.calibration import DepthBias
+from adibas.data.surface import BurstDisparity
 from adibas.markers.disparity_kernels import accumulate, summarise
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class BurstDisparity:
-    """Mean 1/z of every depth pixel over a burst.
-
-    Attributes
-    ----------
-    mean_per_m : (H, W) float32 array
-        Mean of 1/z of the frames that measured the pixel, 1/metres; NaN where too few did, or
-        where they disagree (the pixel flickers between two surfaces).
-    n_readings : (H, W) int64 array
-        Frames that measured the pixel.
-    n_frames : int
-        Of the burst.
-    """
-
-    mean_per_m: Float32Array
-    n_readings: IntArray
-    n_frames: int
-
-    def __post_init__(self) -> None:
-        check_shape("mean_per_m", self.mean_per_m, (None, None))
-        check_shape("n_readings", self.n_readings, self.mean_per_m.shape)
-        read_only(self.mean_per_m)
-        read_only(self.n_readings)
 
 
 class DisparitySum:

@@ -11,8 +11,8 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import undistort_pixels
-from adibas.markers.disparity import BurstDisparity
 from adibas.markers.position_kernels import (
     NOTHING,
     Fit,

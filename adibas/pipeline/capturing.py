@@ -12,8 +12,9 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.sessions import Capture
+from adibas.data.surface import BurstDisparity
 from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorError, StoreError
-from adibas.markers.disparity import BurstDisparity, fuse_depth
+from adibas.markers.disparity import fuse_depth
 from adibas.pipeline.burst_recording import Burst, Progress
 from adibas.pipeline.live import LiveView
 from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst

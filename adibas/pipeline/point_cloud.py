@@ -7,8 +7,8 @@ import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
 from adibas.data.calibration import RgbdCalibration
+from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import project_distorted, undistort_pixels
-from adibas.markers.disparity import BurstDisparity
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,12 +16,13 @@ from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.masks import BodyMask
 from adibas.data.sessions import ROTATIONS_DEG
+from adibas.data.surface import BurstDisparity
 from adibas.errors import MarkerError
 from adibas.geometry.planes import Plane
 from adibas.markers.burst import BurstMarker, BurstParams, BurstTracker
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, Detections, find_color_markers
-from adibas.markers.disparity import BurstDisparity, DisparitySum
+from adibas.markers.disparity import DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
 from adibas.pipeline.in_order import in_order

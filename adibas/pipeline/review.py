@@ -11,7 +11,7 @@ from adibas.data.markers import Marker
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import PostureAnalysis
 from adibas.data.sessions import Capture
-from adibas.markers.disparity import BurstDisparity
+from adibas.data.surface import BurstDisparity
 from adibas.markers.position import PositionFinder, PositionParams
 from adibas.markers.snapping import HAND_RADIUS_PX, HAND_SD_PX, Snap, by_hand, snap
 from adibas.measures.geometry_tables import all_angles, all_distances

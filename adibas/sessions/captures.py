@@ -14,8 +14,8 @@ from adibas.data.corrections import CorrectionHistory
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.posture import Provenance
 from adibas.data.sessions import Capture
+from adibas.data.surface import BurstDisparity
 from adibas.errors import StoreError
-from adibas.markers.disparity import BurstDisparity
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.correcting import history_of, save_history
 from adibas.sessions.database import Database

@@ -3,12 +3,11 @@
 import io
 import zipfile
 
-import cv2
 import numpy as np
 
 from adibas.arrays import UInt8Array
+from adibas.data.surface import BurstDisparity
 from adibas.errors import StoreError
-from adibas.markers.disparity import BurstDisparity
 
 THUMBNAIL_SIDE_PX = 160
 THUMBNAIL_QUALITY = 85
@@ -18,11 +17,15 @@ FAST = 1
 
 def encode_picture(picture_rgb: UInt8Array) -> bytes:
     """Return an (H, W, 3) picture as PNG."""
+    import cv2
+
     return _encode(".png", picture_rgb, [cv2.IMWRITE_PNG_COMPRESSION, FAST])
 
 
 def encode_thumbnail(picture_rgb: UInt8Array) -> bytes:
     """Return the picture with a longer side of 160 pixels as JPEG."""
+    import cv2
+
     height, width = picture_rgb.shape[:2]
     share = min(1.0, THUMBNAIL_SIDE_PX / max(height, width))
     size = (max(1, round(width * share)), max(1, round(height * share)))
@@ -40,6 +43,8 @@ def decode_picture(payload: bytes) -> UInt8Array:
     StoreError
         They are none.
     """
+    import cv2
+
     data = np.frombuffer(payload, np.uint8)
     decoded = cv2.imdecode(data, cv2.IMREAD_COLOR) if payload else None
     if decoded is None:
@@ -79,6 +84,8 @@ def decode_surface(payload: bytes) -> BurstDisparity:
 
 
 def _encode(ending: str, picture_rgb: UInt8Array, options: list[int]) -> bytes:
+    import cv2
+
     is_encoded, data = cv2.imencode(ending, cv2.cvtColor(picture_rgb, cv2.COLOR_RGB2BGR), options)
     if not is_encoded:
         raise ValueError(f"no picture: shape {picture_rgb.shape}")

@@ -8,8 +8,8 @@ from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.patients import Identity
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
+from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
-from adibas.markers.disparity import BurstDisparity
 from adibas.pipeline.review import CaptureSurface
 from adibas.sessions import NewCapture
 

@@ -13,7 +13,7 @@ from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.patients import Identity
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
-from adibas.markers.disparity import BurstDisparity
+from adibas.data.surface import BurstDisparity
 from adibas.sessions import NewCapture, open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import load_key

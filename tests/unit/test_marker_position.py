@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
+from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform
-from adibas.markers.disparity import BurstDisparity, DisparitySum, fuse_depth
+from adibas.markers.disparity import DisparitySum, fuse_depth
 from adibas.markers.position import DisparityNoise, PositionFinder, PositionParams
 
 HEIGHT, WIDTH = 240, 320

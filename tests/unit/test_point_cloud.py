@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
-from adibas.markers.disparity import BurstDisparity
 from adibas.pipeline.point_cloud import surface_points
 
 COLOR = CameraCalibration(160, 120, Intrinsics(150.0, 150.0, 80.0, 60.0))

@@ -16,7 +16,7 @@ from ui.review.points_presenter import Opened, PointsPresenter, PointsView
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
-    from adibas.markers.disparity import BurstDisparity
+    from adibas.data.surface import BurstDisparity
     from adibas.pipeline.posture import MarkerTarget
 
 NO_SESSION = message("No session is open. Choose a patient and a session.")
