@@ -44,6 +44,7 @@ class LearnerPresenter:
         self._model: ColorModel | None = None
         self._job: Job | None = None
         self._reading: Job | None = None
+        self._is_waiting = False
         self._is_seen = False
         self._ends: list[Callable[[], None]] = [
             workspace.live.frame_arrived.subscribe(self._on_frame),
@@ -114,14 +115,14 @@ class LearnerPresenter:
         self._params = replace(self._params, sensitivity=sensitivity)
         if self._board is not None:
             self._board.set_sensitivity(sensitivity)
-            self._learn()
+            self._learn_anew()
 
     def set_clusters(self, n_clusters: int) -> None:
         """Learn so many colours."""
         self._params = replace(self._params, n_clusters=n_clusters)
         if self._board is not None:
             self._board.set_clusters(n_clusters)
-            self._learn()
+            self._learn_anew()
 
     def set_brightness(self, least_brightness: float) -> None:
         """Take for an LED what is so much brighter than the scene."""
@@ -139,6 +140,8 @@ class LearnerPresenter:
         """Take the region of one click away."""
         if self._board is not None and index < len(self._board.regions):
             self._board.discard(index)
+            if not self._board.regions:
+                self._model = None
             self._learn()
 
     def reset(self) -> None:
@@ -148,6 +151,7 @@ class LearnerPresenter:
 
     def use(self) -> None:
         """Look for these markers from now on, and keep that with the session."""
+        self._model = self._learning()()  # a job may still be at the last click
         target = self._target()
         if target is None:
             return
@@ -186,6 +190,7 @@ class LearnerPresenter:
             self._board = self._board.without_regions()
             self._board.params = self._params
         self._pending_click = None
+        self._stop_looking()
         self._view.show_taken(None)
         self._show_controls()
         self._find()
@@ -194,6 +199,7 @@ class LearnerPresenter:
         """Show a frozen picture, and make it ready for clicks."""
         self._picture, self._board, self._pending_click = picture, None, None
         self._stop_reading()
+        self._stop_looking()
         self._view.show_found(None)  # of another picture, which may have another size
         self._view.show_taken(None)
         self._view.show_picture(picture.color_rgb, is_frozen=True)
@@ -225,38 +231,55 @@ class LearnerPresenter:
 
     def _learn(self) -> None:
         """Show what was taken at once; colours and markers follow."""
-        board = self._board
-        if board is None:
-            return
-        self._view.show_taken(board.taken())
+        if self._board is not None:
+            self._view.show_taken(self._board.taken())
         self._show_controls()
-        lab, regions, params = board.lab, board.regions, board.params
-        self._start(lambda: learned_model(lab, regions, params) if regions else None)
+        self._find()
+
+    def _learn_anew(self) -> None:
+        """Learn with other settings what was clicked; colours of a file stay as they are."""
+        if self._board is not None and self._board.regions:
+            self._learn()
 
     def _find(self) -> None:
-        """Look for the markers that are known."""
-        model = self._model
+        """Learn and look for markers in a job; while one is at it, the newest wish waits."""
         if self._picture is None:
             self._stop_looking()
-            self._on_found((model, None))
+            self._on_found((self._model, None))
+        elif self._job is not None and self._job.is_running:
+            self._is_waiting = True
         else:
-            self._start(lambda: model)
+            self._start(self._picture)
 
-    def _start(self, learn: Callable[[], ColorModel | None]) -> None:
-        """Learn and look for markers in a job, in place of one that is still at it."""
-        self._stop_looking()
-        picture, mode, led = self._picture, self._mode, self._led
+    def _start(self, picture: FrozenPicture) -> None:
+        learn, params = self._learning(), DetectionParams()
+        led = self._led if self._mode == "led" else None
 
         def work(_control: JobControl) -> tuple[ColorModel | None, Detections | None]:
             model = learn()
-            target: MarkerTarget | None = led if mode == "led" else model
-            if picture is None or target is None:
-                return model, None
-            return model, picture.find(target, DetectionParams())
+            target: MarkerTarget | None = led or model
+            return model, None if target is None else picture.find(target, params)
 
-        self._job = self._workspace.jobs.start(_("Looking for markers"), work, self._on_found)
+        self._is_waiting = False
+        self._job = self._workspace.jobs.start(
+            _("Looking for markers"), work, self._on_found, ended=self._on_ended
+        )
+
+    def _learning(self) -> Callable[[], ColorModel | None]:
+        """Return what learns the colours of the regions; without any, those that are known stay."""
+        board, model = self._board, self._model
+        if board is None or not board.regions:
+            return lambda: model
+        lab, regions, params = board.lab, board.regions, board.params
+        return lambda: learned_model(lab, regions, params)
+
+    def _on_ended(self) -> None:
+        if self._is_waiting and self._picture is not None:
+            self._start(self._picture)
 
     def _stop_looking(self) -> None:
+        """Want no more what a running job will find."""
+        self._is_waiting = False
         if self._job is not None and self._job.is_running:
             self._job.cancel()
 
