@@ -9,9 +9,9 @@ from PySide6.QtWidgets import QApplication, QToolTip
 
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
-from adibas.pipeline.demo_session import demo_patient
 from adibas.pipeline.warming import start_warming
 from adibas.sessions import SessionStore, default_store_folder
+from adibas.sessions.demo_patient import demo_patient
 from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.appearance import Appearance

@@ -2,16 +2,21 @@
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
 from adibas.pipeline.acquisition import Opener
-from adibas.pipeline.live import LiveFrame, LiveView, SensorState
-from adibas.pipeline.posture import MarkerTarget
+from adibas.pipeline.live_frames import LiveFrame, SensorState
 from adibas.sensors.ports import SensorOptions
 from adibas.sensors.sources import open_source
 from ui.events import Event
 from ui.frame_bridge import CallBridge, NewestBridge
+
+if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
+    from adibas.pipeline.live import LiveView
+    from adibas.pipeline.posture import MarkerTarget
 
 
 class QtLiveSource(QObject):
@@ -36,7 +41,11 @@ class QtLiveSource(QObject):
         self._number = 0
         frames, states = NewestBridge(self._on_frame, self), CallBridge(self._on_state, self)
         self._listener = _Listener(frames, states)
-        self._view = LiveView(self._listener, opener=opener)
+        self._opener = opener
+        self._core: LiveView | None = None
+        self._core_lock = Lock()
+        self._target: MarkerTarget | None = None
+        self._rotation_deg = 0
         self._orders = ThreadPoolExecutor(1, thread_name_prefix="live-orders")
 
     @property
@@ -55,22 +64,35 @@ class QtLiveSource(QObject):
         return self._opened
 
     @property
-    def view(self) -> LiveView:
-        """The core behind it."""
-        return self._view
+    def view(self) -> "LiveView":
+        """The core behind it; made, and its modules loaded, when it is first asked for."""
+        from adibas.pipeline.live import LiveView
+
+        with self._core_lock:
+            if self._core is None:
+                self._core = LiveView(self._listener, opener=self._opener)
+                self._core.set_target(self._target)
+                self._core.set_rotation(self._rotation_deg)
+            return self._core
 
     def open(self, source: str, options: SensorOptions) -> None:
         """Show another source from now on."""
         self._opened = (source, options)
-        self._order(SensorState("opening"), lambda: self._view.open(source, options))
+        self._order(SensorState("opening"), lambda: self.view.open(source, options))
 
-    def set_target(self, target: MarkerTarget | None) -> None:
+    def set_target(self, target: "MarkerTarget | None") -> None:
         """Look for these markers."""
-        self._view.set_target(target)
+        with self._core_lock:
+            self._target = target
+            if self._core is not None:
+                self._core.set_target(target)
 
     def set_rotation(self, rotation_deg: int) -> None:
         """Say how far the picture is turned for showing."""
-        self._view.set_rotation(rotation_deg)
+        with self._core_lock:
+            self._rotation_deg = rotation_deg
+            if self._core is not None:
+                self._core.set_rotation(rotation_deg)
 
     def close(self) -> None:
         """Let go of the sensor."""
@@ -92,7 +114,10 @@ class QtLiveSource(QObject):
         """Follow an order, in the thread of orders, unless a newer one waits behind it."""
         if number != self._number:
             return
-        self._view.close()
+        with self._core_lock:
+            core = self._core
+        if core is not None:
+            core.close()
         self._listener.number = number
         if action is not None:
             action()

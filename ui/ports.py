@@ -1,13 +1,16 @@
 """What presenters need of the window, without Qt."""
 
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from adibas.errors import AdibasError
-from adibas.pipeline.live import LiveFrame, LiveView, SensorState
-from adibas.pipeline.posture import MarkerTarget
+from adibas.pipeline.live_frames import LiveFrame, SensorState
 from adibas.sensors.ports import SensorOptions
 from ui.events import Event
+
+if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
+    from adibas.pipeline.live import LiveView
+    from adibas.pipeline.posture import MarkerTarget
 
 Result = TypeVar("Result")
 
@@ -89,12 +92,12 @@ class LiveSource(Protocol):
         """What was opened last, also where it was closed since; None before the first."""
 
     @property
-    def view(self) -> LiveView:
+    def view(self) -> "LiveView":
         """The core behind it, for a job that captures from it."""
 
     def open(self, source: str, options: SensorOptions) -> None: ...
 
-    def set_target(self, target: MarkerTarget | None) -> None: ...
+    def set_target(self, target: "MarkerTarget | None") -> None: ...
 
     def set_rotation(self, rotation_deg: int) -> None: ...
 

@@ -2,17 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from adibas.data.patients import Patient
 from adibas.data.sessions import Session
 from adibas.errors import AdibasError
-from adibas.pipeline.posture import MarkerTarget
 from adibas.sessions import SessionStore
 from adibas.texts import describe
 from ui.events import Event
 from ui.ports import Jobs, LiveSource
 from ui.preferences import PreferencesFile
+
+if TYPE_CHECKING:  # it brings the compiler along, and the window does without at its start
+    from adibas.pipeline.posture import MarkerTarget
 
 NoticeKind = Literal["good", "warning", "bad"]
 
@@ -32,7 +34,7 @@ class Place:
     patient: str | None
     session_id: str | None
     capture_id: str | None
-    target: MarkerTarget | None
+    target: "MarkerTarget | None"
 
 
 class Workspace:
@@ -107,7 +109,7 @@ class Workspace:
         self.capture_id = capture_id
         self.capture_chosen.emit()
 
-    def set_target(self, target: MarkerTarget | None) -> None:
+    def set_target(self, target: "MarkerTarget | None") -> None:
         """Look for these markers from now on."""
         self.target = target
         self.live.set_target(target)

@@ -4,7 +4,6 @@ import threading
 from collections.abc import Mapping
 
 from adibas.clock import Clock, utc_now
-from adibas.data.patients import Identity, Patient
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import SensorError
@@ -15,23 +14,11 @@ from adibas.pipeline.session import Progress
 from adibas.pipeline.targets import target_to_document
 from adibas.sensors.ports import SensorOptions
 from adibas.sessions import SessionStore
-from adibas.texts import translate as _
+from adibas.sessions.demo_patient import demo_patient
 
 SOURCE = "simulator"
-DEMO_RECORD_NUMBER = "DEMO"
 LONGEST_WAIT_S = 60.0
 """For the first picture of the simulator on a busy computer."""
-
-
-def demo_patient(store: SessionStore) -> Patient:
-    """Return the demo patient of a store, added where there is none."""
-    for row in store.patients.search(DEMO_RECORD_NUMBER):
-        if row.identity.record_number == DEMO_RECORD_NUMBER:
-            return store.patients.get(row.pseudonym)
-    return store.patients.add(
-        Identity(_("Demo patient"), record_number=DEMO_RECORD_NUMBER),
-        notes=_("A simulated patient, to try the program with the simulator as the sensor."),
-    )
 
 
 def take_demo_session(

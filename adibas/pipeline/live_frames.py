@@ -1,14 +1,16 @@
 """What the live view tells: frames with all that is drawn over them, and how the sensor fares."""
 
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
 from adibas.data.frames import SourceInfo
 from adibas.errors import AdibasError
-from adibas.markers.detection import Detections
 from adibas.pipeline.plumb import PlumbLine
 from adibas.texts import Message
+
+if TYPE_CHECKING:  # the window knows these types before anything is compiled
+    from adibas.markers.detection import Detections
 
 SensorKind: TypeAlias = Literal["closed", "opening", "live", "lost", "ended"]
 
@@ -48,7 +50,7 @@ class LiveFrame:
     depth_m: Float32Array | None
     depth_in_color_m: Float32Array | None = None
     outline: BoolArray | None = None
-    detections: Detections | None = None
+    detections: "Detections | None" = None
     plumb: PlumbLine | None = None
     hints: tuple[Message, ...] = ()
     frame_rate_hz: float = 0.0
