@@ -1,0 +1,18 @@
+"""Somebody to try the program with: every new store has a simulated patient."""
+
+from adibas.data.patients import Identity, Patient
+from adibas.sessions.store import SessionStore
+from adibas.texts import translate as _
+
+DEMO_RECORD_NUMBER = "DEMO"
+
+
+def demo_patient(store: SessionStore) -> Patient:
+    """Return the demo patient of a store, added where there is none."""
+    for row in store.patients.search(DEMO_RECORD_NUMBER):
+        if row.identity.record_number == DEMO_RECORD_NUMBER:
+            return store.patients.get(row.pseudonym)
+    return store.patients.add(
+        Identity(_("Demo patient"), record_number=DEMO_RECORD_NUMBER),
+        notes=_("A simulated patient, to try the program with the simulator as the sensor."),
+    )
