@@ -25,7 +25,7 @@ from ui.jobs import JobRunner
 from ui.live_source import QtLiveSource
 from ui.log import log_folder, start_log
 from ui.preferences import Preferences, PreferencesFile
-from ui.screens import build_screens
+from ui.screens import screen_builders
 from ui.signals import SignalWatch
 from ui.theme import Theme
 from ui.unlock_presenter import UnlockPresenter
@@ -149,8 +149,8 @@ class Application:
         workspace.noticed.subscribe(self.window.tell)
         workspace.screen_wanted.subscribe(self._show_screen)
         workspace.patient_changed.subscribe(self._show_patient)
-        for screen in build_screens(workspace, self._theme, self.window):
-            self.window.add_screen(screen)
+        for name, build in screen_builders(workspace, self._theme, self.window).items():
+            self.window.offer_screen(name, build)
         self.window.setLocale(QLocale(self.preferences.now.language))
         self.window.show_read_only(is_read_only=store.is_read_only)
         self._watch.set_minutes(self.preferences.now.autolock_minutes)

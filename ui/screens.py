@@ -1,25 +1,78 @@
-"""All screens of the window, in the order of the rail: the one place that knows them all."""
+"""All screens of the window, in the order of the rail: the one place that knows them all.
+
+Each is imported when it is first shown: together they bring OpenCV, numba, SciPy and the reports
+along, a second and more, and the window is usable before. `preload` brings them in meanwhile.
+"""
+
+import threading
+from collections.abc import Callable
+from importlib import import_module
 
 from PySide6.QtWidgets import QWidget
 
-from ui.capture.screen import build_capture_screen
-from ui.markers.screen import build_markers_screen
 from ui.patients.screen import build_patients_screen
-from ui.reports.screen import build_reports_screen
-from ui.review.screen import build_review_screen
-from ui.settings.screen import build_settings_screen
 from ui.theme import Theme
 from ui.widgets.screen import Screen
 from ui.workspace import Workspace
 
+MODULES = (
+    "ui.capture.screen",
+    "adibas.pipeline.live",
+    "ui.markers.screen",
+    "ui.review.screen",
+    "ui.reports.screen",
+    "ui.settings.screen",
+)
+"""In the order in which a user will probably need them."""
 
-def build_screens(workspace: Workspace, theme: Theme, parent: QWidget) -> tuple[Screen, ...]:
-    """Return every screen, wired to the workspace."""
-    return (
-        build_patients_screen(workspace, parent),
-        build_capture_screen(workspace, parent),
-        build_markers_screen(workspace, parent),
-        build_review_screen(workspace, theme, parent),
-        build_reports_screen(workspace, parent),
-        build_settings_screen(workspace, parent),
-    )
+
+def screen_builders(
+    workspace: Workspace, theme: Theme, parent: QWidget
+) -> dict[str, Callable[[], Screen]]:
+    """Return what builds each screen, by its name."""
+
+    def capture() -> Screen:
+        from ui.capture.screen import build_capture_screen
+
+        return build_capture_screen(workspace, parent)
+
+    def markers() -> Screen:
+        from ui.markers.screen import build_markers_screen
+
+        return build_markers_screen(workspace, parent)
+
+    def review() -> Screen:
+        from ui.review.screen import build_review_screen
+
+        return build_review_screen(workspace, theme, parent)
+
+    def reports() -> Screen:
+        from ui.reports.screen import build_reports_screen
+
+        return build_reports_screen(workspace, parent)
+
+    def settings() -> Screen:
+        from ui.settings.screen import build_settings_screen
+
+        return build_settings_screen(workspace, parent)
+
+    return {
+        "patients": lambda: build_patients_screen(workspace, parent),
+        "capture": capture,
+        "markers": markers,
+        "review": review,
+        "reports": reports,
+        "settings": settings,
+    }
+
+
+def preload() -> threading.Thread:
+    """Import what the other screens need, in a thread, once the window is usable."""
+
+    def load() -> None:
+        for module in MODULES:
+            import_module(module)
+
+    thread = threading.Thread(target=load, name="preload", daemon=True)
+    thread.start()
+    return thread

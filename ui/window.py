@@ -60,6 +60,7 @@ class MainWindow(QMainWindow):
         self._theme = theme
         self._preferences = preferences
         self._screens: dict[str, Screen] = {}
+        self._builders: dict[str, Callable[[], Screen]] = {}
         self.unlock_page = UnlockPage(theme, self)
         self._rail = NavigationRail(theme, self._on_rail, self)
         self._pages, self._outer = QStackedWidget(self), QStackedWidget(self)
@@ -118,13 +119,10 @@ class MainWindow(QMainWindow):
         self.unlock_page.dress()
         self.setWindowIcon(self._theme.icon("adibas", self._theme.tokens.accent))
 
-    def add_screen(self, screen: Screen) -> None:
-        """Take a screen; its name is one of the rail's."""
-        self._screens[screen.name] = screen
-        self._pages.addWidget(screen)
-        for name, splitter in _splitters(screen):
-            splitter.restoreState(_bytes(self._preferences.now.splitters.get(name, "")))
-        self._rail.show_button(screen.name)
+    def offer_screen(self, name: str, build: Callable[[], Screen]) -> None:
+        """Offer one of the rail's screens; it is built when it is first asked for."""
+        self._builders[name] = build
+        self._rail.show_button(name)
 
     def remove_screens(self) -> None:
         """Close all screens and forget them."""
@@ -134,6 +132,7 @@ class MainWindow(QMainWindow):
             self._pages.removeWidget(screen)
             screen.deleteLater()
         self._screens.clear()
+        self._builders.clear()
 
     @property
     def shown(self) -> str:
@@ -143,13 +142,20 @@ class MainWindow(QMainWindow):
         return page.name if is_open and isinstance(page, Screen) else ""
 
     def screen_named(self, name: str) -> Screen:
-        """Return a screen by its name."""
+        """Return a screen by its name, built now if it was not asked for before."""
+        if name not in self._screens:
+            screen = self._builders[name]()
+            self._screens[name] = screen
+            self._pages.addWidget(screen)
+            for splitter_name, splitter in _splitters(screen):
+                state = self._preferences.now.splitters.get(splitter_name, "")
+                splitter.restoreState(_bytes(state))
         return self._screens[name]
 
     def show_screen(self, name: str) -> None:
         """Show a screen; the one that was seen is told."""
         before = self._pages.currentWidget()
-        wanted = self._screens[name]
+        wanted = self.screen_named(name)
         if isinstance(before, Screen) and before is not wanted:
             before.left()
         self._pages.setCurrentWidget(wanted)
@@ -160,8 +166,8 @@ class MainWindow(QMainWindow):
         self.shown_changed.emit(name)
 
     def show_first_screen(self) -> None:
-        """Show the screen that was added first."""
-        self.show_screen(next(iter(self._screens)))
+        """Show the screen that was offered first."""
+        self.show_screen(next(iter(self._builders)))
 
     def show_unlock(self) -> None:
         """Hide everything of patients behind the unlock page."""
