@@ -1,5 +1,3 @@
 """Posture and movement of people, measured with an inexpensive depth camera."""
 
-from importlib.metadata import version
-
-__version__ = version("adibas")
+__version__ = "0.1.0"

@@ -3,6 +3,7 @@
 import logging
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QLocale
 from PySide6.QtWidgets import QApplication, QToolTip
@@ -10,8 +11,7 @@ from PySide6.QtWidgets import QApplication, QToolTip
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
 from adibas.pipeline.warming import start_warming
-from adibas.sessions import SessionStore, default_store_folder
-from adibas.sessions.demo_patient import demo_patient
+from adibas.sessions import default_store_folder
 from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.appearance import Appearance
@@ -31,6 +31,9 @@ from ui.theme import Theme
 from ui.unlock_presenter import UnlockPresenter
 from ui.window import MainWindow
 from ui.workspace import Place, Workspace
+
+if TYPE_CHECKING:  # the database comes in the job that opens it
+    from adibas.sessions import SessionStore
 
 logger = logging.getLogger(__name__)
 
@@ -139,7 +142,9 @@ class Application:
         self.window.show_unlock()
         return presenter
 
-    def _on_opened(self, store: SessionStore, is_new: bool) -> None:
+    def _on_opened(self, store: "SessionStore", is_new: bool) -> None:
+        from adibas.sessions.demo_patient import demo_patient
+
         live = QtLiveSource(self.window)
         workspace = Workspace(store, self.jobs, self.preferences, live)
         if is_new:

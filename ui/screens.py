@@ -10,12 +10,13 @@ from importlib import import_module
 
 from PySide6.QtWidgets import QWidget
 
-from ui.patients.screen import build_patients_screen
 from ui.theme import Theme
 from ui.widgets.screen import Screen
 from ui.workspace import Workspace
 
 MODULES = (
+    "ui.patients.screen",
+    "adibas.sessions.store",
     "ui.capture.screen",
     "adibas.pipeline.live",
     "ui.markers.screen",
@@ -30,6 +31,11 @@ def screen_builders(
     workspace: Workspace, theme: Theme, parent: QWidget
 ) -> dict[str, Callable[[], Screen]]:
     """Return what builds each screen, by its name."""
+
+    def patients() -> Screen:
+        from ui.patients.screen import build_patients_screen
+
+        return build_patients_screen(workspace, parent)
 
     def capture() -> Screen:
         from ui.capture.screen import build_capture_screen
@@ -57,7 +63,7 @@ def screen_builders(
         return build_settings_screen(workspace, parent)
 
     return {
-        "patients": lambda: build_patients_screen(workspace, parent),
+        "patients": patients,
         "capture": capture,
         "markers": markers,
         "review": review,

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from adibas.errors import AdibasError
-from adibas.sessions import KeyState, SessionStore, key_state, open_store
+from adibas.sessions import KeyState, key_state
 from adibas.texts import describe
 from adibas.texts import translate as _
 from ui.ports import CancelledError, JobControl, Jobs
+
+if TYPE_CHECKING:  # the database comes in the job that opens it
+    from adibas.sessions import SessionStore
 
 NEW = (KeyState.NEW_KEYRING, KeyState.NEW_PASSPHRASE)
 
@@ -57,7 +60,7 @@ class UnlockPresenter:
         folder: Path,
         operator: str,
         jobs: Jobs,
-        opened: Callable[[SessionStore, bool], None],
+        opened: Callable[["SessionStore", bool], None],
     ) -> None:
         self._view = view
         self._folder = folder
@@ -114,7 +117,9 @@ class UnlockPresenter:
     def _open(self, passphrase: str | None, ask_again: Callable[[], None]) -> None:
         self._view.show_busy()
 
-        def work(control: JobControl) -> tuple[SessionStore, bool]:
+        def work(control: JobControl) -> "tuple[SessionStore, bool]":
+            from adibas.sessions import open_store
+
             is_new = key_state(self._folder) in NEW
             store = open_store(self._folder, passphrase, operator=self._operator)
             try:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Literal
 from adibas.data.patients import Patient
 from adibas.data.sessions import Session
 from adibas.errors import AdibasError
-from adibas.sessions import SessionStore
 from adibas.texts import describe
 from ui.events import Event
 from ui.ports import Jobs, LiveSource
 from ui.preferences import PreferencesFile
 
-if TYPE_CHECKING:  # it brings the compiler along, and the window does without at its start
+if TYPE_CHECKING:  # compiler and database come later: the window is usable before
     from adibas.pipeline.posture import MarkerTarget
+    from adibas.sessions import SessionStore
 
 NoticeKind = Literal["good", "warning", "bad"]
 
@@ -68,7 +68,7 @@ class Workspace:
     """
 
     def __init__(
-        self, store: SessionStore, jobs: Jobs, preferences: PreferencesFile, live: LiveSource
+        self, store: "SessionStore", jobs: Jobs, preferences: PreferencesFile, live: LiveSource
     ) -> None:
         self.store = store
         self.jobs = jobs

@@ -4,8 +4,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import platformdirs
-
 from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
 from adibas.files import remove_unfinished
@@ -122,11 +120,6 @@ class SessionStore:
         traceback: TracebackType | None,
     ) -> None:
         self.close()
-
-
-def default_store_folder() -> Path:
-    """Return where this user's store is if none is named."""
-    return platformdirs.user_data_path("adibas", appauthor=False) / "store"
 
 
 def open_store(
