@@ -10,15 +10,28 @@ BLEND = 0.55
 """Share of the colour picture where the two are blended."""
 
 
-def depth_picture(depth_m: Float32Array) -> UInt8Array:
-    """Return an (H, W, 3) RGB picture of an (H, W) depth image; the palette is viridis."""
-    scaled = (np.nan_to_num(depth_m, nan=FARTHEST_M) - NEAREST_M) * (
-        255.0 / (FARTHEST_M - NEAREST_M)
-    )
-    levels = 255 - np.clip(scaled, 0.0, 255.0).astype(np.uint8)
+def _palette() -> UInt8Array:
+    """Return (256, 1, 3) RGB: viridis from far to near, and black for level 0."""
+    levels = np.arange(256, dtype=np.uint8)[:, None]
     colors = cv2.applyColorMap(levels, cv2.COLORMAP_VIRIDIS)
-    picture: UInt8Array = cv2.cvtColor(colors, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
-    picture[np.isnan(depth_m)] = 0
+    palette: UInt8Array = cv2.cvtColor(colors, cv2.COLOR_BGR2RGB).astype(np.uint8)
+    palette[0] = 0
+    return palette
+
+
+_PALETTE = _palette()
+
+
+def depth_picture(depth_m: Float32Array) -> UInt8Array:
+    """Return an (H, W, 3) RGB picture of an (H, W) depth image; the palette is viridis.
+
+    Two passes over the picture, because it is drawn thirty times a second: from depth to levels,
+    1 (far) to 255 (near), where NaN saturates to 0; and from levels to colours.
+    """
+    slope = -254.0 / (FARTHEST_M - NEAREST_M)
+    near_m = np.minimum(depth_m, np.float32(FARTHEST_M))  # what is farther has the farthest's
+    levels = cv2.addWeighted(near_m, slope, near_m, 0.0, 1.0 - slope * FARTHEST_M, dtype=cv2.CV_8U)
+    picture: UInt8Array = cv2.applyColorMap(levels, _PALETTE).astype(np.uint8, copy=False)
     return picture
 
 

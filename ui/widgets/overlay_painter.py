@@ -1,10 +1,10 @@
 """Paints overlays so that they are seen on any picture: light lines on a dark border."""
 
-from functools import cache
+from functools import cache, lru_cache
 
 import cv2
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygonF
 
 from ui.theme import DRAWN
@@ -17,6 +17,7 @@ BORDER = QColor(0, 0, 0, 190)
 TINT_ALPHA = 90
 TINTED, BORDERED = 1, 2
 BORDER_WIDGET_PX = 1.5
+N_REGIONS_KEPT = 4
 
 
 def paint_overlay(painter: QPainter, placement: ImagePlacement, overlay: Overlay) -> None:
@@ -80,24 +81,34 @@ def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:
 
 
 def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) -> None:
-    """Lay the region's border over the picture, and a tint where it is filled.
-
-    Both are images of the picture's size with a palette: a mask that covers everything costs no
-    more than a small one.
-    """
-    inside = region.pixels.view(np.uint8)
-    width_px = max(1, round(BORDER_WIDGET_PX / placement.scale))
-    kernel = np.ones((2 * width_px + 1, 2 * width_px + 1), np.uint8)
-    indices = inside * np.uint8(TINTED if region.is_filled else 0)
-    indices[(cv2.erode(inside, kernel) == 0) & region.pixels] = BORDERED
-    height, width = indices.shape
-    image = QImage(indices.data, width, height, width, QImage.Format.Format_Indexed8)
-    image.setColorTable(_palette(region.role))
+    """Lay the region's border over the picture, and a tint where it is filled."""
+    image, left, top = _region_image(region, max(1, round(BORDER_WIDGET_PX / placement.scale)))
     painter.translate(placement.widget[0] / 2, placement.widget[1] / 2)
     painter.rotate(placement.rotation_deg)
     painter.scale(placement.scale, placement.scale)
-    left, top = -0.5 - placement.center[0], -0.5 - placement.center[1]
-    painter.drawImage(QRectF(left, top, width, height), image)
+    place = QPointF(left - 0.5 - placement.center[0], top - 0.5 - placement.center[1])
+    painter.drawImage(place, image)
+
+
+@lru_cache(maxsize=N_REGIONS_KEPT)
+def _region_image(region: Region, width_px: int) -> tuple[QImage, int, int]:
+    """Return a region with its border, and where its upper left pixel lies in the picture.
+
+    Only the part of the picture that has it, with a palette: what is drawn anew, because the mouse
+    moves or a marker was found, costs nothing then.
+    """
+    inside = region.pixels.view(np.uint8)
+    left, top, width, height = cv2.boundingRect(inside)
+    left, top = max(left - width_px, 0), max(top - width_px, 0)
+    part = inside[top : top + height + 2 * width_px, left : left + width + 2 * width_px]
+    core = cv2.erode(part, np.ones((2 * width_px + 1, 2 * width_px + 1), np.uint8))
+    levels = np.zeros(256, np.uint8)  # of 0: outside, 1: the border, 2: within
+    levels[1:3] = BORDERED, TINTED if region.is_filled else 0
+    indices = cv2.LUT(cv2.add(part, core), levels)
+    height, width = indices.shape
+    image = QImage(indices.data, width, height, width, QImage.Format.Format_Indexed8)
+    image.setColorTable(_palette(region.role))
+    return image.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied), left, top
 
 
 @cache
