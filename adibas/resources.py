@@ -1,9 +1,11 @@
 """The only place that finds files of ``resources/``: source tree, wheel, frozen program."""
 
 import sys
+from functools import cache
 from pathlib import Path
 
 
+@cache  # asked for every text that is translated
 def _root() -> Path:
     frozen = getattr(sys, "_MEIPASS", None)
     if frozen is not None:
