@@ -41,6 +41,7 @@ def _program(folder: str) -> None:
     """Show our window until the patients are listed."""
     from pathlib import Path
 
+    from PySide6.QtCore import QEventLoop
     from PySide6.QtWidgets import QApplication
 
     from benchmarks.memory_keyring import use_memory_keyring
@@ -54,7 +55,7 @@ def _program(folder: str) -> None:
     )
     application.start()
     while application.window.shown != "patients":
-        app.processEvents()
+        app.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents)
     app.processEvents()
 
 
