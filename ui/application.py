@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QLocale
+from PySide6.QtCore import QLocale, QTimer
 from PySide6.QtWidgets import QApplication, QToolTip
 
 from adibas.data.patients import Patient
@@ -25,7 +25,7 @@ from ui.jobs import JobRunner
 from ui.live_source import QtLiveSource
 from ui.log import log_folder, start_log
 from ui.preferences import Preferences, PreferencesFile
-from ui.screens import screen_builders
+from ui.screens import preload, screen_builders
 from ui.signals import SignalWatch
 from ui.theme import Theme
 from ui.unlock_presenter import UnlockPresenter
@@ -36,6 +36,9 @@ if TYPE_CHECKING:  # the database comes in the job that opens it
     from adibas.sessions import SessionStore
 
 logger = logging.getLogger(__name__)
+
+PRELOAD_MS = 1500
+"""After the start: who types a passphrase or looks for a patient does not notice."""
 
 LIVE_SCREENS = ("capture", "markers")
 """They show the sensor, and open it when they are entered."""
@@ -237,6 +240,11 @@ class Application:
             self.workspace.store.operator = now.operator
 
 
+def _preload() -> None:
+    """Import what other screens need."""
+    preload()
+
+
 def _want_nothing(_patient: Patient) -> None:
     """Want nothing of what an action returns."""
 
@@ -250,6 +258,7 @@ def run(arguments: list[str]) -> int:
     application = Application(app, PreferencesFile())
     signals = SignalWatch(application.end)
     application.start()
+    QTimer.singleShot(PRELOAD_MS, app, _preload)
     compiling = start_warming()
     code = app.exec()
     application.close()
