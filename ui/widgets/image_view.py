@@ -78,6 +78,7 @@ class ImageView(QWidget):
         self._has_nudged = False
         self.modifiers = Qt.KeyboardModifier.NoModifier
         self._placeholder = ""
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # nothing shines through
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMinimumSize(160, 120)

@@ -5,7 +5,16 @@ from functools import cache, lru_cache
 import cv2
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen, QPolygonF
+from PySide6.QtGui import (
+    QColor,
+    QFont,
+    QImage,
+    QPainter,
+    QPainterPath,
+    QPainterPathStroker,
+    QPen,
+    QPolygonF,
+)
 
 from ui.theme import DRAWN
 from ui.widgets.image_geometry import ImagePlacement
@@ -17,7 +26,7 @@ BORDER = QColor(0, 0, 0, 190)
 TINT_ALPHA = 90
 TINTED, BORDERED = 1, 2
 BORDER_WIDGET_PX = 1.5
-N_REGIONS_KEPT = 4
+N_REGIONS_KEPT, N_TEXTS_KEPT = 4, 256
 
 
 def paint_overlay(painter: QPainter, placement: ImagePlacement, overlay: Overlay) -> None:
@@ -74,10 +83,22 @@ def _paint_curve(painter: QPainter, placement: ImagePlacement, curve: Curve) -> 
 
 
 def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:
-    path = QPainterPath()
-    path.addText(at, painter.font(), text)
-    painter.strokePath(path, QPen(BORDER, 3.0))
-    painter.fillPath(path, QColor(DRAWN[role]))
+    letters, border = _letters(text, painter.font().toString())
+    painter.translate(at)
+    painter.fillPath(border, BORDER)
+    painter.fillPath(letters, QColor(DRAWN[role]))
+    painter.translate(-at)
+
+
+@lru_cache(maxsize=N_TEXTS_KEPT)
+def _letters(text: str, font_words: str) -> tuple[QPainterPath, QPainterPath]:
+    """Return letters that begin at (0, 0), and the border about them; they are dear to make."""
+    font = QFont()
+    font.fromString(font_words)
+    letters = QPainterPath()
+    letters.addText(0.0, 0.0, font, text)
+    stroker = QPainterPathStroker(QPen(BORDER, 3.0))
+    return letters, stroker.createStroke(letters)
 
 
 def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) -> None:
