@@ -1,7 +1,7 @@
 """Started as a process of its own: opens a window and ends; prints when it was usable.
 
-Usage: ``python -m benchmarks.startup_probe empty|program STORE``. The store's key comes from a
-keyring in memory, so that no passphrase is typed and no desktop is asked.
+Usage: ``python -m benchmarks.startup_probe empty|passphrase|patients FOLDER``. A store's key comes
+from a keyring in memory, so that no passphrase is typed and no desktop is asked.
 """
 
 import os
@@ -13,13 +13,13 @@ KEY_VARIABLE = "ADIBAS_BENCHMARK_KEY"
 
 
 def main() -> None:
-    """Run one of the two windows until it is usable."""
+    """Run one of the windows until it is usable."""
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     kind, folder = sys.argv[1], sys.argv[2]
     if kind == "empty":
         _empty_window()
     else:
-        _program(folder)
+        _program(folder, until=kind)
     sys.stdout.write(f"{time.perf_counter() - STARTED_S:.4f}\n")
     sys.stdout.flush()
     os._exit(0)
@@ -37,12 +37,12 @@ def _empty_window() -> None:
     app.processEvents()
 
 
-def _program(folder: str) -> None:
-    """Show our window until the patients are listed."""
+def _program(folder: str, until: str) -> None:
+    """Show our window until it asks for the passphrase, or until the patients are listed."""
     from pathlib import Path
 
     from PySide6.QtCore import QEventLoop
-    from PySide6.QtWidgets import QApplication
+    from PySide6.QtWidgets import QApplication, QLineEdit
 
     from benchmarks.memory_keyring import use_memory_keyring
     from ui.application import Application
@@ -54,7 +54,10 @@ def _program(folder: str) -> None:
         app, PreferencesFile(Path(folder) / "preferences.json"), Path(folder) / "store"
     )
     application.start()
+    field = application.window.unlock_page.findChildren(QLineEdit)[0]
     while application.window.shown != "patients":
+        if until == "passphrase" and field.isVisible():
+            break
         app.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents)
     app.processEvents()
 

@@ -1,0 +1,45 @@
+"""How long the window's thread was held up: a short timer that comes late tells."""
+
+import time
+
+from PySide6.QtCore import QEventLoop, QTimer
+from PySide6.QtWidgets import QApplication
+
+BEAT_MS = 5
+PATIENCE_MS = 50
+
+
+class Heartbeat:
+    """Beats every 5 ms; what a beat is late by, no click was seen."""
+
+    def __init__(self, app: QApplication) -> None:
+        self._app = app
+        self._late_ms: dict[str, float] = {}
+        self._where = ""
+        self._last_s = time.perf_counter()
+        self._timer = QTimer()
+        self._timer.setInterval(BEAT_MS)
+        self._timer.timeout.connect(self._beat)
+        self._timer.start()
+
+    def live_through(self, where: str, seconds: float) -> None:
+        """Let the window live for a while in a place that has a name."""
+        self._where = where
+        end_s = time.perf_counter() + seconds
+        while time.perf_counter() < end_s:
+            self._app.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents, PATIENCE_MS)
+
+    def stop(self) -> None:
+        """Beat no more."""
+        self._timer.stop()
+
+    def longest(self) -> tuple[str, float]:
+        """Return where the longest block was, and its milliseconds."""
+        where = max(self._late_ms, key=lambda name: self._late_ms[name])
+        return where, self._late_ms[where]
+
+    def _beat(self) -> None:
+        now_s = time.perf_counter()
+        late_ms = 1e3 * (now_s - self._last_s) - BEAT_MS
+        self._late_ms[self._where] = max(self._late_ms.get(self._where, 0.0), late_ms)
+        self._last_s = now_s
