@@ -39,6 +39,7 @@ class QtLiveSource(QObject):
         self._state = SensorState("closed")
         self._opened: tuple[str, SensorOptions] | None = None
         self._number = 0
+        self._has_ended = False
         frames, states = NewestBridge(self._on_frame, self), CallBridge(self._on_state, self)
         self._listener = _Listener(frames, states)
         self._opener = opener
@@ -99,9 +100,11 @@ class QtLiveSource(QObject):
         self._order(SensorState("closed"), None)
 
     def end(self) -> None:
-        """Let go of the sensor and wait until no thread is left."""
-        self.close()
-        self._orders.shutdown(wait=True)
+        """Let go of the sensor and wait until no thread is left; a second call does nothing."""
+        if not self._has_ended:
+            self._has_ended = True
+            self.close()
+            self._orders.shutdown(wait=True)
 
     def _order(self, state: SensorState, action: Callable[[], None] | None) -> None:
         self._number += 1
