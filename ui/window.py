@@ -70,7 +70,7 @@ class MainWindow(QMainWindow):
         self._lay_out()
         jobs.changed.subscribe(self._progress.show_job)
         self._help_key = QShortcut(QKeySequence(Qt.Key.Key_F1), self.unlock_page, self.show_help)
-        QShortcut(QKeySequence.StandardKey.Quit, self, self.close)
+        QShortcut(QKeySequence("Ctrl+Q"), self, self.close)
         self.setAcceptDrops(True)
         self.resize(*USUAL_SIZE)
         self.restoreGeometry(_bytes(preferences.now.geometry))
