@@ -70,8 +70,8 @@ class SourcePresenter:
         """Replay a recording as if it were a sensor."""
         if self._may_change():
             self._workspace.preferences.add_recent(path)
-            self._show(usual_sources(self._workspace.preferences.now.recent_recordings))
             self._change(replace(self.setup, source=str(path)))
+            self._show(usual_sources(self._workspace.preferences.now.recent_recordings))
 
     def choose_size(self, color_size: tuple[int, int]) -> None:
         """Ask the sensor for another size of its colour image."""
