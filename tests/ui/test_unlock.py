@@ -1,0 +1,196 @@
+"""Opening the store: what is asked for, and what is said when it does not open."""
+
+import json
+from unittest.mock import create_autospec
+
+import pytest
+from keyring.backends import fail
+
+from adibas.sessions import open_store
+from adibas.sessions.key_file import KEY_FILE
+from tests.ui.conftest import CHEAP, PASSPHRASE
+from tests.unit.store_samples import MemoryKeyring, use_keyring
+from ui.ports import CancelledError
+from ui.unlock_presenter import UnlockPresenter, UnlockView
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "store"
+
+
+@pytest.fixture
+def view():
+    return create_autospec(UnlockView, instance=True)
+
+
+@pytest.fixture
+def opened():
+    """The stores that were handed over, each with whether it is new; closed at the end."""
+    stores = []
+    yield stores
+    for store, _is_new in stores:
+        store.close()
+
+
+@pytest.fixture
+def presenter(view, folder, inline_jobs, opened):
+    return UnlockPresenter(
+        view, folder, "somebody", inline_jobs, lambda *store: opened.append(store)
+    )
+
+
+@pytest.fixture
+def keyring_there(monkeypatch):
+    use_keyring(monkeypatch, MemoryKeyring())
+
+
+@pytest.fixture
+def no_keyring(monkeypatch):
+    use_keyring(monkeypatch, fail.Keyring())
+
+
+@pytest.fixture
+def behind_passphrase(folder, no_keyring):  # noqa: ARG001  (it is used)
+    open_store(folder, PASSPHRASE, key_params=CHEAP).close()
+
+
+def told(view):
+    view.show_problem.assert_called_once()
+    return view.show_problem.call_args.args[0]
+
+
+@pytest.mark.usefixtures("keyring_there")
+def test_with_a_keyring_nothing_is_asked_for(presenter, view, opened):
+    presenter.begin()
+    ((store, is_new),) = opened
+    assert is_new
+    assert store.operator == "somebody"
+    view.show_problem.assert_not_called()
+    view.ask_passphrase.assert_not_called()
+
+
+@pytest.mark.usefixtures("keyring_there")
+def test_the_second_start_opens_the_same_store(presenter, folder, opened):
+    open_store(folder).close()
+    presenter.begin()
+    ((_store, is_new),) = opened
+    assert not is_new
+
+
+@pytest.mark.usefixtures("keyring_there")
+def test_after_a_lock_a_keyring_does_not_open_by_itself(presenter, view, folder, opened):
+    open_store(folder).close()
+    presenter.ask()
+    view.ask_unlock.assert_called()
+    assert not opened
+    presenter.open_from_keyring()
+    assert len(opened) == 1
+
+
+@pytest.mark.usefixtures("no_keyring")
+def test_without_a_keyring_a_passphrase_is_chosen_by_typing_it_twice(presenter, view, opened):
+    presenter.begin()
+    view.ask_new_passphrase.assert_called_once()
+    presenter.give_new_passphrase(PASSPHRASE, PASSPHRASE + "!")
+    assert "differ" in told(view)
+    assert not opened
+    presenter.give_new_passphrase(PASSPHRASE, PASSPHRASE)
+    ((_store, is_new),) = opened
+    assert is_new
+
+
+@pytest.mark.usefixtures("no_keyring")
+def test_a_short_passphrase_is_asked_for_again(presenter, view, folder, opened):
+    presenter.begin()
+    presenter.give_new_passphrase("ab", "ab")
+    assert "characters at least" in told(view)
+    assert view.ask_new_passphrase.call_count == 2
+    assert not opened
+    assert not (folder / KEY_FILE).exists()
+
+
+@pytest.mark.usefixtures("behind_passphrase")
+def test_a_wrong_passphrase_is_asked_for_again(presenter, view, opened):
+    presenter.begin()
+    view.ask_passphrase.assert_called_once()
+    presenter.give_passphrase("not this one")
+    assert "passphrase is wrong" in told(view)
+    assert view.ask_passphrase.call_count == 2
+    presenter.give_passphrase(PASSPHRASE)
+    assert len(opened) == 1
+
+
+@pytest.mark.usefixtures("keyring_there")
+def test_a_key_that_the_keyring_lost_can_be_tried_again(
+    presenter, view, folder, opened, monkeypatch
+):
+    memory = MemoryKeyring()
+    use_keyring(monkeypatch, memory)
+    open_store(folder).close()
+    use_keyring(monkeypatch, MemoryKeyring())
+    presenter.begin()
+    assert "keyring has lost the key" in told(view)
+    view.ask_unlock.assert_called()
+    use_keyring(monkeypatch, memory)
+    presenter.open_from_keyring()
+    assert len(opened) == 1
+
+
+@pytest.mark.parametrize("text", ["", "{", '{"format": "adibas-key", "version": 1}', "[]"])
+@pytest.mark.usefixtures("behind_passphrase")
+def test_a_damaged_key_file_is_said_in_one_sentence(presenter, view, folder, opened, text):
+    whole = (folder / KEY_FILE).read_text()
+    (folder / KEY_FILE).write_text(text)
+    presenter.begin()
+    assert "key.json of the patient store is damaged" in told(view)
+    view.ask_unlock.assert_called()
+    (folder / KEY_FILE).write_text(whole)
+    presenter.ask()
+    view.ask_passphrase.assert_called()
+    assert not opened
+
+
+@pytest.mark.usefixtures("behind_passphrase")
+def test_a_key_file_of_a_later_version_asks_for_an_update(presenter, view, folder):
+    document = json.loads((folder / KEY_FILE).read_text())
+    (folder / KEY_FILE).write_text(json.dumps(document | {"version": 99}))
+    presenter.begin()
+    assert "Update the program" in told(view)
+
+
+@pytest.mark.usefixtures("behind_passphrase")
+def test_a_database_of_a_later_version_asks_for_an_update(presenter, view, folder, opened):
+    with open_store(folder, PASSPHRASE) as store, store._database.changing() as transaction:
+        transaction.connection().exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
+    presenter.give_passphrase(PASSPHRASE)
+    assert "later version of ADiBAS" in told(view)
+    assert not opened
+
+
+@pytest.mark.usefixtures("no_keyring")
+def test_a_folder_that_cannot_be_written_is_said(presenter, view, folder, opened):
+    folder.write_text("a file stands here")
+    presenter.begin()
+    presenter.give_new_passphrase(PASSPHRASE, PASSPHRASE)
+    assert "store" in view.show_problem.call_args.args[0]
+    assert not opened
+
+
+@pytest.mark.usefixtures("behind_passphrase")
+def test_who_cancels_the_opening_is_asked_again(presenter, view, inline_jobs, opened, folder):
+    class Stopped:
+        def progress(self, _done, _total):
+            raise CancelledError
+
+    works = []
+    inline_jobs.start = lambda _label, work, *_told, ended: works.append((work, ended))
+    presenter.give_passphrase(PASSPHRASE)
+    ((work, ended),) = works
+    with pytest.raises(CancelledError):
+        work(Stopped())
+    ended()
+    view.ask_passphrase.assert_called_once()
+    assert not opened
+    with open_store(folder, PASSPHRASE) as store:  # the one that was opened is closed
+        assert not store.is_read_only
