@@ -18,6 +18,7 @@ from adibas.reports.pdf_layout import (
     text_width,
     title,
 )
+from adibas.reports.plots import marker_plot
 from adibas.reports.rows import MarkerRow, distance_rows, free_rows, marker_rows
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
@@ -29,6 +30,7 @@ MOST_LINES_BESIDE = 26
 """That the tables beside the picture have room for."""
 LABEL_SHARE_BESIDE = 0.2
 PICTURE_HEIGHT = 114 * mm
+LEAST_PLOT_HEIGHT = 50 * mm
 MOST_PICTURE_SHARE = 0.46
 NUMBER_WIDTH, INTERVAL_WIDTH = 36, 78
 GAP = 8
@@ -78,6 +80,11 @@ def _side_by_side(page: ViewPage, rows: list[MarkerRow]) -> Flowable:
         ("TOPPADDING", (0, 0), (-1, -1), 4),
     ]
     tables = [*_markers(page.capture, rows, right), *_free_measures(page.capture, right)]
+    used = sum(table.wrap(right, PICTURE_HEIGHT)[1] for table in tables)
+    room = PICTURE_HEIGHT - used - GAP
+    plot = marker_plot(page.capture, right, room) if room >= LEAST_PLOT_HEIGHT else None
+    if plot is not None:
+        tables.append(picture(plot, right, room))
     return Table([[shown, tables]], [left, right], style=TableStyle(style), hAlign="LEFT")
 
 

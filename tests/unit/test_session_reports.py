@@ -177,7 +177,7 @@ def test_the_pdf_has_a_page_a_view_and_a_footer_on_each(report, tmp_path):
         assert "ADiBAS 9.9" in page
         assert "S1, 2026-11-01T09:30:00+00:00" in page
         assert "20 days" in page
-    assert [len(page.images) for page in reader.pages] == [3, 1, 1, 1]
+    assert [len(page.images) for page in reader.pages] == [3, 2, 2, 2]  # a picture and a plot
     for fact in ("P-7", "O. Perator", "four views", "first visit", "2026-11-21T09:30:00+00:00"):
         assert fact in pages[0]
     assert "The recording was cut" in pages[0]
