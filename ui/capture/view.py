@@ -169,7 +169,11 @@ class CaptureScreen(Screen):
         QApplication.beep()
 
     def call_later(self, milliseconds: int, call: Callable[[], None]) -> None:
-        QTimer.singleShot(milliseconds, self, call)
+        timer = QTimer(self)  # Python's singleShot makes one that outlives the screen
+        timer.setSingleShot(True)
+        timer.timeout.connect(call)
+        timer.timeout.connect(timer.deleteLater)
+        timer.start(milliseconds)
 
     def _show_frame(self) -> None:
         frame, mode = self._frame, self._display.mode
