@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     pictures = PictureChoice(arguments.pictures)
     write_report(report_of_analysis(analysis, arguments.language, pictures), arguments.out)
     for notice in analysis.notices:
-        console.warn(notice)
+        console.warn(_(notice))
     n_markers, n_distances, n_angles = (
         len(found) for found in (analysis.markers, analysis.distances, analysis.angles)
     )

@@ -17,7 +17,13 @@ from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorErro
 from adibas.markers.disparity import fuse_depth
 from adibas.pipeline.burst_recording import Burst, Progress
 from adibas.pipeline.live import LiveView
-from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
+from adibas.pipeline.posture import (
+    MarkerFindings,
+    MarkerTarget,
+    PostureParams,
+    analyse_burst,
+    doubts_about,
+)
 from adibas.pipeline.provenance import provenance_of
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
@@ -183,6 +189,7 @@ def analyse_capture(
             notices.append(describe(error) if error.fields else error.message_id)
         else:
             notices += [NOT_FOUND] * (not found.markers)
+            notices += doubts_about(found.markers)
     if found is None:
         found = MarkerFindings((), (), _surface(burst, calibration, params))
     return CaptureFindings(

@@ -27,9 +27,18 @@ from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
+from adibas.texts import message
 
 MarkerTarget: TypeAlias = ColorModel | LedParams
 """What to look for: learned colours, or LEDs in a dark image."""
+
+LEAST_WIDTH_PX = 3.0
+"""Of a marker: at two pixels a third of what is found may be false (docs/benchmarks.md)."""
+
+TOO_FEW_PIXELS = message(
+    "The markers are fewer than three pixels wide in the picture: some may be missed, and others "
+    "false. Take larger markers, or the larger colour picture."
+)
 
 N_THREADS = 2
 """Frames in work side by side: more than two hardly gain, and memory grows with them."""
@@ -255,3 +264,11 @@ def _measured(label: str, found: BurstMarker, finder: PositionFinder) -> Marker:
         position_m=None if position is None else position.position_m,
         covariance_m2=None if position is None else position.covariance_m2,
     )
+
+
+def doubts_about(markers: tuple[Marker, ...]) -> tuple[str, ...]:
+    """Return what the reader should know of the markers that were found."""
+    if not markers:
+        return ()
+    width_px = 2.0 * float(np.median([marker.radius_px for marker in markers]))
+    return (TOO_FEW_PIXELS,) if width_px < LEAST_WIDTH_PX else ()

@@ -13,7 +13,7 @@ from adibas.data.posture import PostureAnalysis
 from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.learning import read_target
-from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst
+from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst, doubts_about
 from adibas.pipeline.provenance import provenance_of
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -88,7 +88,7 @@ def analyse_recording(
         provenance=provenance_of(
             recording_sha256(request.recording), calibration, target, request.params, clock()
         ),
-        notices=notices,
+        notices=(*notices, *doubts_about(findings.markers)),
         surface_per_m=findings.surface.mean_per_m,
     )
 

@@ -506,3 +506,11 @@ def test_a_disk_that_is_full_from_the_start_promises_no_frames(demo, tmp_path):
         "a.mcap cannot be recorded: the disk is full. Free some space and try again.\n"
     )
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("size", "is_doubted"), [((480, 640), True), ((1024, 1280), False)])
+def test_markers_of_two_pixels_are_doubted_in_the_report(size, is_doubted, demo, tmp_path, capsys):
+    path = record_scene(tmp_path / "small.mcap", "anterior", color_size=size)
+    argv = ["posture", path, "--markers", demo.colors, "--out", tmp_path / "report.xlsx"]
+    assert main([str(word) for word in argv]) == 0
+    assert ("fewer than three pixels wide" in capsys.readouterr().err) == is_doubted
