@@ -23,16 +23,17 @@ class StatusLine(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._sensor, self._dropped, self._disk = (QLabel(self) for _ in range(3))
-        self._sensor.setWordWrap(True)
+        for label in (self._sensor, self._dropped, self._disk):
+            label.setWordWrap(True)  # in large letters all three are wider than the window
         self._state = SensorState("closed")
         self._rate_hz, self._n_dropped = 0.0, 0
         self._minutes: float | None = None
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(16)
-        layout.addWidget(self._sensor, 1)
-        layout.addWidget(self._dropped)
-        layout.addWidget(self._disk)
+        layout.addWidget(self._sensor, 2)
+        layout.addWidget(self._dropped, 1)
+        layout.addWidget(self._disk, 1)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

@@ -76,11 +76,8 @@ class LearnerControls(QWidget):
             label.setWordWrap(True)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        modes = QHBoxLayout()
-        modes.addWidget(self._color)
-        modes.addWidget(self._led)
-        modes.addStretch()
-        layout.addLayout(modes)
+        layout.addWidget(self._color)
+        layout.addWidget(self._led)
         sliders = (self._sensitivity, self._brightness)
         for label, value, slider in zip(
             (sensitivity, brightness), self._values, sliders, strict=True
@@ -159,6 +156,7 @@ class LearnerControls(QWidget):
             item = self._swatches.takeAt(0)
             widget = item.widget() if item is not None else None
             if widget is not None:
+                widget.hide()
                 widget.deleteLater()
         for color in colors:
             label = QLabel(self)

@@ -5,6 +5,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QFileDialog,
+    QGridLayout,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -38,7 +39,7 @@ class LearnerScreen(Screen):
         self._title, self._advice, self._count = QLabel(self), QLabel(self), QLabel(self)
         self._title.setProperty("kind", "title")
         self._advice.setProperty("kind", "quiet")
-        for label in (self._advice, self._count):
+        for label in (self._title, self._advice, self._count):
             label.setWordWrap(True)
         self._picture = ImageView(self)
         self._controls = LearnerControls(self)
@@ -64,9 +65,9 @@ class LearnerScreen(Screen):
         panel.column.addWidget(self._controls, 1)
         panel.column.addWidget(self._count)
         panel.column.addWidget(self._buttons["use"])
-        files = QHBoxLayout()
-        for name in ("save", "load", "reset"):
-            files.addWidget(self._buttons[name])
+        files = QGridLayout()
+        for index, name in enumerate(("save", "load", "reset")):
+            files.addWidget(self._buttons[name], index // 2, index % 2)
         panel.column.addLayout(files)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
