@@ -70,7 +70,8 @@ class StatusLine(QWidget):
             rate = _("Live, {rate:.0f} pictures a second").format(rate=self._rate_hz)
             _say(self._sensor, rate, "")
         else:
-            _say(self._sensor, _(STATES.get(state.kind, STATES["opening"])), "")
+            told = STATES.get(state.kind, STATES["opening"])
+            _say(self._sensor, _(told), "")
         dropped = translate_plural("{n} frame dropped", "{n} frames dropped", n_dropped)
         _say(self._dropped, dropped.format(n=n_dropped), "warning" if n_dropped else "")
 

@@ -57,7 +57,7 @@ class LearnerScreen(Screen):
         left.addWidget(self._advice)
         left.addWidget(self._picture, 1)
         row = QHBoxLayout()
-        for name in ("freeze", "sensor", "open"):
+        for name in ("freeze", "sensor"):
             row.addWidget(self._buttons[name])
         row.addStretch()
         left.addLayout(row)
@@ -66,7 +66,7 @@ class LearnerScreen(Screen):
         panel.column.addWidget(self._count)
         panel.column.addWidget(self._buttons["use"])
         files = QGridLayout()
-        for index, name in enumerate(("save", "load", "reset")):
+        for index, name in enumerate(("save", "load", "open", "reset")):
             files.addWidget(self._buttons[name], index // 2, index % 2)
         panel.column.addLayout(files)
         layout = QHBoxLayout(self)
