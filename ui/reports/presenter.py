@@ -93,8 +93,8 @@ class ReportsPresenter:
         if session is not None and session.session_id != self._seen_session:
             self._chosen = (session.session_id,)
             self._seen_session = session.session_id
-        self._show_sessions()
         self._preview()
+        self._show_sessions()
 
     def leave(self) -> None:
         """Note that nobody looks."""

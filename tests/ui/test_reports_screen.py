@@ -1,0 +1,141 @@
+"""The report screen under mouse and keyboard, over a real store."""
+
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import (
+    QApplication,
+    QCheckBox,
+    QComboBox,
+    QFileDialog,
+    QLabel,
+    QListWidget,
+    QPushButton,
+    QTabBar,
+    QTextBrowser,
+)
+
+from adibas.texts import use_language
+from tests.ui.review_scene import saved_session
+from ui.reports.screen import build_reports_screen
+from ui.widgets.image_view import ImageView
+
+LEFT = Qt.MouseButton.LeftButton
+Key = Qt.Key
+
+
+@pytest.fixture
+def screen(store, workspace, theme, qtbot):  # noqa: ARG001  (it is there)
+    """The screen with two sessions, of which the first is looked at."""
+    patient, session, _captures = saved_session(store, ("anterior", "posterior"))
+    saved_session(store)
+    workspace.choose_patient(patient)
+    workspace.choose_session(session)
+    screen = build_reports_screen(workspace)
+    qtbot.addWidget(screen)
+    screen.resize(1140, 740)
+    screen.show()
+    screen.entered()
+    yield screen
+    screen.left()
+    screen.closed()
+    use_language("en")
+
+
+def button(screen, text):
+    (found,) = [
+        one for one in screen.findChildren(QPushButton) if one.text().replace("&", "") == text
+    ]
+    return found
+
+
+def accept(folder):
+    """Choose a folder in the dialog that is open."""
+    (dialog,) = [one for one in QApplication.topLevelWidgets() if isinstance(one, QFileDialog)]
+    dialog.fileSelected.emit(str(folder))
+    dialog.reject()
+
+
+def test_a_page_a_view_is_previewed(screen):
+    pages, picture = screen.findChild(QTabBar), screen.findChild(ImageView)
+    assert [pages.tabText(index) for index in range(pages.count())] == ["anterior", "posterior"]
+    assert picture.placement.picture[0] > 100
+    facts = screen.findChild(QTextBrowser)
+    first = facts.toPlainText()
+    pages.setFocus()
+    QTest.keyClick(pages, Key.Key_Right)
+    assert pages.currentIndex() == 1
+    assert facts.toPlainText() != first
+
+
+def test_sessions_are_ticked_with_the_space_bar(screen, workspace):
+    sessions = screen.findChild(QListWidget)
+    ticks = [sessions.item(row).checkState() for row in range(sessions.count())]
+    assert sorted(ticks, key=str) == [Qt.CheckState.Checked, Qt.CheckState.Unchecked]
+    sessions.setFocus()
+    sessions.setCurrentRow(ticks.index(Qt.CheckState.Unchecked))
+    QTest.keyClick(sessions, Key.Key_Space)
+    assert len(screen._presenter._chosen) == 2
+    assert workspace.session.session_id in screen._presenter._chosen
+
+
+def test_language_and_pictures_are_chosen_with_the_keyboard(screen):
+    language, pictures = screen.findChildren(QComboBox)
+    QTest.keyClick(language, Key.Key_Down)
+    assert screen._presenter._wish.language == "es"
+    assert "Paciente" in screen.findChild(QTextBrowser).toPlainText()
+    QTest.keyClick(pictures, Key.Key_End)
+    assert screen._presenter._wish.pictures.name == "DEPTH"
+
+
+def test_what_is_ticked_is_written_and_its_folder_opened(screen, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr(QDesktopServices, "openUrl", opened.append)
+    show_folder = button(screen, "Open the folder")
+    assert show_folder.isHidden()
+    for box in screen.findChildren(QCheckBox):
+        if "CSV" in box.text():
+            QTest.mouseClick(box, LEFT, pos=QPoint(8, box.height() // 2))
+    QTest.mouseClick(button(screen, "Write the report..."), LEFT)
+    accept(tmp_path / "out")
+    assert sorted(path.suffix for path in (tmp_path / "out").iterdir()) == [".csv", ".xlsx"]
+    QTest.mouseClick(show_folder, LEFT)
+    assert [Path(url.toLocalFile()) for url in opened] == [tmp_path / "out"]
+
+
+def test_the_dialog_begins_where_reports_were_written_last(screen, workspace, tmp_path):
+    workspace.preferences.change(report_folder=str(tmp_path))
+    QTest.mouseClick(button(screen, "Write the report..."), LEFT)
+    (dialog,) = [one for one in QApplication.topLevelWidgets() if isinstance(one, QFileDialog)]
+    assert Path(dialog.directory().absolutePath()) == tmp_path
+    dialog.reject()
+
+
+def test_without_a_choice_there_is_no_preview(screen):
+    sessions = screen.findChild(QListWidget)
+    for row in range(sessions.count()):
+        sessions.item(row).setCheckState(Qt.CheckState.Unchecked)
+    assert screen.findChild(QTabBar).count() == 0
+    assert "Choose a session" in screen.findChild(QTextBrowser).toPlainText()
+
+
+def test_every_text_changes_with_the_language(screen):
+    def texts():
+        kinds = (QPushButton, QCheckBox, QLabel)
+        return {one.text().replace("&", "") for kind in kinds for one in screen.findChildren(kind)}
+
+    english = texts()
+    use_language("ca")
+    screen.retranslate()
+    assert texts().isdisjoint(english - {""})
+
+
+def test_every_control_can_be_named_aloud(screen):
+    named = {label.buddy() for label in screen.findChildren(QLabel)}
+    for kind in (QListWidget, QComboBox):
+        assert set(screen.findChildren(kind)) <= named
+    for kind in (ImageView, QTextBrowser, QTabBar):
+        assert all(one.accessibleName() for one in screen.findChildren(kind))
