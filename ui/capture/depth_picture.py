@@ -20,19 +20,31 @@ def _palette() -> UInt8Array:
 
 
 _PALETTE = _palette()
+PACKED_PALETTE = tuple(
+    0xFF000000 | red << 16 | green << 8 | blue for red, green, blue in _PALETTE[:, 0].tolist()
+)
+"""Of `depth_levels`, as Qt packs colours."""
 
 
 def depth_picture(depth_m: Float32Array) -> UInt8Array:
-    """Return an (H, W, 3) RGB picture of an (H, W) depth image; the palette is viridis.
+    """Return an (H, W, 3) RGB picture of an (H, W) depth image; the palette is viridis."""
+    levels = depth_levels(depth_m)
+    picture: UInt8Array = cv2.applyColorMap(levels, _PALETTE).astype(np.uint8, copy=False)
+    return picture
 
-    Two passes over the picture, because it is drawn thirty times a second: from depth to levels,
-    1 (far) to 255 (near), where NaN saturates to 0; and from levels to colours.
+
+def depth_levels(depth_m: Float32Array) -> UInt8Array:
+    """Return (H, W) levels, 1 (far) to 255 (near), of an (H, W) depth image; NaN saturates to 0.
+
+    One pass of OpenCV over the picture, because it is drawn thirty times a second.
     """
     slope = -254.0 / (FARTHEST_M - NEAREST_M)
     near_m = np.minimum(depth_m, np.float32(FARTHEST_M))  # what is farther has the farthest's
-    levels = cv2.addWeighted(near_m, slope, near_m, 0.0, 1.0 - slope * FARTHEST_M, dtype=cv2.CV_8U)
-    picture: UInt8Array = cv2.applyColorMap(levels, _PALETTE).astype(np.uint8, copy=False)
-    return picture
+    offset = 1.0 - slope * FARTHEST_M
+    levels: UInt8Array = cv2.addWeighted(
+        near_m, slope, near_m, 0.0, offset, dtype=cv2.CV_8U
+    ).astype(np.uint8, copy=False)
+    return levels
 
 
 def blended(color_rgb: UInt8Array, depth_in_color_m: Float32Array) -> UInt8Array:

@@ -17,7 +17,7 @@ from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.texts import translate as _
-from ui.capture.depth_picture import blended, depth_picture
+from ui.capture.depth_picture import PACKED_PALETTE, blended, depth_levels
 from ui.capture.live_overlays import overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
@@ -188,7 +188,7 @@ class CaptureScreen(Screen):
             self._color.set_picture(picture)
             self._color.set_overlays(overlays_of(frame, self._display.shows))
         if self._depth.isVisible() and frame.depth_m is not None:
-            self._depth.set_picture(depth_picture(frame.depth_m))
+            self._depth.set_levels(depth_levels(frame.depth_m), PACKED_PALETTE)
 
     def _show_hints(self) -> None:
         hints = self._frame.hints if self._frame is not None else ()

@@ -66,6 +66,7 @@ class ImageView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._picture: UInt8Array | None = None
+        self._palette: tuple[int, ...] = ()
         self._image, self._fitted = QImage(), QImage()
         self._placement = ImagePlacement((1, 1), (1, 1))
         self._overlays: tuple[Overlay, ...] = ()
@@ -89,13 +90,17 @@ class ImageView(QWidget):
         if picture_rgb is None:
             self._picture, self._image, self._fitted = None, QImage(), QImage()
             self.update()
-            return
-        self._fitted = QImage()
-        self._picture = np.ascontiguousarray(picture_rgb)  # the image only borrows the pixels
+        else:
+            self._show(picture_rgb, ())
+
+    def set_levels(self, levels: UInt8Array, palette: tuple[int, ...]) -> None:
+        """Show an (H, W) picture of 256 colours, each as Qt packs them: it is drawn for less."""
+        self._show(levels, palette)
+
+    def _show(self, picture: UInt8Array, palette: tuple[int, ...]) -> None:
+        self._picture, self._palette = np.ascontiguousarray(picture), palette
+        self._image, self._fitted = self._as_image(self._picture), QImage()
         height, width = self._picture.shape[:2]
-        self._image = QImage(
-            self._picture.data, width, height, 3 * width, QImage.Format.Format_RGB888
-        )
         if self._placement.picture != (width, height):
             self._placement = replace(self._placement, picture=(width, height)).fitted()
             self._cross = None
@@ -187,12 +192,23 @@ class ImageView(QWidget):
         is_upright = place.rotation_deg in (0, 180)
         shown = (width, height) if is_upright else (height, width)
         if self._picture is not None and self._fitted.size() != QSize(*shown):
-            small = cv2.resize(self._picture, (width, height), interpolation=cv2.INTER_LINEAR)
+            way = cv2.INTER_NEAREST if self._palette else cv2.INTER_LINEAR
+            small = cv2.resize(self._picture, (width, height), interpolation=way).astype(
+                np.uint8, copy=False
+            )
             turned = np.ascontiguousarray(np.rot90(small, -place.rotation_deg // 90))
-            image = QImage(turned.data, *shown, 3 * shown[0], QImage.Format.Format_RGB888)
-            self._fitted = image.convertToFormat(QImage.Format.Format_RGB32)
+            self._fitted = self._as_image(turned).convertToFormat(QImage.Format.Format_RGB32)
             self._fitted.setDevicePixelRatio(ratio)
         return self._fitted
+
+    def _as_image(self, picture: UInt8Array) -> QImage:
+        """Return an image that borrows the pixels of `picture`: who holds it holds both."""
+        height, width = picture.shape[:2]
+        if not self._palette:
+            return QImage(picture.data, width, height, 3 * width, QImage.Format.Format_RGB888)
+        image = QImage(picture.data, width, height, width, QImage.Format.Format_Indexed8)
+        image.setColorTable(self._palette)
+        return image
 
     def _paint_cross(self, painter: QPainter) -> None:
         if self._cross is None or not self.hasFocus():
