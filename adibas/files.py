@@ -12,7 +12,7 @@ from adibas.errors import FileError
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """No space on the disk, in the user's share of it, or in one file."""
-_UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.\w+)?")
+_UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 import argparse
 import gettext
 import importlib
+import io
 import os
 import signal
 import sys
@@ -38,6 +39,7 @@ class CommandModule(Protocol):
 def main(argv: Sequence[str]) -> int:
     """Run one command and return the exit code: 0 done, 1 the world failed, 2 wrong usage."""
     signal.signal(signal.SIGTERM, _interrupt)
+    _print_any_text()
     console = Console(is_json=False)
     _translate_argparse()
     try:
@@ -87,6 +89,12 @@ def _translate_argparse() -> None:
     os.environ.setdefault("LANGUAGE", system_language())  # Windows has no such variable
     gettext.bindtextdomain(DOMAIN, resource_path("translations"))
     gettext.textdomain(DOMAIN)
+
+
+def _print_any_text() -> None:
+    """Let stdout escape what its encoding lacks, as stderr does."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _forget_stdout() -> None:

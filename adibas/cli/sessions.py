@@ -203,11 +203,17 @@ def _purge(store: "SessionStore", arguments: argparse.Namespace, console: Consol
 def _line(row: "PatientRow", *, with_name: bool) -> str:
     parts = [
         row.pseudonym,
-        *([row.identity.name] if with_name else []),
+        *([_on_one_line(row.identity.name)] if with_name else []),
         translate_plural("{n} session", "{n} sessions", row.n_sessions).format(n=row.n_sessions),
         *([_("hidden")] if row.is_deleted else []),
     ]
     return "  ".join(parts)
+
+
+def _on_one_line(text: str) -> str:
+    """Return what somebody typed without line ends and what else would steer the terminal."""
+    letters = (one if one.isprintable() else "\N{WHITE SQUARE}" for one in " ".join(text.split()))
+    return "".join(letters)
 
 
 def _session_line(session: "Session") -> str:
@@ -216,7 +222,7 @@ def _session_line(session: "Session") -> str:
         session.session_id,
         f"{session.started_utc:%Y-%m-%d %H:%M} UTC",
         translate_plural("{n} capture", "{n} captures", n_captures).format(n=n_captures),
-        *([session.operator] if session.operator else []),
+        *([_on_one_line(session.operator)] if session.operator else []),
         *([_("hidden")] if session.is_deleted else []),
     ]
     return "  ".join(parts)

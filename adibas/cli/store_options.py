@@ -8,12 +8,18 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.options import add_json
 from adibas.errors import FileError, StoreError
+from adibas.texts import message
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.sessions import SessionStore
 
 PASSPHRASE_VARIABLE = "ADIBAS_PASSPHRASE"  # noqa: S105  (its name, not its content)
+LONGEST_PASSPHRASE = 4096
+"""What is longer is no passphrase but some other file, perhaps one without an end."""
+
+NO_TEXT = message("it is no text")
+TOO_LONG = message("its first line is too long")
 
 
 def add_store(parser: argparse.ArgumentParser) -> None:
@@ -65,19 +71,26 @@ def _passphrase(path: Path | None) -> str | None:
     if path is None:
         return None
     try:
-        with path.open(encoding="utf-8") as file:
-            return file.readline().rstrip("\r\n")
+        with path.open(encoding="utf-8-sig") as file:  # Windows' editor begins texts with a mark
+            line = file.readline(LONGEST_PASSPHRASE + 1).rstrip("\r\n")
     except (OSError, UnicodeDecodeError) as error:
-        raise FileError(
-            "{file} cannot be read: {reason}. Choose a text file whose first line is the "
-            "passphrase.",
-            file=path.name,
-            reason=getattr(error, "strerror", None) or "it is no text",
-        ) from error
+        raise _no_passphrase(path, getattr(error, "strerror", None) or NO_TEXT) from error
+    if len(line) > LONGEST_PASSPHRASE:
+        raise _no_passphrase(path, TOO_LONG)
+    return line
+
+
+def _no_passphrase(path: Path, reason: str) -> FileError:
+    return FileError(
+        "{file} cannot be read: {reason}. Choose a text file whose first line is the passphrase.",
+        file=path.name,
+        reason=reason,
+    )
 
 
 def _user() -> str:
     try:
-        return getpass.getuser()
+        name = getpass.getuser()
     except (ImportError, KeyError, OSError):  # an account without a name
         return ""
+    return name.encode("utf-8", "replace").decode()

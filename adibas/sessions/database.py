@@ -1,5 +1,6 @@
 """The encrypted database: one connection, one transaction at a time, sentences for failures."""
 
+import shutil
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +16,8 @@ from adibas.errors import StoreError
 
 DATABASE_FILE = "adibas.db"
 SECONDS_TO_WAIT = 10.0
+LEAST_FREE_BYTES = 1 << 20
+"""For the journal and its index; where less is free the database may only say that it failed."""
 
 PRAGMAS = (
     "PRAGMA cipher_log_level = NONE",
@@ -137,7 +140,9 @@ class Database:
             except IntegrityError:
                 raise  # a bug, or an attempt to rewrite the audit log
             except DatabaseError as error:
-                raise _explained(error) from error
+                raise _explained(error, self.path.parent) from error
+            except UnicodeEncodeError:
+                raise _no_text() from None  # the error holds the text, which may be a name
             finally:
                 self._is_inside = False
 
@@ -171,10 +176,29 @@ def _check_readable(connection: Connection) -> None:
     connection.exec_driver_sql("SELECT count(*) FROM sqlite_master").scalar_one()
 
 
-def _explained(error: DatabaseError) -> StoreError:
+def _cannot_open(reason: str) -> bool:
+    """Say whether the files beside the database cannot be made, for whatever reason."""
+    return "i/o error" in reason or "unable to open" in reason
+
+
+def _is_full(folder: Path) -> bool:
+    try:
+        return shutil.disk_usage(folder).free < LEAST_FREE_BYTES
+    except OSError:
+        return False
+
+
+def _no_text() -> StoreError:
+    return StoreError(
+        "A text holds half a character, which nothing can keep, and nothing of this was saved. "
+        "Type the text again."
+    )
+
+
+def _explained(error: DatabaseError, folder: Path) -> StoreError:
     """Say in words what the database says; its own words may hold what was being written."""
     reason = str(error.orig).lower()
-    if "full" in reason:
+    if "full" in reason or (_cannot_open(reason) and _is_full(folder)):
         return StoreError(
             "The disk is full, and nothing of this was saved. Free some space and try again."
         )

@@ -9,6 +9,7 @@ from typing import Literal
 
 from adibas.errors import StoreError
 from adibas.files import written_whole
+from adibas.sessions.lock import cannot_use
 
 KEY_FILE = "key.json"
 FORMAT = "adibas-key"
@@ -51,14 +52,16 @@ def read_key_file(folder: Path) -> KeyFile | None:
     Raises
     ------
     StoreError
-        It cannot be read, is damaged, or of a later version.
+        The folder cannot be used, or the file is damaged or of a later version.
     """
     try:
         text = (folder / KEY_FILE).read_text(encoding="utf-8")
     except FileNotFoundError:
         return None
-    except (OSError, UnicodeDecodeError) as error:
-        raise damaged(str(getattr(error, "strerror", None) or "it is no text")) from error
+    except OSError as error:
+        raise cannot_use(folder, error) from error
+    except UnicodeDecodeError as error:
+        raise damaged("it is no text") from error
     try:
         return _from_document(json.loads(text))
     except (ValueError, RecursionError) as error:

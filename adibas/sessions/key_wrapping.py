@@ -100,7 +100,8 @@ def unwrap_key(document: Mapping[str, object], passphrase: str, bound_to: str) -
 
 def _derive(passphrase: str, salt: bytes, params: Argon2Params) -> bytes:
     # Keyboards of different systems compose accents differently.
-    secret = unicodedata.normalize("NFC", passphrase).encode()
+    # Bytes of the environment that are no text stand in it as lone surrogates.
+    secret = unicodedata.normalize("NFC", passphrase).encode("utf-8", "surrogatepass")
     derivation = Argon2id(
         salt=salt,
         length=KEY_BYTES,

@@ -1,6 +1,7 @@
 """The command line: exit codes, where output goes, and how words are read."""
 
 import argparse
+import io
 import json
 import sys
 from types import SimpleNamespace
@@ -55,6 +56,13 @@ def test_ctrl_c_ends_with_exit_code_1_and_a_sentence(run_as, capsys):
 
     assert run_as(interrupted) == 1
     assert "Stopped" in capsys.readouterr().err
+
+
+def test_a_stdout_that_lacks_a_letter_shows_its_number(run_as, monkeypatch):
+    written = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, encoding="ascii"))
+    assert run_as(lambda _arguments, console: console.say("sesión") or 0) == 0
+    assert written.getvalue().strip() == rb"sesi\xf3n"
 
 
 def test_a_bug_is_not_hidden(run_as):

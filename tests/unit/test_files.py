@@ -27,11 +27,12 @@ def test_content_and_name_are_on_the_disk_before_anybody_relies_on_them(tmp_path
 
 
 def test_what_a_crash_left_half_written_is_removed_and_nothing_else(tmp_path):
-    for name in (".bashrc", "a.json", f".{'0a' * 16}", f"{'0a' * 16}.json"):
-        (tmp_path / name).write_text("")
-    kept = set(tmp_path.iterdir())
-    assert remove_unfinished(tmp_path) == 1
-    assert set(tmp_path.iterdir()) == kept - {tmp_path / f".{'0a' * 16}"}
+    kept = {tmp_path / name for name in (".bashrc", "a.json", f"{'0a' * 16}.json")}
+    endings = ("", ".json", ".before-0002-from-0001")
+    for path in (*kept, *(tmp_path / f".{'0a' * 16}{ending}" for ending in endings)):
+        path.write_text("")
+    assert remove_unfinished(tmp_path) == len(endings)
+    assert set(tmp_path.iterdir()) == kept
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path):

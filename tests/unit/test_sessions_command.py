@@ -5,6 +5,7 @@ import json
 import pytest
 
 from adibas.cli import main
+from adibas.data.patients import Identity
 from adibas.recordings import open_recording
 from adibas.sessions import default_store_folder
 from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames
@@ -202,3 +203,44 @@ def test_a_session_that_is_not_there_is_one_sentence(run, session, tmp_path, act
     code, _, err = run(action, "ab12", *out)
     assert code == 1
     assert "no session ab12" in err
+
+
+def test_a_passphrase_file_may_begin_with_the_mark_of_windows(run, session, tmp_path):
+    file = tmp_path / "passphrase.txt"
+    file.write_text(f"{PASSPHRASE}\r\n", encoding="utf-8-sig")
+    code, out, _ = run("list", "--passphrase-file", str(file))
+    assert (code, session.patient in out) == (0, True)
+
+
+def test_a_passphrase_file_without_line_ends_is_one_sentence(run, session, tmp_path):
+    assert session.session_id
+    file = tmp_path / "film"
+    file.write_bytes(bytes(100_000))
+    code, _, err = run("list", "--passphrase-file", str(file))
+    assert (code, "first line is too long" in err) == (1, True)
+
+
+def test_a_passphrase_that_is_no_text_is_wrong_and_damages_nothing(run, session, monkeypatch):
+    assert session.session_id
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", "\udcff\udcfe long enough")
+    code, _, err = run("list")
+    assert (code, "passphrase is wrong" in err) == (1, True)
+
+
+def test_an_id_that_is_no_text_is_one_sentence(run, session):
+    assert session.session_id
+    code, _, err = run("show", "\udcff")
+    assert (code, "half a character" in err, "udcff" in err) == (1, True, False)
+
+
+def test_a_name_cannot_steer_the_terminal(run, folder):
+    with open_sample(folder) as store:
+        store.patients.add(Identity("Ana\n\x1b[2JEva"))
+    _, out, _ = run("list", "--names")
+    assert "Ana \N{WHITE SQUARE}[2JEva" in out
+    assert len(out.splitlines()) == 1
+
+
+def test_a_user_whose_name_is_no_text_opens_the_store(run, session, monkeypatch):
+    monkeypatch.setattr("getpass.getuser", lambda: "dr\udcff")
+    assert session.patient in run("list")[1]

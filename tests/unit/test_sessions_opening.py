@@ -13,7 +13,7 @@ from alembic.script import ScriptDirectory
 
 from adibas.data.sessions import SessionSetup
 from adibas.errors import PassphraseError, StoreError
-from adibas.sessions import default_store_folder, migrating, open_store
+from adibas.sessions import default_store_folder, key_state, migrating, open_store
 from adibas.sessions.database import Database
 from adibas.sessions.keys import load_key
 from adibas.sessions.schema import Record
@@ -297,3 +297,21 @@ def test_what_is_written_is_on_the_disk_before_the_call_returns(folder):
 
 def test_the_store_of_a_user_is_in_the_users_own_folder():
     assert Path.home() in default_store_folder().parents
+
+
+def test_a_store_that_is_a_file_is_one_sentence_and_nothing_is_called_damaged(tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    for place in (tmp_path / "file", tmp_path / "file" / "store"):
+        with pytest.raises(StoreError, match="cannot be used: Not a directory"):
+            key_state(place)
+
+
+def test_a_journal_that_finds_no_room_is_a_full_disk(folder, pseudonym, monkeypatch):
+    assert pseudonym
+    (folder / "adibas.db-wal").mkdir()
+    with pytest.raises(StoreError, match="cannot be used"):
+        open_store(folder, PASSPHRASE)
+    usage = shutil.disk_usage(folder)._replace(free=0)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _folder: usage)
+    with pytest.raises(StoreError, match="disk is full"):
+        open_store(folder, PASSPHRASE)
