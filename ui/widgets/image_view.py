@@ -24,7 +24,7 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 from adibas.arrays import UInt8Array
 from ui.theme import DRAWN
 from ui.widgets.image_geometry import ImagePlacement
-from ui.widgets.overlay_painter import GRAB_PX, paint_overlay
+from ui.widgets.overlay_painter import GRAB_PX, paint_overlays
 from ui.widgets.overlays import Dot, Overlay
 
 WHEEL_STEP = 1.2
@@ -157,8 +157,7 @@ class ImageView(QWidget):
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self._placeholder)
         else:
             self._paint_picture(painter)
-            for overlay in self._overlays:
-                paint_overlay(painter, self._placement, overlay)
+            paint_overlays(painter, self._placement, self._overlays)
             self._paint_cross(painter)
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))

@@ -18,6 +18,7 @@ from PySide6.QtGui import (
 
 from ui.theme import DRAWN
 from ui.widgets.image_geometry import ImagePlacement
+from ui.widgets.label_places import Named, place_labels
 from ui.widgets.overlays import Curve, Dot, Line, Overlay, Region, Role, Text
 
 GRAB_PX = 9.0
@@ -29,27 +30,29 @@ BORDER_WIDGET_PX = 1.5
 N_REGIONS_KEPT, N_TEXTS_KEPT = 4, 256
 
 
-def paint_overlay(painter: QPainter, placement: ImagePlacement, overlay: Overlay) -> None:
-    """Paint one overlay onto a picture placed so."""
+def paint_overlays(
+    painter: QPainter, placement: ImagePlacement, overlays: tuple[Overlay, ...]
+) -> None:
+    """Paint overlays onto a picture placed so, and their names above them all."""
     painter.save()
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    if isinstance(overlay, Dot):
-        _paint_dot(painter, placement, overlay)
-    elif isinstance(overlay, Line):
-        _paint_line(painter, placement, overlay)
-    elif isinstance(overlay, Curve):
-        _paint_curve(painter, placement, overlay)
-    elif isinstance(overlay, Text):
-        x, y = placement.to_widget(overlay.u, overlay.v)
-        _paint_text(painter, QPointF(x, y), overlay.text, overlay.role)
-    else:
-        _paint_region(painter, placement, overlay)
+    for overlay in overlays:
+        if isinstance(overlay, Dot):
+            _paint_dot(painter, placement, overlay)
+        elif isinstance(overlay, Line):
+            _paint_line(painter, placement, overlay)
+        elif isinstance(overlay, Curve):
+            _paint_curve(painter, placement, overlay)
+        elif isinstance(overlay, Region):
+            painter.save()
+            _paint_region(painter, placement, overlay)
+            painter.restore()
+    _paint_names(painter, placement, overlays)
     painter.restore()
 
 
 def _paint_dot(painter: QPainter, placement: ImagePlacement, dot: Dot) -> None:
-    center = QPointF(*placement.to_widget(dot.u, dot.v))
-    radius = max(dot.radius_px * placement.scale + 2.0, LEAST_RADIUS_PX)
+    center, radius = QPointF(*placement.to_widget(dot.u, dot.v)), _radius(placement, dot)
     for pen in _pens(dot.role):
         painter.setPen(pen)
         painter.drawEllipse(center, radius, radius)
@@ -57,8 +60,10 @@ def _paint_dot(painter: QPainter, placement: ImagePlacement, dot: Dot) -> None:
         arm = radius * 0.7
         painter.drawLine(center + QPointF(-arm, -arm), center + QPointF(arm, arm))
         painter.drawLine(center + QPointF(-arm, arm), center + QPointF(arm, -arm))
-    if dot.label:
-        _paint_text(painter, center + QPointF(radius + 3, -radius), dot.label, dot.role)
+
+
+def _radius(placement: ImagePlacement, dot: Dot) -> float:
+    return max(dot.radius_px * placement.scale + 2.0, LEAST_RADIUS_PX)
 
 
 def _paint_line(painter: QPainter, placement: ImagePlacement, line: Line) -> None:
@@ -69,8 +74,6 @@ def _paint_line(painter: QPainter, placement: ImagePlacement, line: Line) -> Non
             pen.setStyle(Qt.PenStyle.DashLine)
         painter.setPen(pen)
         painter.drawLine(start, end)
-    if line.text:
-        _paint_text(painter, (start + end) / 2 + QPointF(4, -4), line.text, line.role)
 
 
 def _paint_curve(painter: QPainter, placement: ImagePlacement, curve: Curve) -> None:
@@ -78,8 +81,35 @@ def _paint_curve(painter: QPainter, placement: ImagePlacement, curve: Curve) -> 
     for pen in _pens(curve.role):
         painter.setPen(pen)
         painter.drawPolyline(QPolygonF(points))
-    if curve.text:
-        _paint_text(painter, points[len(points) // 2] + QPointF(6, -4), curve.text, curve.role)
+
+
+def _paint_names(
+    painter: QPainter, placement: ImagePlacement, overlays: tuple[Overlay, ...]
+) -> None:
+    """Paint all texts beside what they name: names of markers first, then values."""
+    metrics = painter.fontMetrics()
+    dots = [one for one in overlays if isinstance(one, Dot) and one.label]
+    others = [one for one in overlays if not isinstance(one, Dot | Region) and one.text]
+    named = [(dot.label, dot.role, dot.u, dot.v, _radius(placement, dot)) for dot in dots]
+    named += [(one.text, one.role, *_anchor(one), 0.0) for one in others]
+    things = [
+        Named(*placement.to_widget(u, v), radius, metrics.horizontalAdvance(text), metrics.ascent())
+        for text, _role, u, v, radius in named
+    ]
+    boxes = place_labels(things, placement.widget)
+    for (text, role, _u, _v, _radius_px), (left, _top, _right, bottom) in zip(
+        named, boxes, strict=True
+    ):
+        _paint_text(painter, QPointF(left, bottom), text, role)
+
+
+def _anchor(overlay: Line | Curve | Text) -> tuple[float, float]:
+    """Return the pixel beside which the text of an overlay stands."""
+    if isinstance(overlay, Line):
+        return (overlay.u1 + overlay.u2) / 2, (overlay.v1 + overlay.v2) / 2
+    if isinstance(overlay, Curve):
+        return overlay.points[len(overlay.points) // 2]
+    return overlay.u, overlay.v
 
 
 def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:
