@@ -1,8 +1,9 @@
 """Draws every screen of the window in every language, theme and size: ``make screenshots``.
 
 A demo session is taken first, through the same calls as in the window; then one window speaks
-each language in turn, so that what is not translated at once would be seen. Pictures go to
-``build/screenshots``; with ``--docs`` one set in English goes to ``docs/screenshots``.
+each language in turn, so that what is not translated at once would be seen. One more set has
+letters of twice the size. Pictures go to ``build/screenshots``; with ``--docs`` one set in English
+goes to ``docs/screenshots``.
 """
 
 import argparse
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -37,6 +39,7 @@ PASSPHRASE = "four words are enough"  # noqa: S105  (of a store that is thrown a
 CHEAP = Argon2Params(iterations=1, lanes=1, memory_kib=8)
 SIZES = ((1280, 800), (1920, 1080))
 THEMES = ("light", "dark")
+LARGEST_LETTERS = 2.0
 N_FRAMES = 10
 PATIENCE_S = 120.0
 
@@ -45,7 +48,9 @@ def main() -> int:
     """Draw all screens; return 0."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--docs", action="store_true", help="one set in English, for the manual")
-    is_for_docs = parser.parse_args().docs
+    parser.add_argument("--only", default="", help="sets whose name holds this, as in es_light")
+    options = parser.parse_args()
+    is_for_docs = options.docs
     folder = PROJECT / ("docs/screenshots" if is_for_docs else "build/screenshots")
     app = QApplication([sys.argv[0]])
     with tempfile.TemporaryDirectory() as name:
@@ -57,10 +62,12 @@ def main() -> int:
         studio = _Studio(app, application)
         studio.unlock(folder, "en_light" if not is_for_docs else "")
         studio.prepare(session_id)
-        for language, theme, size, suffix in _wanted(is_for_docs):
-            preferences.change(language=language, theme=theme)
-            application.window.resize(*size)
-            for path in studio.draw(folder, suffix):
+        for look in _DOCS if is_for_docs else _looks():
+            if options.only not in look.suffix:
+                continue
+            preferences.change(language=look.language, theme=look.theme, font_scale=look.font_scale)
+            application.window.resize(*look.size)
+            for path in studio.draw(folder, look.suffix):
                 sys.stdout.write(f"{path}\n")
         application.window.close()
         application.close()
@@ -68,15 +75,27 @@ def main() -> int:
     return 0
 
 
-def _wanted(is_for_docs: bool) -> Iterator[tuple[str, str, tuple[int, int], str]]:
-    """Give language, theme, size and the end of the file's name."""
-    if is_for_docs:
-        yield "en", "light", SIZES[0], ""
-        return
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """What the window looks like in one set, and the end of its files' names."""
+
+    language: str
+    theme: str
+    size: tuple[int, int]
+    suffix: str
+    font_scale: float = 1.0
+
+
+_DOCS = (_Look("en", "light", SIZES[0], ""),)
+
+
+def _looks() -> Iterator[_Look]:
     for language in LANGUAGES:
         for theme in THEMES:
             for width, height in SIZES:
-                yield language, theme, (width, height), f"_{language}_{theme}_{width}x{height}"
+                suffix = f"_{language}_{theme}_{width}x{height}"
+                yield _Look(language, theme, (width, height), suffix)
+    yield _Look("es", "light", SIZES[0], "_es_light_large-letters", LARGEST_LETTERS)
 
 
 def _make_store(folder: Path) -> str:
@@ -141,10 +160,11 @@ class _Studio:
                 self._settle()
                 yield self._save(folder / f"{name}-{index + 1}{suffix}.png")
             tabs.setCurrentIndex(0)
-        self._window.show_screen("patients")
-        self._window.show_help()
-        self._settle()
-        yield self._save(folder / f"help{suffix}.png")
+        for name in ("patients", "capture", "review"):
+            self._window.show_screen(name)
+            self._window.show_help()
+            self._settle()
+            yield self._save(folder / f"help-{name}{suffix}.png")
         self._window.findChild(HelpDock).hide()
 
     def _save(self, path: Path) -> Path:
