@@ -122,11 +122,13 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
         refuse_to_replace(path, is_allowed=arguments.overwrite)
     for facts, path in zip(recordings, paths, strict=True):
         with console.progress(path.name) as progress:
-            store.recordings.export(facts.recording_id, path, progress)
+            summary = store.recordings.export(facts.recording_id, path, progress)
+        if summary.notice:
+            console.warn(summary.notice)
         text = translate_plural(
-            "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", facts.n_frames
+            "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", summary.n_frames
         )
-        console.say(text.format(file=path, n_frames=facts.n_frames))
+        console.say(text.format(file=path, n_frames=summary.n_frames))
     if session.capture_ids:
         wish = ReportWish(arguments.language, PictureChoice(arguments.pictures))
         for path in _export_reports(store, session, folder, wish):

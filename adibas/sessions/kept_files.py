@@ -86,14 +86,27 @@ class KeptFiles:
 
 
 def remove_leftovers(database: Database, folders: Sequence[SealedFolder]) -> None:
-    """Remove purged files from the disk."""
+    """Remove purged files from the disk.
+
+    Raises
+    ------
+    StoreError
+        One of them cannot be removed, or the disk is full. The others are gone; it stays noted.
+    """
     by_name = {folder.folder.name: folder for folder in folders}
     with database.reading() as transaction:
         left = list(transaction.scalars(select(LeftoverRecord)))
     if not left:
         return
+    gone, failure = [], None
     for leftover in left:
-        by_name[leftover.folder].delete(leftover.file_id)
-    ids = [leftover.file_id for leftover in left]
+        try:
+            by_name[leftover.folder].delete(leftover.file_id)
+        except StoreError as error:  # another program may have it open
+            failure = error
+        else:
+            gone.append(leftover.file_id)
     with database.changing() as transaction:
-        transaction.execute(delete(LeftoverRecord).where(LeftoverRecord.file_id.in_(ids)))
+        transaction.execute(delete(LeftoverRecord).where(LeftoverRecord.file_id.in_(gone)))
+    if failure is not None:
+        raise failure

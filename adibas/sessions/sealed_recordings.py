@@ -6,7 +6,7 @@ from pathlib import Path
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError, StoreError
 from adibas.files import FULL, flush_folder
-from adibas.recordings.convert import write_all
+from adibas.recordings.convert import ConversionSummary, write_all
 from adibas.recordings.mcap_reader import McapReader
 from adibas.recordings.mcap_writer import McapWriter
 from adibas.recordings.part_file import part_path_of
@@ -113,7 +113,7 @@ class SealedRecordings(SealedFolder):
         key: bytes,
         path: Path,
         progress: Callable[[int, int], None] | None = None,
-    ) -> None:
+    ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 
         Parameters
@@ -122,6 +122,11 @@ class SealedRecordings(SealedFolder):
             Its ending chooses the format, as `adibas convert` does.
         progress : callable, optional
             Called with (frames done, frames in all).
+
+        Returns
+        -------
+        summary : ConversionSummary
+            Of a file that was cut the frames that are whole are written; `notice` says so.
 
         Raises
         ------
@@ -132,7 +137,7 @@ class SealedRecordings(SealedFolder):
         """
         with self.open(recording_id, key) as reader:
             is_mcap = path.suffix.lower() == ".mcap"
-            write_all(reader, path, plain=is_mcap, progress=progress)
+            return write_all(reader, path, plain=is_mcap, progress=progress)
 
     def unfinished(self) -> set[str]:
         """Return the ids of recordings that are being made, or that a crash left so."""

@@ -1,5 +1,7 @@
 """The store of patients and sessions: opened once, used from any thread."""
 
+import logging
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -23,6 +25,8 @@ from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.sessions.stored_recordings import Recordings
 from adibas.sessions.verification import Progress, Verification, VerifyReport
 from adibas.sessions.visits import Sessions
+
+logger = logging.getLogger(__name__)
 
 PICTURES, RECORDINGS = "pictures", "recordings"
 STORE_AS_SUBJECT = "store"
@@ -69,8 +73,12 @@ class SessionStore:
             remove_unfinished(self.folder)
         except OSError as error:
             raise cannot_use(self.folder, error) from error
-        self._files.finish()
-        remove_leftovers(self._database, self._sealed)
+        for remove in (self._files.finish, partial(remove_leftovers, self._database, self._sealed)):
+            try:
+                remove()
+            except StoreError as error:
+                # What stays has no use and no reader; the next opening tries again.
+                logger.warning("a file that is not needed any more is not removed: %s", error)
         self.recordings.recover()
 
     def verify(self, progress: Progress | None = None) -> VerifyReport:

@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session as Transaction
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, StoreError
+from adibas.recordings.convert import ConversionSummary
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
@@ -203,10 +204,15 @@ class Recordings:
 
     def export(
         self, recording_id: str, path: Path, progress: Callable[[int, int], None] | None = None
-    ) -> None:
+    ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 
         The log gets its line before anything is written.
+
+        Returns
+        -------
+        summary : ConversionSummary
+            Of a file that was cut the frames that are whole are written; `notice` says so.
 
         Raises
         ------
@@ -221,7 +227,7 @@ class Recordings:
                 transaction, "export", recording_id, kind="recording", session=record.session_id
             )
             key = record.key
-        self.sealed.export(recording_id, key, path, progress)
+        return self.sealed.export(recording_id, key, path, progress)
 
     def register(self, writer: StoredRecordingWriter) -> None:
         """List a recording whose file is whole."""

@@ -244,3 +244,15 @@ def test_a_name_cannot_steer_the_terminal(run, folder):
 def test_a_user_whose_name_is_no_text_opens_the_store(run, session, monkeypatch):
     monkeypatch.setattr("getpass.getuser", lambda: "dr\udcff")
     assert session.patient in run("list")[1]
+
+
+def test_export_of_a_cut_recording_tells_what_is_missing(run, folder, session, tmp_path):
+    for path in (folder / "recordings").rglob("*.sealed"):
+        with path.open("r+b") as file:
+            file.truncate(path.stat().st_size * 2 // 3)
+    code, out, err = run("export", session.session_id, "--out", str(tmp_path / "out"))
+    assert code == 0
+    with open_recording(tmp_path / "out" / "recording-01.mcap") as reader:
+        assert 0 < len(reader) < 3
+        assert f"recording-01.mcap: {len(reader)} frame" in out
+    assert err.count("sealed is cut") == 2

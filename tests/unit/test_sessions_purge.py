@@ -151,3 +151,22 @@ def test_a_purge_that_was_cut_off_ends_at_the_next_opening(folder, monkeypatch):
         assert store.verify().is_sound
     with open_sample(folder):
         assert sealed_files(folder) == []
+
+
+def test_a_purged_file_that_cannot_be_removed_keeps_nobody_from_the_store(folder, caplog):
+    with open_sample(folder) as store:
+        session = filled(store)
+        stuck, *others = folder.rglob("*.sealed")
+        content = stuck.read_bytes()
+        stuck.unlink()
+        stuck.mkdir()  # what no program can remove as a file
+        with pytest.raises(StoreError, match="Is a directory"):
+            store.patients.purge(session.patient)
+        assert not any(path.exists() for path in others)
+    with open_sample(folder) as store:
+        assert "not removed" in caplog.text
+        assert store.patients.search("") == ()
+    stuck.rmdir()
+    stuck.write_bytes(content)
+    with open_sample(folder):
+        assert not stuck.exists()
