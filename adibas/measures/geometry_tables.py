@@ -12,15 +12,13 @@ from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.geometry.uncertainty import independent, uncertain_angles, uncertain_distances
 
 
-def all_distances(markers: Sequence[Marker], of: str | None = None) -> tuple[DistanceMeasure, ...]:
+def all_distances(markers: Sequence[Marker]) -> tuple[DistanceMeasure, ...]:
     """Measure the distance of every pair.
 
     Parameters
     ----------
     markers : sequence of Marker
         Those without a position are left out. Their errors are taken as independent.
-    of : str or None
-        Only the pairs of the marker with this label.
 
     Returns
     -------
@@ -29,7 +27,6 @@ def all_distances(markers: Sequence[Marker], of: str | None = None) -> tuple[Dis
     """
     placed, positions_m, covariances_m2 = _positions(markers)
     pairs = np.array(list(combinations(range(len(placed)), 2)), np.int64).reshape(-1, 2)
-    pairs = _with_label(pairs, placed, of)
     found = uncertain_distances(positions_m[pairs], _joint(covariances_m2, pairs))
     return tuple(
         DistanceMeasure(placed[a].label, placed[b].label, value_m, (low_m, high_m))
@@ -39,15 +36,13 @@ def all_distances(markers: Sequence[Marker], of: str | None = None) -> tuple[Dis
     )
 
 
-def all_angles(markers: Sequence[Marker], of: str | None = None) -> tuple[AngleMeasure, ...]:
+def all_angles(markers: Sequence[Marker]) -> tuple[AngleMeasure, ...]:
     """Measure the angle at each of the three vertices of every triplet.
 
     Parameters
     ----------
     markers : sequence of Marker
         Those without a position are left out. Their errors are taken as independent.
-    of : str or None
-        Only the triplets of the marker with this label.
 
     Returns
     -------
@@ -64,7 +59,6 @@ def all_angles(markers: Sequence[Marker], of: str | None = None) -> tuple[AngleM
         ],
         np.int64,
     ).reshape(-1, 3)
-    triplets = _with_label(triplets, placed, of)
     found = uncertain_angles(positions_m[triplets], _joint(covariances_m2, triplets))
     return tuple(
         AngleMeasure(
@@ -79,14 +73,6 @@ def all_angles(markers: Sequence[Marker], of: str | None = None) -> tuple[AngleM
         )
         if not math.isnan(value)
     )
-
-
-def _with_label(groups: IntArray, placed: Sequence[Marker], label: str | None) -> IntArray:
-    """Return the groups of marker numbers that hold the marker with a label; all for None."""
-    if label is None:
-        return groups
-    wanted = [number for number, marker in enumerate(placed) if marker.label == label]
-    return groups[np.isin(groups, wanted).any(axis=1)]
 
 
 def _positions(markers: Sequence[Marker]) -> tuple[list[Marker], FloatArray, FloatArray]:

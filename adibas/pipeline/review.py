@@ -127,32 +127,6 @@ def measures_of(markers: tuple[Marker, ...]) -> Measures:
     return Measures(all_distances(markers), all_angles(markers))
 
 
-def remeasured(before: Measures, markers: tuple[Marker, ...], moved: str) -> Measures:
-    """Return what `measures_of` returns, fast where only one marker moved: while it is dragged.
-
-    Parameters
-    ----------
-    before : Measures
-        Of all markers, before the move.
-    markers : tuple of Marker
-        After it.
-    moved : str
-        Label of the marker that moved.
-    """
-    distances = {(one.a, one.b): one for one in all_distances(markers, moved)}
-    angles = {(one.a, one.vertex, one.c): one for one in all_angles(markers, moved)}
-    n_before = (
-        sum(moved in (one.a, one.b) for one in before.distances),
-        sum(moved in (one.a, one.vertex, one.c) for one in before.angles),
-    )
-    if n_before != (len(distances), len(angles)):
-        return measures_of(markers)  # it got or lost its position
-    return Measures(
-        tuple(distances.get((one.a, one.b), one) for one in before.distances),
-        tuple(angles.get((one.a, one.vertex, one.c), one) for one in before.angles),
-    )
-
-
 def chosen_measures(markers: tuple[Marker, ...], chosen: tuple[FreeMeasure, ...]) -> Measures:
     """Return only the measures that were asked for, in their order: while a marker is dragged.
 

@@ -18,9 +18,7 @@ from adibas.pipeline.review import (
     CORRECTED,
     CaptureSurface,
     chosen_measures,
-    measures_of,
     posture_analysis,
-    remeasured,
 )
 from adibas.recordings.decoding import to_rgbd
 from adibas.simulation.scenes import open_scene
@@ -150,29 +148,6 @@ def test_without_reach_nothing_snaps(stickers):
     truth = stickers.truths[0]
     snap = stickers.surface.snapped(stickers.picture_rgb, truth.u + 1, truth.v, 0.0)
     assert (snap.u, snap.is_blob) == (truth.u + 1, False)
-
-
-def crowd(n_markers=9):
-    rng = np.random.default_rng(1)
-    return tuple(marker(f"m{i}", rng.normal(size=3) * 0.3 + [0, 0, 2]) for i in range(n_markers))
-
-
-def moved(markers, label, position_m):
-    return tuple(marker(one.label, position_m) if one.label == label else one for one in markers)
-
-
-@pytest.mark.parametrize("label", ["m0", "m4", "m8"])
-def test_measures_while_dragging_are_those_of_all_markers(label):
-    before = measures_of(crowd())
-    after = moved(crowd(), label, (0.1, -0.2, 1.9))
-    assert remeasured(before, after, label) == measures_of(after)
-    assert remeasured(before, after, label) != before
-
-
-def test_a_marker_that_gets_or_loses_its_position_is_measured_anew():
-    with_it, without = crowd(), moved(crowd(), "m3", None)
-    assert remeasured(measures_of(with_it), without, "m3") == measures_of(without)
-    assert remeasured(measures_of(without), with_it, "m3") == measures_of(with_it)
 
 
 def test_only_what_was_asked_for_is_measured():
