@@ -13,6 +13,7 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QPushButton,
+    QSizePolicy,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -24,7 +25,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.texts import translate as _
 from ui.capture.sources import SIZES, SourceChoice, view_title
 
-THUMBNAIL = QSize(96, 76)
+THUMBNAIL = QSize(50, 40)
 
 
 class SourcePanel(QGroupBox):
@@ -42,7 +43,7 @@ class SourcePanel(QGroupBox):
         self._sources.setSizeAdjustPolicy(
             QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         )
-        self._sources.setMinimumContentsLength(18)
+        self._sources.setMinimumContentsLength(22)
         self._source_label, self._size_label = QLabel(self), QLabel(self)
         self._source_label.setBuddy(self._sources)
         self._size_label.setBuddy(self._sizes)
@@ -74,13 +75,18 @@ class SourcePanel(QGroupBox):
         self._open.setText(_("&Recording..."))
         self._turn.setText(_("&Turn"))
         self._turn.setToolTip(_("Turn the picture by a quarter, for a sensor on its side"))
+        for index in range(self._sources.count()):
+            choice = self._choices.get(self._sources.itemData(index))
+            if choice is not None:
+                self._sources.setItemText(index, _(choice.title))
+        self._sources.setToolTip(self._sources.currentText())
 
     def show_sources(self, choices: tuple[SourceChoice, ...], chosen: str) -> None:
         """Offer sources."""
         self._choices = {choice.source: choice for choice in choices}
         self._sources.clear()
         for choice in choices:
-            self._sources.addItem(choice.title, choice.source)
+            self._sources.addItem(_(choice.title), choice.source)
         self._show_source(chosen)
 
     def show_setup(self, setup: SessionSetup) -> None:
@@ -102,6 +108,7 @@ class SourcePanel(QGroupBox):
             self._sources.addItem(Path(source).name, source)
             index = self._sources.count() - 1
         self._sources.setCurrentIndex(index)
+        self._sources.setToolTip(self._sources.currentText())
 
 
 class DisplayPanel(QGroupBox):
@@ -164,21 +171,21 @@ class ViewsPanel(QGroupBox):
         self._looks: dict[str, QToolButton] = {}
         group = QButtonGroup(self)
         layout = QGridLayout(self)
+        layout.setColumnStretch(0, 1)
+        layout.setSpacing(4)
         for index, view in enumerate(VIEWS):
             button, look = QToolButton(self), QToolButton(self)
             button.setCheckable(True)
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
             button.setIconSize(THUMBNAIL)
             button.setShortcut(QKeySequence(f"F{index + 5}"))
             for one in (button, look):
                 one.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+                one.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Preferred)
+                layout.addWidget(one, index, int(one is look))
             button.clicked.connect(lambda _on, view=view: self.chosen.emit(view))
             look.clicked.connect(lambda _on, view=view: self.review_asked.emit(view))
             group.addButton(button)
-            cell = QVBoxLayout()
-            cell.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
-            cell.addWidget(look, 0, Qt.AlignmentFlag.AlignHCenter)
-            layout.addLayout(cell, index // 2, index % 2)
             self._buttons[view], self._looks[view] = button, look
         self._taken: frozenset[str] = frozenset()
 

@@ -8,6 +8,7 @@ from adibas.data.posture import VIEWS
 from adibas.errors import SensorError
 from adibas.sensors import openni2_modes, realsense_library
 from adibas.sensors.ports import SensorDescription
+from adibas.texts import message
 from adibas.texts import translate as _
 from ui.view_names import VIEW_NAMES
 
@@ -19,7 +20,7 @@ SIZES: Sizes = ((1280, 1024), (640, 480))
 
 @dataclass(frozen=True, slots=True)
 class SourceChoice:
-    """A line of the list: its name for the user, and the text that opens it.
+    """A line of the list: its name, translated where it is shown, and the text that opens it.
 
     `sizes` are those of its colour image, (width, height); empty where it has the one it has.
     """
@@ -54,7 +55,7 @@ def find_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
 def usual_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
     """Return what is there without looking for sensors."""
     recordings = (SourceChoice(Path(path).name, path, sizes=()) for path in recent)
-    return (SourceChoice(_("Simulated patient (demo sensor)"), SIMULATOR), *recordings)
+    return (SourceChoice(message("Simulated patient (demo sensor)"), SIMULATOR), *recordings)
 
 
 def color_sizes(sensor: SensorDescription) -> Sizes:

@@ -50,6 +50,7 @@ class LearnerControls(QWidget):
         self._labels = [QLabel(self) for _ in range(5)]
         self._values = [QLabel(self) for _ in range(2)]
         self._regions = QListWidget(self)
+        self._sizes_px: list[int] = []
         self._discard = QPushButton(self)
         self._swatches = QHBoxLayout()
         self._swatch_colors: tuple[tuple[int, int, int], ...] = ()
@@ -115,6 +116,8 @@ class LearnerControls(QWidget):
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
         self._discard.setText(_("&Discard the region"))
+        for row, n_pixels in enumerate(self._sizes_px):
+            self._regions.item(row).setText(_size_text(n_pixels))
 
     def show_controls(self, shown: Shown) -> None:
         """Show what holds now; nothing of it is a wish of the user."""
@@ -141,9 +144,9 @@ class LearnerControls(QWidget):
     def _show_regions(self, shown: Shown) -> None:
         row, n_before = self._regions.currentRow(), self._regions.count()
         self._regions.clear()
+        self._sizes_px = [n_pixels for _color, n_pixels in shown.regions]
         for color, n_pixels in shown.regions:
-            text = translate_plural("{n} pixel", "{n} pixels", n_pixels).format(n=n_pixels)
-            self._regions.addItem(QListWidgetItem(QIcon(_patch(color)), text))
+            self._regions.addItem(QListWidgetItem(QIcon(_patch(color)), _size_text(n_pixels)))
         last = len(shown.regions) - 1
         is_new = len(shown.regions) > n_before
         self._regions.setCurrentRow(last if is_new else min(row, last))
@@ -177,6 +180,10 @@ def _slider(least: int, most: int, parent: QWidget) -> QSlider:
     slider.setRange(least, most)
     slider.setPageStep(5)
     return slider
+
+
+def _size_text(n_pixels: int) -> str:
+    return translate_plural("{n} pixel", "{n} pixels", n_pixels).format(n=n_pixels)
 
 
 def _patch(color: tuple[int, int, int]) -> QPixmap:

@@ -63,8 +63,6 @@ class LearnerScreen(Screen):
         left.addLayout(row)
         panel = SidePanel(self)
         panel.column.addWidget(self._controls, 1)
-        panel.column.addWidget(self._count)
-        panel.column.addWidget(self._buttons["use"])
         files = QGridLayout()
         for index, name in enumerate(("save", "load", "open", "reset")):
             files.addWidget(self._buttons[name], index // 2, index % 2)
@@ -73,7 +71,11 @@ class LearnerScreen(Screen):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(16)
         layout.addLayout(left, 1)
-        layout.addWidget(panel)
+        right = QVBoxLayout()
+        right.addWidget(panel, 1)
+        right.addWidget(self._count)
+        right.addWidget(self._buttons["use"])
+        layout.addLayout(right)
 
     def bind(self, presenter: LearnerPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""

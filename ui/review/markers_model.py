@@ -28,6 +28,12 @@ class MarkersModel(QAbstractTableModel):
         super().__init__()
         self._theme = theme
         self._points = Points()
+        self._is_brief = False
+
+    def set_brief(self, *, is_brief: bool) -> None:
+        """Leave standard deviations to the tool tips, where there is no room for them."""
+        self._is_brief = is_brief
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, X, Z)
 
     def show_points(self, points: Points) -> None:
         """Show these markers; where only values changed the selection stays."""
@@ -69,8 +75,11 @@ class MarkersModel(QAbstractTableModel):
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         marker, column = self._points.markers[index.row()], index.column()
-        if role in (Role.DisplayRole, Role.ToolTipRole):
-            return self._text(marker, column)
+        if role == Role.DisplayRole:
+            return self._text(marker, column, is_brief=self._is_brief)
+        if role == Role.ToolTipRole:
+            is_remarkable = column == NAME and self._remark(marker)
+            return self._text(marker, REMARK if is_remarkable else column)
         if role == Role.TextAlignmentRole and X <= column <= Z:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         if column == NAME and role in (Role.EditRole, Role.DecorationRole):
@@ -91,10 +100,12 @@ class MarkersModel(QAbstractTableModel):
         self.renamed.emit(self.label(index.row()), str(value))
         return True
 
-    def _text(self, marker: Marker, column: int) -> str:
+    def _text(self, marker: Marker, column: int, *, is_brief: bool = False) -> str:
         if column == NAME:
             return marker.label
-        return self._remark(marker) if column == REMARK else _coordinate(marker, column - X)
+        if column == REMARK:
+            return self._remark(marker)
+        return _coordinate(marker, column - X, is_brief=is_brief)
 
     def _icon(self, marker: Marker) -> QIcon | None:
         """Return what is seen of the remark where there is no room for it."""
@@ -109,8 +120,9 @@ class MarkersModel(QAbstractTableModel):
         return _("corrected by hand") if is_placed else ""
 
 
-def _coordinate(marker: Marker, axis: int) -> str:
+def _coordinate(marker: Marker, axis: int, *, is_brief: bool) -> str:
     if marker.position_m is None or marker.covariance_m2 is None:
         return NOTHING
+    coordinate = number(MM_PER_M * marker.position_m[axis])
     deviation_mm = MM_PER_M * math.sqrt(marker.covariance_m2[axis, axis])
-    return f"{number(MM_PER_M * marker.position_m[axis])} \u00b1 {number(deviation_mm)}"
+    return coordinate if is_brief else f"{coordinate} \u00b1 {number(deviation_mm)}"

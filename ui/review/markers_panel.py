@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QAbstractItemView, QVBoxLayout, QWidget
 from adibas.texts import translate as _
 from ui.review.content import Points
 from ui.review.landmarks import landmark_names
-from ui.review.markers_model import NAME, MarkersModel
+from ui.review.markers_model import NAME, REMARK, MarkersModel
 from ui.review.name_delegate import NameDelegate
 from ui.review.tables import LineTable
 from ui.theme import Theme
@@ -39,6 +39,7 @@ class MarkersPanel(QWidget):
         self._table.selectionModel().currentRowChanged.connect(self._on_current)
         self._table.entered_line.connect(lambda row: self.entered.emit(self._model.label(row)))
         self._model.renamed.connect(self.renamed)
+        self._table.resized.connect(self._fit_columns)
         self.retranslate()
 
     def retranslate(self) -> None:
@@ -84,4 +85,21 @@ class MarkersPanel(QWidget):
             self.chosen.emit(self._model.label(now.row()))
 
     def _fit_columns(self) -> None:
-        self._table.resizeColumnsToContents()
+        """Show as much of each marker as there is room for: remarks are in icon and tool tip."""
+        table = self._table
+        for is_brief, has_remark in ((False, True), (True, True), (True, False)):
+            self._model.set_brief(is_brief=is_brief)
+            table.setColumnHidden(REMARK, not has_remark)
+            table.resizeColumnsToContents()
+            if self._needed_px() <= table.viewport().width():
+                return
+
+    def _needed_px(self) -> int:
+        """Return how wide all columns are; the last one's own width, not what it was given."""
+        table, columns = self._table, range(self._model.columnCount())
+        shown = [column for column in columns if not table.isColumnHidden(column)]
+        hints = [
+            max(table.sizeHintForColumn(column), table.horizontalHeader().sectionSizeHint(column))
+            for column in shown
+        ]
+        return sum(hints)

@@ -58,8 +58,9 @@ class MeasuresPanel(QTabWidget):
     def _lay_out(self) -> None:
         chosen, everything = QWidget(self), QWidget(self)
         first = QVBoxLayout(chosen)
-        first.addWidget(self._chosen_table)
+        first.addWidget(self._chosen_table, 1)
         first.addWidget(self._hint)
+        first.addStretch()
         first.addWidget(self._remove, 0, Qt.AlignmentFlag.AlignLeft)
         search = QHBoxLayout()
         search.addWidget(self._text, 1)
@@ -83,11 +84,12 @@ class MeasuresPanel(QTabWidget):
         for table in (self._all_table, self._chosen_table):
             table.selectionModel().currentRowChanged.connect(self._enable)
             table.model().modelReset.connect(self._enable)
+            table.resized.connect(lambda table=table: self._fit_kind(table))
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self.setTabText(0, _("Chosen measures"))
-        self.setTabText(1, _("All measures"))
+        self.setTabText(1, _("All of them"))
         self._chosen_table.setAccessibleName(_("Chosen measures"))
         self._all_table.setAccessibleName(_("All measures"))
         self._hint.setText(
@@ -113,6 +115,7 @@ class MeasuresPanel(QTabWidget):
         self._can_edit = can_edit
         self._chosen.show_rows(rows)
         self._hint.setVisible(not rows)
+        self._chosen_table.setVisible(bool(rows))
         self._enable()
 
     def show_all(self, rows: tuple[MeasureRow, ...]) -> None:
@@ -131,6 +134,15 @@ class MeasuresPanel(QTabWidget):
             for column, text in zip((KIND, VALUE, INTERVAL), texts, strict=True):
                 header = table.horizontalHeader().sectionSizeHint(column)
                 table.setColumnWidth(column, max(header, metrics.horizontalAdvance(text) + 12))
+            self._fit_kind(table)
+
+    def _fit_kind(self, table: LineTable) -> None:
+        """Hide the kind where there is no room for it: the unit says it too."""
+        header = table.horizontalHeader()
+        table.setColumnHidden(KIND, False)
+        widths = [table.columnWidth(column) for column in (KIND, VALUE, INTERVAL)]
+        has_room = sum(widths) + header.minimumSectionSize() <= table.viewport().width()
+        table.setColumnHidden(KIND, not has_room)
 
     def _on_filter(self) -> None:
         self._all.filter(self._text.text(), is_angle=KINDS[self._kind.currentIndex()])

@@ -1,7 +1,7 @@
 """Tables of the review screen: one line is chosen, Enter and Delete do something with it."""
 
 from PySide6.QtCore import QEvent, Qt, Signal
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidget
 
 ENTER_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -14,6 +14,8 @@ class LineTable(QTableView):
     """Enter, or a double click, on a line."""
     deleted_line = Signal(int)
     """Delete on a line."""
+    resized = Signal()
+    """There is more or less room for columns than before."""
 
     def __init__(self, parent: QWidget | None = None, *, takes_delete: bool = False) -> None:
         super().__init__(parent)
@@ -33,6 +35,11 @@ class LineTable(QTableView):
     def fit_lines(self) -> None:
         """Make lines and columns as large as the letters in use need."""
         self.verticalHeader().setDefaultSectionSize(round(self.fontMetrics().height() * 1.7))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
+        super().resizeEvent(event)
+        if event.size().width() != event.oldSize().width():
+            self.resized.emit()
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
         if event.type() == QEvent.Type.FontChange:

@@ -48,6 +48,7 @@ class GeneralPage(QWidget):
             )
         }
         form = QFormLayout(self)
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         form.setSpacing(12)
         for widget, label in self._labels.items():
             label.setBuddy(widget)
