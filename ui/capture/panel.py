@@ -25,7 +25,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.texts import translate as _
 from ui.capture.sources import SIZES, SourceChoice, view_title
 
-THUMBNAIL = QSize(50, 40)
+THUMBNAIL = QSize(45, 36)
 
 
 class SourcePanel(QGroupBox):

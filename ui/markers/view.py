@@ -109,7 +109,7 @@ class LearnerScreen(Screen):
             ("open", _("Open a &picture...")),
             ("use", _("&Use these markers")),
             ("save", _("Sa&ve...")),
-            ("load", _("Loa&d...")),
+            ("load", _("Lo&ad...")),
             ("reset", _("R&eset")),
         ):
             self._buttons[name].setText(text)

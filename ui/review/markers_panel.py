@@ -92,7 +92,9 @@ class MarkersPanel(QWidget):
             table.setColumnHidden(REMARK, not has_remark)
             table.resizeColumnsToContents()
             if self._needed_px() <= table.viewport().width():
-                return
+                break
+        for is_on in (False, True):  # the last column takes what is left, once more
+            table.horizontalHeader().setStretchLastSection(is_on)
 
     def _needed_px(self) -> int:
         """Return how wide all columns are; the last one's own width, not what it was given."""

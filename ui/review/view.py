@@ -75,9 +75,9 @@ class ReviewScreen(Screen):
         numbers.setSizes([MARKERS_HEIGHT, MEASURES_HEIGHT])
         numbers.setChildrenCollapsible(False)
         across = QSplitter(self)
-        across.addWidget(self._center)
-        across.addWidget(numbers)
-        across.setStretchFactor(0, 1)
+        for widget, stretch in ((self._center, 2), (numbers, 1)):
+            across.addWidget(widget)
+            across.setStretchFactor(across.indexOf(widget), stretch)
         across.setSizes([PICTURE_WIDTH, PANEL_WIDTH])
         across.setChildrenCollapsible(False)
         row = QHBoxLayout()

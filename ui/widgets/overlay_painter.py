@@ -91,7 +91,7 @@ def _paint_names(
     dots = [one for one in overlays if isinstance(one, Dot) and one.label]
     others = [one for one in overlays if not isinstance(one, Dot | Region) and one.text]
     named = [(dot.label, dot.role, dot.u, dot.v, _radius(placement, dot)) for dot in dots]
-    named += [(one.text, one.role, *_anchor(one), 0.0) for one in others]
+    named += [(one.text, one.role, *_anchor(one), metrics.ascent() / 2) for one in others]
     things = [
         Named(*placement.to_widget(u, v), radius, metrics.horizontalAdvance(text), metrics.ascent())
         for text, _role, u, v, radius in named
