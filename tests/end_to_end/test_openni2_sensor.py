@@ -224,7 +224,9 @@ with open_source("openni2", SensorOptions(color_size=(640, 480))) as camera:
 
 
 def test_the_command_records_a_live_sensor_for_the_seconds_asked(sensor, images):
-    given = sensor.run("""
+    # On a busy machine frames may be lost, and then it says so.
+    given = sensor.run(
+        """
 import sys
 from ui.main import main
 from contextlib import redirect_stdout
@@ -232,7 +234,9 @@ sys.argv = ["adibas", "record", "openni2", "--seconds", "1", "--out", str(FOLDER
 with (FOLDER / "said.txt").open("w") as said, redirect_stdout(said):
     code = main()
 give(code=code)
-""")
+""",
+        allowed="too slow",
+    )
     assert given["code"] == 0
     with open_recording(sensor.dump.parent / "live.mcap") as recording:
         frame, last = recording.read(0), recording.read(len(recording) - 1)
