@@ -1,5 +1,6 @@
 """The one way to compile a hot loop: numba, cached in the user's cache folder."""
 
+import logging
 import os
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
@@ -10,6 +11,8 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(platformdirs.user_cache_path("adiba
 
 import numba
 
+logger = logging.getLogger(__name__)
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 parallel_range = numba.prange
@@ -17,9 +20,27 @@ parallel_range = numba.prange
 
 def compiled(function: Function) -> Function:
     """Compile `function` when first called; keep the machine code for the next start."""
-    return cast(Function, numba.njit(cache=True, nogil=True)(function))
+    return cast(Function, _forgiving(numba.njit(cache=True, nogil=True)(function)))
 
 
 def compiled_parallel(function: Function) -> Function:
     """Like `compiled`, with `parallel_range` spread over the cores."""
-    return cast(Function, numba.njit(cache=True, nogil=True, parallel=True)(function))
+    return cast(Function, _forgiving(numba.njit(cache=True, nogil=True, parallel=True)(function)))
+
+
+def _forgiving(dispatcher: Any) -> Any:
+    """Let a cache that cannot be written cost the next start time, and this one nothing.
+
+    numba lets the error of a full disk through to whoever called the compiled function.
+    """
+    cache = dispatcher._cache  # noqa: SLF001  (numba offers no other place)
+    save = cache.save_overload
+
+    def save_if_possible(signature: object, code: object) -> None:
+        try:
+            save(signature, code)
+        except OSError as error:
+            logger.info("the compiler's cache cannot be written: %s", error.strerror)
+
+    cache.save_overload = save_if_possible
+    return dispatcher
