@@ -1,6 +1,6 @@
 """The captures of the session as a strip of small pictures."""
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QImage, QPixmap, QTransform
 from PySide6.QtWidgets import QListView, QListWidget, QListWidgetItem, QWidget
 
@@ -45,6 +45,12 @@ class CaptureStrip(QListWidget):
         self.setFixedWidth(width + 30)
         for row in range(self.count()):
             self._fit(self.item(row), width)
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Give the lines the room that they need in letters of another size."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.FontChange:
+            self.retranslate()
 
     def show_items(
         self, items: tuple[CaptureItem, ...], chosen: str | None, rotation_deg: int

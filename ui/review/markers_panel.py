@@ -1,6 +1,6 @@
 """The list of markers beside the picture."""
 
-from PySide6.QtCore import QModelIndex, Qt, Signal
+from PySide6.QtCore import QEvent, QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QAbstractItemView, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
@@ -10,6 +10,9 @@ from ui.review.markers_model import NAME, REMARK, MarkersModel
 from ui.review.name_delegate import NameDelegate
 from ui.review.tables import LineTable
 from ui.theme import Theme
+
+LEAST_LETTERS = 31
+"""Of the usual width that a line always has room for."""
 
 
 class MarkersPanel(QWidget):
@@ -50,6 +53,13 @@ class MarkersPanel(QWidget):
         self._table.fit_lines()
         self._fit_columns()
         self.suggest(self._names)
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Keep room for a name and three coordinates in letters of another size."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.FontChange:
+            self.setMinimumWidth(LEAST_LETTERS * self.fontMetrics().averageCharWidth())
+            self._fit_columns()
 
     def suggest(self, names: tuple[str, ...]) -> None:
         """Suggest names of this patient before the usual ones."""

@@ -115,7 +115,8 @@ class MeasuresPanel(QTabWidget):
         self._can_edit = can_edit
         self._chosen.show_rows(rows)
         self._hint.setVisible(not rows)
-        self._chosen_table.setVisible(bool(rows))
+        for part in (self._chosen_table, self._remove):
+            part.setVisible(bool(rows))
         self._enable()
 
     def show_all(self, rows: tuple[MeasureRow, ...]) -> None:

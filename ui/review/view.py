@@ -75,9 +75,9 @@ class ReviewScreen(Screen):
         numbers.setSizes([MARKERS_HEIGHT, MEASURES_HEIGHT])
         numbers.setChildrenCollapsible(False)
         across = QSplitter(self)
-        for widget, stretch in ((self._center, 2), (numbers, 1)):
-            across.addWidget(widget)
-            across.setStretchFactor(across.indexOf(widget), stretch)
+        for part, stretch in ((self._center, 4), (numbers, 1)):
+            across.addWidget(part)
+            across.setStretchFactor(across.indexOf(part), stretch)
         across.setSizes([PICTURE_WIDTH, PANEL_WIDTH])
         across.setChildrenCollapsible(False)
         row = QHBoxLayout()
