@@ -97,6 +97,12 @@ class PatientTable(QTableView):
         least = self.fontMetrics().horizontalAdvance(SAMPLE_NAME)
         header.resizeSection(NAME, max(self.viewport().width() - others, least))
 
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Fit columns and lines to letters of another size."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.FontChange:
+            self.fit_columns()
+
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
         super().resizeEvent(event)
         self._fit_name()
@@ -195,12 +201,6 @@ class PatientListPanel(QWidget):
         self.show_undo(self._undo_offer)
         self._show_count()
         self.table.fit_columns()
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
-        """Fit the columns to other letters."""
-        if event.type() == QEvent.Type.FontChange:
-            self.table.fit_columns()
-        super().changeEvent(event)
 
     def show_patients(self, lines: tuple[PatientLine, ...], *, is_cut: bool) -> None:
         self._is_cut = is_cut

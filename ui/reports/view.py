@@ -56,6 +56,9 @@ class ReportsScreen(Screen):
         self._title = QLabel(self)
         self._title.setProperty("kind", "title")
         self._sessions = QListWidget(self)
+        self._sessions.setWordWrap(True)
+        self._sessions.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self._sessions.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._language, self._pictures = QComboBox(self), QComboBox(self)
         self._kinds = {kind: QCheckBox(self) for kind in KINDS}
         self._kinds[".xlsx"].setChecked(True)

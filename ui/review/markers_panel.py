@@ -43,6 +43,7 @@ class MarkersPanel(QWidget):
         self._table.entered_line.connect(lambda row: self.entered.emit(self._model.label(row)))
         self._model.renamed.connect(self.renamed)
         self._table.resized.connect(self._fit_columns)
+        self._table.letters_changed.connect(self._fit_columns)
         self.retranslate()
 
     def retranslate(self) -> None:
@@ -59,7 +60,6 @@ class MarkersPanel(QWidget):
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange:
             self.setMinimumWidth(LEAST_LETTERS * self.fontMetrics().averageCharWidth())
-            self._fit_columns()
 
     def suggest(self, names: tuple[str, ...]) -> None:
         """Suggest names of this patient before the usual ones."""

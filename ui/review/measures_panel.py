@@ -84,6 +84,7 @@ class MeasuresPanel(QTabWidget):
         for table in (self._all_table, self._chosen_table):
             table.selectionModel().currentRowChanged.connect(self._enable)
             table.model().modelReset.connect(self._enable)
+            table.letters_changed.connect(self._fit_columns)
             table.resized.connect(lambda table=table: self._fit_kind(table))
 
     def retranslate(self) -> None:

@@ -16,6 +16,7 @@ class LineTable(QTableView):
     """Delete on a line."""
     resized = Signal()
     """There is more or less room for columns than before."""
+    letters_changed = Signal()
 
     def __init__(self, parent: QWidget | None = None, *, takes_delete: bool = False) -> None:
         super().__init__(parent)
@@ -42,9 +43,10 @@ class LineTable(QTableView):
             self.resized.emit()
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange:
             self.fit_lines()
-        super().changeEvent(event)
+            self.letters_changed.emit()
 
     def event(self, event: QEvent) -> bool:
         """Keep Delete from the shortcut of the screen where the table has a use for it."""
