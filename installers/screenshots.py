@@ -145,12 +145,8 @@ class _Studio:
 
     def draw(self, folder: Path, suffix: str) -> Iterator[Path]:
         """Draw every screen, and every page of one that has pages."""
-        workspace = self._application.workspace
         for name in TITLES:
-            self._window.show_screen(name)
-            if name == "capture" and workspace is not None:
-                self._wait(lambda: _sees_somebody(workspace.live.newest))
-            self._settle()
+            self._show(name)
             tabs = self._window.screen_named(name).findChild(QTabWidget)
             if tabs is None or name != "settings":
                 yield self._save(folder / f"{name}{suffix}.png")
@@ -161,11 +157,18 @@ class _Studio:
                 yield self._save(folder / f"{name}-{index + 1}{suffix}.png")
             tabs.setCurrentIndex(0)
         for name in ("patients", "capture", "review"):
-            self._window.show_screen(name)
+            self._show(name)
             self._window.show_help()
             self._settle()
             yield self._save(folder / f"help-{name}{suffix}.png")
         self._window.findChild(HelpDock).hide()
+
+    def _show(self, name: str) -> None:
+        workspace = self._application.workspace
+        self._window.show_screen(name)
+        if name == "capture" and workspace is not None:
+            self._wait(lambda: _sees_somebody(workspace.live.newest))
+        self._settle()
 
     def _save(self, path: Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,7 @@ from ui.review.name_delegate import NameDelegate
 from ui.review.tables import LineTable
 from ui.theme import Theme
 
-LEAST_LETTERS = 31
+LEAST_LETTERS = 40
 """Of the usual width that a line always has room for."""
 
 
@@ -96,15 +96,15 @@ class MarkersPanel(QWidget):
 
     def _fit_columns(self) -> None:
         """Show as much of each marker as there is room for: remarks are in icon and tool tip."""
-        table = self._table
+        table, header = self._table, self._table.horizontalHeader()
+        header.setStretchLastSection(False)  # a stretched column would keep its width
         for is_brief, has_remark in ((False, True), (True, True), (True, False)):
             self._model.set_brief(is_brief=is_brief)
             table.setColumnHidden(REMARK, not has_remark)
             table.resizeColumnsToContents()
             if self._needed_px() <= table.viewport().width():
                 break
-        for is_on in (False, True):  # the last column takes what is left, once more
-            table.horizontalHeader().setStretchLastSection(is_on)
+        header.setStretchLastSection(True)
 
     def _needed_px(self) -> int:
         """Return how wide all columns are; the last one's own width, not what it was given."""
