@@ -1,6 +1,7 @@
 """How a PDF report looks: fonts, headings, tables, footer."""
 
 import io
+import textwrap
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -28,6 +29,8 @@ SMALL, NORMAL = 7.0, 8.5
 NAME_SHARE = 0.3
 ROW_HEIGHT_MM = 62
 JPEG_QUALITY = 88
+LONGEST_LINE, MOST_LINES = 400, 5
+"""Characters and lines that a row of a table holds: half a page at most."""
 
 TITLE = ParagraphStyle("title", fontName=BOLD, fontSize=18, leading=24, textColor=BLUE)
 HEADING = ParagraphStyle(
@@ -70,8 +73,12 @@ def note(text: str) -> Flowable:
 
 
 def facts_table(pairs: Sequence[tuple[str, str | float]]) -> Flowable:
-    """Return lines of name and value."""
-    cells = [[paragraph(name, NAME), paragraph(str(value), TEXT)] for name, value in pairs]
+    """Return lines of name and value; a long value has several, so that pages can break it."""
+    cells = [
+        [paragraph("" if number else name, NAME), paragraph(piece, TEXT)]
+        for name, value in pairs
+        for number, piece in enumerate(_pieces(str(value)))
+    ]
     style = [
         ("VALIGN", (0, 0), (-1, -1), "TOP"),
         ("LEFTPADDING", (0, 0), (-1, -1), 0),
@@ -80,6 +87,17 @@ def facts_table(pairs: Sequence[tuple[str, str | float]]) -> Flowable:
         ("LINEBELOW", (0, 0), (-1, -1), 0.25, PALE),
     ]
     return Table(cells, [NAME_SHARE * WIDTH, (1 - NAME_SHARE) * WIDTH], style=TableStyle(style))
+
+
+def _pieces(text: str) -> list[str]:
+    """Return the text in pieces of a few lines each: no row of a table is broken by a page."""
+    lines = [
+        part
+        for line in text.split("\n")
+        for part in textwrap.wrap(line, LONGEST_LINE, drop_whitespace=False) or [""]
+    ]
+    groups = range(0, len(lines), MOST_LINES)
+    return ["\n".join(lines[first : first + MOST_LINES]) for first in groups]
 
 
 def wrapped_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Flowable:

@@ -197,6 +197,14 @@ def test_names_of_any_script_reach_the_pdf_and_mark_up_is_text(report, tmp_path)
         assert name in text
 
 
+@pytest.mark.parametrize("separator", [" ", "\n"])
+def test_notes_longer_than_a_page_go_on_on_the_next(report, tmp_path, separator):
+    notes = separator.join(f"word{number}" for number in range(3000))
+    write_report(replace(report, notes=notes), tmp_path / "r.pdf")
+    words = set(pdf_text(tmp_path / "r.pdf").split())
+    assert words >= {f"word{number}" for number in range(3000)}
+
+
 def test_characters_that_no_file_holds_stop_no_report(report, tmp_path):
     hostile = Marker("bell\x07\x00\ud800", 5.0, 5.0, 4.0, np.eye(2))
     capture = report.captures[0]
