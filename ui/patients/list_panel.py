@@ -1,5 +1,7 @@
 """Search field and list of patients at the left, with the undo of the last deletion below."""
 
+from datetime import date
+
 from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, QRect, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QResizeEvent
 from PySide6.QtWidgets import (
@@ -25,14 +27,14 @@ from ui.patients.patients_model import (
     RECORD_NUMBER,
     PatientsModel,
 )
-from ui.widgets.dates import moment_text
+from ui.widgets.dates import day_text, moment_text
 
 Index = QModelIndex | QPersistentModelIndex
 SAMPLES = {
-    BORN: "28 Sept 2888  (88)",
+    BORN: "{day}  (88)",
     RECORD_NUMBER: "HC-8888888",
     N_SESSIONS: "888",
-    LAST_SESSION: "28 Sept 2888",
+    LAST_SESSION: "{day}",
 }
 """Texts as wide as a column has to be; measuring every line would cost time with every key."""
 SAMPLE_NAME = "Bernadette Vidal"
@@ -79,7 +81,10 @@ class PatientTable(QTableView):
         header, metrics = self.horizontalHeader(), self.fontMetrics()
         self.verticalHeader().setDefaultSectionSize(round(metrics.height() * 1.9))
         height = metrics.height()
-        for column, sample in SAMPLES.items():
+        days = (day_text(date(2888, month, 28)) for month in range(1, 13))
+        longest_day = max(days, key=metrics.horizontalAdvance)
+        for column, pattern in SAMPLES.items():
+            sample = pattern.format(day=longest_day)
             heading = str(self.model().headerData(column, Qt.Orientation.Horizontal) or "")
             widest = max((sample, *heading.split()), key=metrics.horizontalAdvance)
             width = metrics.horizontalAdvance(widest) + PADDING_PX
