@@ -388,7 +388,9 @@ sys.exit(main(sys.argv[3:]))
 def command_line(*argv, at="nowhere", most_bytes=0):
     words = [sys.executable, "-c", COMMAND_LINE, at, str(most_bytes), *map(str, argv)]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(words, cwd=PROJECT, **pipes) as process:
+    # Under the limit of a full disk byte code would be cut, and stay so for everybody.
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    with subprocess.Popen(words, cwd=PROJECT, env=environment, **pipes) as process:
         try:
             yield process
         finally:
