@@ -10,12 +10,14 @@ import pytest
 os.environ["QT_QPA_PLATFORM"] = "offscreen"  # read when the QApplication is made
 
 import shiboken6
+from keyring.backends import fail
 from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 
 from adibas.errors import AdibasError
 from adibas.pipeline.live import SensorState
 from adibas.sessions import SessionStore, open_store
 from adibas.sessions.key_wrapping import Argon2Params
+from tests.unit.store_samples import use_keyring
 from ui.events import Event
 from ui.ports import CancelledError
 from ui.preferences import PreferencesFile
@@ -49,6 +51,15 @@ def nothing_left_behind(qapp) -> Iterator[None]:
     assert not [thread for thread in threads if thread.is_alive()], f"threads left: {threads}"
     timers = running_timers() - timers_before
     assert not timers, f"timers left: {[(timer, timer.parent()) for timer in timers]}"
+
+
+@pytest.fixture(autouse=True)
+def no_keyring(monkeypatch) -> None:
+    """Let stores ask for a passphrase, whatever keyring this machine or another test's class has.
+
+    The library takes every class of a keyring that was ever imported for one of the desktop's.
+    """
+    use_keyring(monkeypatch, fail.Keyring())
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from collections import Counter
 
 import pytest
-from keyring.backends import fail
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -21,7 +20,6 @@ from PySide6.QtWidgets import (
 from adibas.texts import LANGUAGES
 from adibas.texts import translate as _
 from tests.ui import window_user
-from tests.unit.store_samples import use_keyring
 from ui.navigation import TITLES
 
 open_window = window_user.open_window
@@ -56,12 +54,6 @@ def assert_each_letter_is_one_control(window):
     counts = Counter(keys for keys, _text in found)
     twice = sorted(text for keys, text in found if counts[keys] > 1)
     assert not twice, twice
-
-
-@pytest.fixture(autouse=True)
-def no_keyring(monkeypatch):
-    """Let the store ask for a passphrase, whatever this machine or another test has."""
-    use_keyring(monkeypatch, fail.Keyring())
 
 
 @pytest.fixture
