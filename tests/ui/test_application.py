@@ -160,6 +160,8 @@ def test_what_runs_is_finished_behind_the_lock(user, slow):
 def test_it_locks_by_itself(user):
     user.application._watch._timer.setInterval(10)
     user.until(lambda: locked(user))
+    assert user.window.shown == ""
+    assert user.application.workspace is None
     user.close()
 
 
@@ -323,6 +325,8 @@ def test_a_problem_of_a_job_is_told(user):
 
     user.application.jobs.start("Reading", work, lambda _result: None)
     user.until(lambda: user.window.told)
+    assert "patient" in user.window.told
+    assert "Traceback" not in user.window.told
     user.close()
 
 
