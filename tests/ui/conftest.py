@@ -11,7 +11,7 @@ os.environ["QT_QPA_PLATFORM"] = "offscreen"  # read when the QApplication is mad
 
 import shiboken6
 from keyring.backends import fail
-from PySide6.QtCore import QCoreApplication, QEvent, QTimer
+from PySide6.QtCore import QCoreApplication, QEvent, QLocale, QTimer
 
 from adibas.errors import AdibasError
 from adibas.pipeline.live import SensorState
@@ -51,6 +51,14 @@ def nothing_left_behind(qapp) -> Iterator[None]:
     assert not [thread for thread in threads if thread.is_alive()], f"threads left: {threads}"
     timers = running_timers() - timers_before
     assert not timers, f"timers left: {[(timer, timer.parent()) for timer in timers]}"
+
+
+@pytest.fixture(autouse=True)
+def english_numbers_and_dates() -> Iterator[None]:
+    """Write them as in English, whatever language this machine or another test's window has."""
+    QLocale.setDefault(QLocale("en"))
+    yield
+    QLocale.setDefault(QLocale("en"))
 
 
 @pytest.fixture(autouse=True)

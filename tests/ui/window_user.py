@@ -1,5 +1,8 @@
 """Somebody in front of the real main window, with a mouse and a keyboard."""
 
+import faulthandler
+import sys
+
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
@@ -23,7 +26,7 @@ LEFT = Qt.MouseButton.LeftButton
 NO_KEY, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier
 ALT, SHIFT = Qt.KeyboardModifier.AltModifier, Qt.KeyboardModifier.ShiftModifier
 Key = Qt.Key
-PATIENCE_MS = 20_000
+PATIENCE_MS = 60_000
 """Of a test on a busy computer; nothing waits so long that goes well."""
 SECRET = "four words are enough"
 
@@ -91,6 +94,7 @@ class WindowUser:
         except self.qtbot.TimeoutError:
             jobs = self.application.jobs.labels
             told = f"on {self.window.shown!r}, told {self.window.told!r}, still {jobs}"
+            faulthandler.dump_traceback(sys.__stderr__)  # what every thread waits for
             raise AssertionError(told) from None
 
     def settle(self):
