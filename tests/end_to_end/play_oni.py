@@ -10,8 +10,8 @@ from openni import openni2
 
 from adibas.sensors.openni2_library import find_library_folder
 
-SECONDS_TO_WAIT = 2.0
-MAX_ROUNDS = 8
+SECONDS_TO_WAIT = 0.5
+MAX_ROUNDS = 60
 
 
 def main(path: str, name: str, out: str) -> None:
