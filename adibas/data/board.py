@@ -15,6 +15,8 @@ SMALLEST_SIDE = 3
 LARGEST_SIDE = 100
 MARK_OFFSETS = ((0, 0), (0, 1), (0, 2), (1, 0))
 """An L of four squares is its own image under no rotation and no reflection."""
+MARK_RADIUS = 0.2
+"""Of a dot in its square, as a share of the square's side."""
 
 
 @dataclass(frozen=True, slots=True)
