@@ -1,0 +1,86 @@
+"""Sensors with the newest calibration that was made of them on this computer."""
+
+from dataclasses import replace
+
+from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
+from adibas.data.frames import SensorFrame, SourceInfo
+from adibas.sensors.ports import DEFAULT_OPTIONS, READ_TIMEOUT_S, DepthCamera, SensorOptions
+from adibas.sensors.sources import open_source
+
+SIMULATOR = "simulator"
+
+
+class CalibratedOpener:
+    """Opens sources as `open_source` does; sensors bring the calibration that was kept of them.
+
+    A recording keeps its own: it was made with it.
+
+    Parameters
+    ----------
+    kept : KeptCalibrations
+        Of this computer.
+    """
+
+    def __init__(self, kept: KeptCalibrations) -> None:
+        self._kept = kept
+
+    def __call__(self, text: str, options: SensorOptions = DEFAULT_OPTIONS) -> DepthCamera:
+        """Open a source.
+
+        Raises
+        ------
+        CalibrationError
+            A calibration of this sensor is damaged.
+        SensorError, RecordingError
+            As `open_source`.
+        """
+        camera = open_source(text, options)
+        if not (camera.is_live or text.partition(":")[0] == SIMULATOR):
+            return camera
+        try:
+            info = self._calibrated(camera.info)
+        except BaseException:
+            camera.close()
+            raise
+        return camera if info is camera.info else CalibratedCamera(camera, info)
+
+    def _calibrated(self, info: SourceInfo) -> SourceInfo:
+        if info.is_depth_registered:  # by the sensor's own calibration, which is in the images
+            return info
+        sizes = None if info.calibration is None else sizes_of(info.calibration)
+        newest = self._kept.newest(sensor_key(info), sizes)
+        return info if newest is None else replace(info, calibration=newest.calibration)
+
+
+class CalibratedCamera(DepthCamera):
+    """A camera with another header.
+
+    Parameters
+    ----------
+    camera : DepthCamera
+        Closed with this one.
+    info : SourceInfo
+        What holds for its frames.
+    """
+
+    def __init__(self, camera: DepthCamera, info: SourceInfo) -> None:
+        self._camera = camera
+        self._info = info
+
+    @property
+    def info(self) -> SourceInfo:
+        """The header, with the calibration that was kept."""
+        return self._info
+
+    @property
+    def is_live(self) -> bool:
+        """As the camera."""
+        return self._camera.is_live
+
+    def read(self, timeout_s: float = READ_TIMEOUT_S) -> SensorFrame | None:
+        """Return the camera's next frame."""
+        return self._camera.read(timeout_s)
+
+    def close(self) -> None:
+        """Close the camera."""
+        self._camera.close()
