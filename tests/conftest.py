@@ -15,6 +15,12 @@ settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def nobodys_data(tmp_path_factory) -> None:
+    """Keep what the user of this machine has, such as calibrations, out of the tests."""
+    os.environ["XDG_DATA_HOME"] = str(tmp_path_factory.mktemp("data-home"))
+
+
 @pytest.fixture(scope="session")
 def real_data() -> Path:
     """Folder with the real recordings of others; they are no part of the project."""

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QLocale, QTimer
 from PySide6.QtWidgets import QApplication, QToolTip
 
+from adibas.calibration.kept import KeptCalibrations
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
 from adibas.pipeline.warming import start_warming
+from adibas.sensors.calibrated import CalibratedOpener
 from adibas.sessions import default_store_folder
 from adibas.texts import translate as _
 from adibas.texts import use_language
@@ -148,7 +150,7 @@ class Application:
     def _on_opened(self, store: "SessionStore", is_new: bool) -> None:
         from adibas.sessions.demo_patient import demo_patient
 
-        live = QtLiveSource(self.window)
+        live = QtLiveSource(self.window, CalibratedOpener(KeptCalibrations()))
         workspace = Workspace(store, self.jobs, self.preferences, live)
         if is_new:
             workspace.attempt(lambda: _want_nothing(demo_patient(store)))

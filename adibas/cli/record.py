@@ -118,7 +118,9 @@ def _check_out(arguments: argparse.Namespace) -> None:
 
 
 def _open(arguments: argparse.Namespace) -> "DepthCamera":
-    from adibas.sensors import SensorOptions, open_source
+    from adibas.calibration.kept import KeptCalibrations
+    from adibas.sensors import SensorOptions
+    from adibas.sensors.calibrated import CalibratedOpener
 
     default = SensorOptions()
     options = SensorOptions(
@@ -126,7 +128,7 @@ def _open(arguments: argparse.Namespace) -> "DepthCamera":
         is_depth_registered=arguments.registered,
         is_infrared=arguments.infrared,
     )
-    camera = open_source(arguments.source, options)
+    camera = CalibratedOpener(KeptCalibrations())(arguments.source, options)
     is_for_live = arguments.color_size or arguments.registered or arguments.infrared
     if is_for_live and not camera.is_live:
         camera.close()

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from adibas.calibration.kept import REMIND_AFTER, KeptCalibrations, sensor_key, sizes_of
+from adibas.cli.command_line import main
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import CalibrationError
 from adibas.geometry.pinhole import Intrinsics
-from adibas.recordings import RecordingOptions, create_recording
+from adibas.recordings import RecordingOptions, create_recording, open_recording
 from adibas.sensors.calibrated import CalibratedOpener
 from adibas.sensors.simulator import SimulatorCamera
 
@@ -153,3 +154,13 @@ def test_a_damaged_calibration_leaves_no_sensor_open(kept, monkeypatch):
     with pytest.raises(CalibrationError):
         CalibratedOpener(kept)("simulator:anterior")
     assert len(closed) == 1
+
+
+def test_what_is_recorded_bears_the_kept_calibration(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    kept_of_simulator(KeptCalibrations())
+    out = tmp_path / "new.mcap"
+    assert main(["record", "simulator:anterior", "--out", str(out), "--seconds", "0.1"]) == 0
+    with open_recording(out) as recording:
+        assert recording.info.calibration.rms_px == 0.25
+    capsys.readouterr()
