@@ -48,7 +48,7 @@ def _simulated(view: str, seed: int) -> tuple[float, float, float]:
     raw = frame.sensor_frame.depth_raw
     if raw is None or calibration is None or calibration.depth is None or not calibration.floor:
         raise ValueError("a simulated scene has depth, a calibration and a floor")
-    depth_m = calibration.depth_bias.correct(depth_in_metres(raw, scene.info.depth_unit_m))
+    depth_m = calibration.corrected_depth(depth_in_metres(raw, scene.info.depth_unit_m))
     find_body(depth_m, calibration.depth, None)
     start = time.perf_counter()
     floor = find_floor(depth_m, calibration.depth)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from adibas.arrays import FloatArray
-from adibas.data.calibration import DepthBias, RgbdCalibration
+from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker
 from adibas.errors import MarkerError
@@ -211,7 +211,7 @@ def _calibration(scene: SimulatedScene, left_bias_m: float) -> RgbdCalibration:
     if calibration is None:
         raise ValueError("a simulated scene has a calibration")
     bias = calibration.depth_bias
-    return replace(calibration, depth_bias=DepthBias(bias.a + left_bias_m, bias.b, bias.c))
+    return replace(calibration, depth_bias=replace(bias, a=bias.a + left_bias_m))
 
 
 def _mean_truth(

@@ -95,7 +95,7 @@ def _stages(recording: RecordingReader, model: ColorModel) -> Stages:
         raise ValueError("a simulated scene brings its calibration")
     color, depth = calibration.color, calibration.depth
     frame = to_rgbd(recording.read(0), recording.info)
-    depth_m = calibration.depth_bias.correct(frame.depth_m)
+    depth_m = calibration.corrected_depth(frame.depth_m)
     floor = find_floor(depth_m, depth)
     body = find_body(depth_m, depth, floor)
     if body is None:

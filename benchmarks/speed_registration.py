@@ -66,7 +66,7 @@ def _depth(scene: SimulatedScene) -> tuple[Float32Array, RgbdCalibration]:
     if raw is None or calibration is None:
         raise ValueError("a simulated scene has depth and a calibration")
     depth_m = depth_in_metres(raw, scene.info.depth_unit_m)
-    return calibration.depth_bias.correct(depth_m), calibration
+    return calibration.corrected_depth(depth_m), calibration
 
 
 def _without_distortion(calibration: RgbdCalibration) -> RgbdCalibration:

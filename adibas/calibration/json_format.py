@@ -36,7 +36,12 @@ def calibration_to_json(calibration: RgbdCalibration) -> dict[str, Any]:
             "translation_m": transform.translation_m.tolist(),
         },
         "depth_unit_m": calibration.depth_unit_m,
-        "depth_bias": {"a": bias.a, "b": bias.b, "c": bias.c, "image_term": []},
+        "depth_bias": {
+            "a": bias.a,
+            "b": bias.b,
+            "c": bias.c,
+            "image_term": list(bias.image_term),
+        },
         "sensor_serial": calibration.sensor_serial,
         "created_utc": calibration.created_utc,
     }
@@ -157,10 +162,11 @@ def _transform(value: object) -> RigidTransform:
 
 def _depth_bias(value: object) -> DepthBias:
     part = _part("depth_bias", value) or {}
-    if part.get("image_term"):
-        raise ValueError("its depth_bias.image_term is of a kind that this version cannot apply")
     a, b, c = (number(part.get(name, default)) for name, default in (("a", 0), ("b", 1), ("c", 0)))
-    return DepthBias(a, b, c)
+    image_term = numbers("image_term", part.get("image_term") or [])
+    if image_term.ndim != 1:
+        raise ValueError("image_term is no list of numbers")
+    return DepthBias(a, b, c, tuple(image_term.tolist()))
 
 
 def _rms_px(document: Document) -> float | None:

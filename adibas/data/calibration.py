@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12)
+IMAGE_TERM_LENGTHS = (0, 2, 5, 9)
 LARGEST_SIDE_PX = 65_535
 UNIT_TOLERANCE = 1e-6
 
@@ -41,19 +43,90 @@ class CameraCalibration:
 
 @dataclass(frozen=True, slots=True)
 class DepthBias:
-    """The device's own depth error: true depth = a + b z + c z^2 (z and a in metres)."""
+    """The device's own depth error: true depth = a + b z + (c + image term) z^2.
+
+    A structured-light sensor errs smoothly in disparity, which is z^2 times as much in depth;
+    hence the part that depends on the place in the image goes with z^2.
+
+    Source: Herrera, Kannala & Heikkila, Joint depth and color camera calibration with distortion
+    correction, PAMI 34 (2012); Khoshelham & Elberink, Sensors 12 (2012).
+
+    Attributes
+    ----------
+    a, b, c : float
+        z and a in metres, c in 1/metres.
+    image_term : tuple of 0, 2, 5 or 9 floats
+        1/metres, of x, y; x^2, xy, y^2; x^3, x^2 y, x y^2, y^3, where x = (u - cx) / fx and
+        y = (v - cy) / fy of the depth camera's pixel, whatever its lens. Empty: none.
+    """
 
     a: float = 0.0
     b: float = 1.0
     c: float = 0.0
+    image_term: tuple[float, ...] = ()
 
-    def correct(self, depth_m: Float32Array) -> Float32Array:
-        """Return the (H, W) corrected depth in metres; NaN stays NaN."""
-        if (self.a, self.b, self.c) == (0.0, 1.0, 0.0):
+    def __post_init__(self) -> None:
+        if len(self.image_term) not in IMAGE_TERM_LENGTHS:
+            raise ValueError(
+                f"image_term must have one of {IMAGE_TERM_LENGTHS} values, "
+                f"got {len(self.image_term)}"
+            )
+        if not all(math.isfinite(value) for value in (self.a, self.b, self.c, *self.image_term)):
+            raise ValueError("depth_bias must be finite")
+
+    def square_term_per_m(self, camera: CameraCalibration) -> Float32Array:
+        """Return the (H, W) factor of z^2 in the depth camera's image, 1/metres; read-only."""
+        return _square_term_per_m(self.c, self.image_term, camera)
+
+    def correct(
+        self, depth_m: Float32Array, camera: CameraCalibration | None = None
+    ) -> Float32Array:
+        """Return the corrected depth.
+
+        Parameters
+        ----------
+        depth_m : (H, W) float32 array
+            As measured, metres; NaN stays NaN.
+        camera : CameraCalibration or None
+            That took it; only an image term needs it, which has another value in each pixel.
+
+        Raises
+        ------
+        ValueError
+            There is an image term and no camera, or another size of image.
+        """
+        if (self.a, self.b, self.c) == (0.0, 1.0, 0.0) and not any(self.image_term):
             return depth_m
-        a, b, c = np.float32(self.a), np.float32(self.b), np.float32(self.c)
-        corrected: Float32Array = a + depth_m * (b + c * depth_m)
+        a, b = np.float32(self.a), np.float32(self.b)
+        square: np.float32 | Float32Array = np.float32(self.c)
+        if any(self.image_term):
+            if camera is None:
+                raise ValueError("an image term needs the depth camera")
+            square = self.square_term_per_m(camera)
+            check_shape("depth_m", depth_m, square.shape)
+        corrected: Float32Array = a + depth_m * (b + square * depth_m)
         return corrected
+
+
+def image_polynomial(x: FloatArray, y: FloatArray, n_terms: int) -> tuple[FloatArray, ...]:
+    """Return the first `n_terms` of what `DepthBias.image_term` multiplies, at x and y."""
+    terms = (x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y)
+    return terms[:n_terms]
+
+
+@lru_cache(maxsize=8)
+def _square_term_per_m(
+    c: float, image_term: tuple[float, ...], camera: CameraCalibration
+) -> Float32Array:
+    k = camera.intrinsics
+    x: FloatArray = (np.arange(float(camera.width)) - k.cx) / k.fx
+    y: FloatArray = ((np.arange(float(camera.height)) - k.cy) / k.fy)[:, None]
+    total: FloatArray = np.full((camera.height, camera.width), c)
+    for factor, term in zip(image_term, image_polynomial(x, y, len(image_term)), strict=True):
+        total += factor * term
+    square_term = total.astype(np.float32)
+    read_only(square_term)
+    return square_term
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,3 +183,7 @@ class RgbdCalibration:
             if not abs(np.linalg.norm(self.gravity) - 1.0) < UNIT_TOLERANCE:
                 raise ValueError("gravity must have length 1")
             read_only(self.gravity)
+
+    def corrected_depth(self, depth_m: Float32Array) -> Float32Array:
+        """Return the (H, W) depth in metres without the device's own error; NaN stays NaN."""
+        return self.depth_bias.correct(depth_m, self.depth)

@@ -10,16 +10,25 @@ from collections.abc import Iterable
 import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, check_shape
-from adibas.data.calibration import DepthBias
+from adibas.data.calibration import CameraCalibration, DepthBias
 from adibas.data.surface import BurstDisparity
 from adibas.markers.disparity_kernels import accumulate, summarise
 
 
 class DisparitySum:
-    """Adds up the frames of a burst; memory does not grow with its length."""
+    """Adds up the frames of a burst; memory does not grow with its length.
 
-    def __init__(self, bias: DepthBias) -> None:
+    Parameters
+    ----------
+    bias : DepthBias
+        Applied to each frame.
+    camera : CameraCalibration or None
+        The depth camera; see `DepthBias.correct`.
+    """
+
+    def __init__(self, bias: DepthBias, camera: CameraCalibration | None = None) -> None:
         self._bias = bias
+        self._camera = camera
         self._sums: FloatArray | None = None
         self._n_frames = 0
 
@@ -28,7 +37,8 @@ class DisparitySum:
         check_shape("depth_m", depth_m, (None, None))
         if self._sums is None:
             self._sums = np.zeros((3, *depth_m.shape))
-        accumulate(np.ascontiguousarray(self._bias.correct(depth_m), np.float32), self._sums)
+        corrected_m = self._bias.correct(depth_m, self._camera)
+        accumulate(np.ascontiguousarray(corrected_m, np.float32), self._sums)
         self._n_frames += 1
 
     def result(self, least_share: float, greatest_sd_per_m: float) -> BurstDisparity:
@@ -51,12 +61,13 @@ class DisparitySum:
 def fuse_depth(
     frames: Iterable[Float32Array],
     bias: DepthBias,
+    camera: CameraCalibration | None = None,
     *,
     least_share: float = 0.3,
     greatest_sd_per_m: float = 0.02,
 ) -> BurstDisparity:
-    """Return the mean disparity of the (H, W) depth images of a burst."""
-    total = DisparitySum(bias)
+    """Return the mean disparity of the (H, W) depth images of a burst; see `DisparitySum`."""
+    total = DisparitySum(bias, camera)
     for depth_m in frames:
         total.add(depth_m)
     return total.result(least_share, greatest_sd_per_m)

@@ -201,6 +201,7 @@ def _surface(burst: Burst, calibration: RgbdCalibration, params: PostureParams) 
     return fuse_depth(
         (frame.depth_m for frame in burst),
         calibration.depth_bias,
+        calibration.depth,
         least_share=params.least_pixel_share,
         greatest_sd_per_m=params.greatest_scatter_per_m,
     )

@@ -72,7 +72,7 @@ def look_at(arrival: Arrival, look: Look) -> LiveFrame:
     calibration = look.calibration_of(arrival.info)
     if calibration is None or not _fits(calibration, color_rgb, depth_m):
         return replace(plain, hints=(hints.NO_CALIBRATION,))
-    return _seen(plain, color_rgb, calibration.depth_bias.correct(depth_m), calibration, look)
+    return _seen(plain, color_rgb, calibration.corrected_depth(depth_m), calibration, look)
 
 
 def _seen(

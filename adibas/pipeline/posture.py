@@ -143,7 +143,7 @@ def analyse_burst(
         Nobody is seen, or the colour model fits everything.
     """
     tracker = BurstTracker(params.burst)
-    depth = DisparitySum(calibration.depth_bias)
+    depth = DisparitySum(calibration.depth_bias, calibration.depth)
     has_person = False
     rejected: tuple[RejectedBlob, ...] = ()
 
@@ -182,7 +182,7 @@ def detect(
 ) -> Detections | None:
     """Return the blobs of one frame; None where nobody is seen."""
     _, depth = _cameras(calibration)
-    depth_m = calibration.depth_bias.correct(frame.depth_m)
+    depth_m = calibration.corrected_depth(frame.depth_m)
     floor = calibration.floor or find_floor(depth_m, depth, params.up)
     sight = see_person(depth_m, floor, calibration, params)
     if sight is None:

@@ -24,7 +24,6 @@ class Numbers(NamedTuple):
     cy: float
     bias_a: float
     bias_b: float
-    bias_c: float
     disparity_factor: float
     disparity_offset: float
     edge_step_m: float
@@ -44,7 +43,7 @@ Around: TypeAlias = tuple[float, float, float, float, float]
 
 
 class NoiseFields(NamedTuple):
-    """One frame's random fields, all (H, W).
+    """What differs from pixel to pixel in one frame, all (H, W); random but for the bias.
 
     Attributes
     ----------
@@ -54,12 +53,15 @@ class NoiseFields(NamedTuple):
         Where an outline is seen instead, pixels.
     luck : float32
         Uniform in 0 to 1; a pixel fails where that is below its probability to fail.
+    bias_c : float32
+        `DepthBias.square_term_per_m` of the device.
     """
 
     disparity: Float32Array
     jitter_u: Int8Array
     jitter_v: Int8Array
     luck: Float32Array
+    bias_c: Float32Array
 
 
 @compiled
@@ -173,13 +175,13 @@ def _failure(inverse_depth: Float32Array, v: int, u: int, reflectance: float, n:
 
 
 @compiled
-def _millimetres(inverse_z: float, disparity_noise: float, n: Numbers) -> int:
+def _millimetres(inverse_z: float, disparity_noise: float, bias_c: float, n: Numbers) -> int:
     """Return what the device reports of a true 1/z; 0 where that is out of its range."""
     # The device measures m where truth = a + b m + c m^2; solved for 1/m.
     excess_m = 1.0 / inverse_z - n.bias_a
     root = n.bias_b
-    if n.bias_c != 0.0:
-        root = math.sqrt(n.bias_b * n.bias_b + 4.0 * n.bias_c * excess_m)
+    if bias_c != 0.0:
+        root = math.sqrt(n.bias_b * n.bias_b + 4.0 * bias_c * excess_m)
     disparity = n.disparity_factor * (n.bias_b + root) / (2.0 * excess_m) + disparity_noise
     raw = math.floor(n.disparity_offset - disparity + 0.5)
     if raw < 0 or raw >= NO_PATTERN or raw >= n.disparity_offset:
@@ -213,4 +215,6 @@ def measure(
                 continue
             inverse_z = _wavering(inverse_depth, v, u, fields, n)
             if inverse_z > 0.0:
-                depth_mm[v, u] = np.uint16(_millimetres(inverse_z, fields.disparity[v, u], n))
+                depth_mm[v, u] = np.uint16(
+                    _millimetres(inverse_z, fields.disparity[v, u], fields.bias_c[v, u], n)
+                )

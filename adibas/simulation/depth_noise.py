@@ -115,6 +115,7 @@ class DepthSensor:
         self._seed = seed
         self._camera = device.depth
         self._numbers = _numbers(device, noise)
+        self._bias_c = device.calibration.depth_bias.square_term_per_m(device.depth)
         self._static = noise.static_sd * self._unit_field((device.seed, 0xF1))
         bank = np.random.default_rng([seed, 0xBA])
         self._jitter = [_whole(noise.edge_jitter_px * self._blobs(bank)) for _ in range(2)]
@@ -169,7 +170,8 @@ class DepthSensor:
             cv2.scaleAdd(fields[m], float(weight), disparity, dst=disparity)
         rng = np.random.default_rng([self._seed, 0x0F, moment + 16])
         jitter_u, jitter_v = (self._cut(bank, rng) for bank in self._jitter)
-        return NoiseFields(disparity, jitter_u, jitter_v, self._cut(self._luck, rng))
+        luck = self._cut(self._luck, rng)
+        return NoiseFields(disparity, jitter_u, jitter_v, luck, self._bias_c)
 
     def _moment(self, moment: int) -> Float32Array:
         known = self._recent.get(moment)
@@ -209,7 +211,6 @@ def _numbers(device: Device, noise: DepthNoise) -> Numbers:
         cy=k.cy,
         bias_a=bias.a,
         bias_b=bias.b,
-        bias_c=bias.c,
         disparity_factor=SUBPIXELS * noise.projector_baseline_m * k.fx,
         disparity_offset=device.disparity_offset,
         edge_step_m=noise.edge_step_m,

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from adibas.arrays import FloatArray
 from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform
@@ -40,6 +39,9 @@ class DeviceSpread:
         Mean k1 and k2 of the colour lens; a weak barrel, weaker than the thesis' own camera.
     bias_at_2_m, bias_at_3_m : (float, float)
         Range of the size of the depth error, metres; its sign is drawn (1-3 cm: Boehm 2014).
+    bias_of_border_m : float
+        What each quadratic term of the image adds to the depth error at 2 m at the middle of the
+        image's border (some mm in the maps of Herrera et al. 2012); none by default.
     """
 
     depth_focal_px: tuple[float, float] = (575.0, 585.0)
@@ -51,6 +53,7 @@ class DeviceSpread:
     radial: tuple[float, float] = (0.05, -0.15)
     bias_at_2_m: tuple[float, float] = (0.008, 0.020)
     bias_at_3_m: tuple[float, float] = (0.015, 0.030)
+    bias_of_border_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,26 +108,22 @@ def draw_device(
     full = replace(full, distortion=tuple(float(value) for value in lens))
     rotation, _ = cv2.Rodrigues(rng.normal(0.0, spread.rotation_sd_rad, 3))
     offset_m = rng.normal((-spread.baseline_m, 0.0, 0.0), spread.baseline_sd_m)
+    bias = _bias(rng, spread)
+    disparity_offset = float(rng.uniform(1085.0, 1095.0))
+    if spread.bias_of_border_m > 0.0:
+        bias = replace(bias, image_term=_image_term(rng, spread.bias_of_border_m, depth))
     return Device(
         calibration=RgbdCalibration(
             color=full if color_size == COLOR_SIZES[0] else _binned(full),
             depth=depth,
             color_from_depth=RigidTransform(np.asarray(rotation, float), offset_m),
             depth_unit_m=DEPTH_UNIT_M,
-            depth_bias=_bias(rng, spread),
+            depth_bias=bias,
             sensor_serial=f"SIM{seed:05d}",
         ),
-        disparity_offset=float(rng.uniform(1085.0, 1095.0)),
+        disparity_offset=disparity_offset,
         seed=seed,
     )
-
-
-def measured_depth_m(true_m: FloatArray, bias: DepthBias) -> FloatArray:
-    """Return what a biased device measures, so that ``bias.correct`` gives `true_m` again."""
-    if bias.c == 0.0:
-        return (true_m - bias.a) / bias.b
-    root = np.sqrt(bias.b**2 - 4.0 * bias.c * (bias.a - true_m))
-    return 2.0 * (true_m - bias.a) / (bias.b + root)
 
 
 def _known(camera: CameraCalibration | None) -> CameraCalibration:
@@ -169,3 +168,12 @@ def _bias(rng: np.random.Generator, spread: DeviceSpread) -> DepthBias:
     )
     c, b, a = np.polyfit(z_m, z_m - error_m, 2)
     return DepthBias(float(a), float(b), float(c))
+
+
+def _image_term(
+    rng: np.random.Generator, sd_m: float, camera: CameraCalibration
+) -> tuple[float, ...]:
+    """Draw the terms x, y, x^2, xy, y^2, each of `sd_m` at 2 m at the image's border."""
+    x, y = camera.width / (2 * camera.intrinsics.fx), camera.height / (2 * camera.intrinsics.fy)
+    sizes = np.array([x, y, x * x, x * y, y * y]) * BIAS_REFERENCE_M[0] ** 2
+    return tuple((rng.normal(0.0, sd_m, len(sizes)) / sizes).tolist())

@@ -28,7 +28,7 @@ def simulated(name, seed, **changes):
     frame = scene.frame(3)
     calibration = scene.info.calibration
     depth_m = depth_in_metres(frame.sensor_frame.depth_raw, scene.info.depth_unit_m)
-    return calibration.depth_bias.correct(depth_m), calibration, frame.truth
+    return calibration.corrected_depth(depth_m), calibration, frame.truth
 
 
 def room(floor=FLOOR, wall_m=WALL_M):
@@ -69,7 +69,7 @@ def test_head_and_chest_over_raised_forearms_belong_to_the_legs_below():
     scene = open_scene("note", seed=303)
     frame, calibration = scene.frame(25), scene.info.calibration
     depth_m = depth_in_metres(frame.sensor_frame.depth_raw, scene.info.depth_unit_m)
-    depth_m = calibration.depth_bias.correct(depth_m)
+    depth_m = calibration.corrected_depth(depth_m)
     body = find_body(depth_m, calibration.depth, calibration.floor)
     assert overlap(body.pixels, frame.truth.body_mask) > 0.93
 
@@ -79,7 +79,7 @@ def test_a_piece_of_wall_between_arm_and_chair_is_nobody_however_large():
     scene = SimulatedScene(settings)
     frame, calibration = scene.frame(0), scene.info.calibration
     depth_m = depth_in_metres(frame.sensor_frame.depth_raw, scene.info.depth_unit_m)
-    depth_m = calibration.depth_bias.correct(depth_m)
+    depth_m = calibration.corrected_depth(depth_m)
     body = find_body(depth_m, calibration.depth, calibration.floor)
     assert overlap(body.pixels, frame.truth.body_mask) > 0.95
 

@@ -23,7 +23,9 @@ from adibas.simulation.scenes import open_scene
 
 def surface(scene, index):
     depth_m = depth_in_metres(scene.frame(index).sensor_frame.depth_raw, scene.info.depth_unit_m)
-    return fuse_depth([depth_m], scene.info.calibration.depth_bias).mean_per_m
+    return fuse_depth(
+        [depth_m], scene.info.calibration.depth_bias, scene.info.calibration.depth
+    ).mean_per_m
 
 
 def capture(scene, rng, **changes):

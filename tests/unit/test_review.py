@@ -34,7 +34,7 @@ class Captured:
         simulated = [scene.frame(i) for i in range(N_FRAMES)]
         self.calibration = scene.info.calibration
         depths = (to_rgbd(one.sensor_frame, scene.info).depth_m for one in simulated)
-        surface = fuse_depth(depths, self.calibration.depth_bias)
+        surface = fuse_depth(depths, self.calibration.depth_bias, self.calibration.depth)
         self.surface = CaptureSurface(surface, self.calibration)
         self.picture_rgb = simulated[0].sensor_frame.color
         self.truths = [one for one in simulated[0].truth.markers if one.is_visible]

@@ -8,7 +8,7 @@ import pytest
 
 from adibas.data.calibration import DepthBias
 from adibas.simulation.depth_noise import EXACT, DepthNoise, DepthSensor
-from adibas.simulation.device import draw_device
+from adibas.simulation.device import DeviceSpread, draw_device
 
 SIZE = (480, 640)
 WINDOW = (slice(100, 380), slice(100, 540))
@@ -96,6 +96,21 @@ def test_a_frame_is_the_same_whatever_was_asked_before():
     alone = DepthSensor(device, noise, 7).measure(*plane(2.0), 3)
     np.testing.assert_array_equal(in_order[3], alone)
     assert (in_order[2] != in_order[3]).any()
+
+
+def test_the_image_term_handed_out_brings_depth_back_to_the_truth():
+    device = draw_device(11, spread=DeviceSpread(bias_of_border_m=0.01))
+    assert len(device.calibration.depth_bias.image_term) == 5
+    raw_m = measured(EXACT, 2.0, [0], device=device)[0]
+    spread_m = np.nanmax(raw_m) - np.nanmin(raw_m)
+    corrected_m = device.calibration.corrected_depth(raw_m.astype(np.float32))
+    step_m = 2.0**2 / (8 * 0.075 * 575)
+    assert spread_m > 3 * step_m
+    # Up to half a step of disparity.
+    assert np.nanmax(np.abs(corrected_m - 2.0)) < 0.5 * step_m + 0.001
+    plain = draw_device(11)
+    assert plain.calibration.depth_bias.image_term == ()
+    assert plain.disparity_offset == device.disparity_offset
 
 
 def test_the_bias_handed_out_brings_depth_back_to_the_truth():

@@ -88,7 +88,7 @@ def test_stickers_lie_on_the_surface_that_the_depth_shows(plain_frame):
 def test_depth_without_noise_is_the_truth_to_half_a_step(plain_frame):
     raw_m = plain_frame.sensor_frame.depth_raw.astype(np.float32) / 1000
     calibration = plain_frame.truth.calibration
-    corrected_m = calibration.depth_bias.correct(raw_m)
+    corrected_m = calibration.corrected_depth(raw_m)
     depth_m = plain_frame.truth.depth_m
     half_step_m = 0.5 * depth_m**2 / (8 * 0.075 * 570) + 0.0006
     is_read = raw_m > 0

@@ -77,6 +77,47 @@ def test_depth_bias_is_the_polynomial_of_its_docstring():
     corrected = DepthBias(a=0.01, b=1.02, c=-0.003).correct(depth_m)
     np.testing.assert_allclose(corrected, [[1.027, 2.038, np.nan]], rtol=1e-6)
     assert DepthBias().correct(depth_m) is depth_m
+    assert DepthBias(image_term=(0.0, 0.0)).correct(depth_m) is depth_m
+
+
+def test_image_term_of_the_depth_bias_is_the_polynomial_of_its_docstring():
+    camera = CameraCalibration(3, 2, Intrinsics(10.0, 20.0, 1.5, 0.25))
+    factors = tuple((0.01 * np.arange(1.0, 10.0)).tolist())
+    depth_m = np.array([[1.0, 2.0, np.nan], [0.5, 1.5, 3.0]], np.float32)
+    for n_terms in (2, 5, 9):
+        bias = DepthBias(0.1, 1.1, -0.2, factors[:n_terms])
+        found = RgbdCalibration(depth=camera, depth_bias=bias).corrected_depth(depth_m)
+        assert found.dtype == np.float32
+        for row, column in np.ndindex(2, 3):
+            z, x, y = float(depth_m[row, column]), (column - 1.5) / 10.0, (row - 0.25) / 20.0
+            powers = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
+            image = sum(f * x**i * y**j for f, (i, j) in zip(bias.image_term, powers, strict=False))
+            wanted = 0.1 + 1.1 * z + (-0.2 + image) * z**2
+            np.testing.assert_allclose(found[row, column], wanted, rtol=2e-6)
+
+
+def test_an_image_term_is_kept_for_a_camera_and_cannot_be_changed():
+    camera = CameraCalibration(3, 2, Intrinsics(10.0, 20.0, 1.5, 0.25))
+    bias = DepthBias(image_term=(0.1, 0.2))
+    square_term_per_m = bias.square_term_per_m(camera)
+    assert DepthBias(image_term=(0.1, 0.2)).square_term_per_m(camera) is square_term_per_m
+    assert not square_term_per_m.flags.writeable
+
+
+def test_an_image_term_needs_its_camera():
+    bias, depth_m = DepthBias(image_term=(0.1, 0.2)), np.ones((2, 3), np.float32)
+    with pytest.raises(ValueError, match="needs the depth camera"):
+        bias.correct(depth_m)
+    with pytest.raises(ValueError, match="depth_m must have shape"):
+        bias.correct(depth_m, CameraCalibration(4, 2, INTRINSICS))
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"a": np.nan}, {"image_term": (1.0,)}, {"image_term": (0.0, np.inf)}]
+)
+def test_a_depth_bias_is_finite_and_of_a_known_order(wrong):
+    with pytest.raises(ValueError, match=r"image_term|finite"):
+        DepthBias(**wrong)
 
 
 def test_a_calibration_checks_its_parts():
