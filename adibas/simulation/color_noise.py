@@ -62,7 +62,7 @@ class ColorSensor:
         # No gain is under 1, so that full pixels are white.
         self._gains = gains / gains.min()
         self._light = PAPER * illumination.level * gains.min() * lamp_rgb
-        self._curve = _srgb_curve()
+        self._curve = srgb_curve()
         bank = np.random.Generator(np.random.SFC64([seed, 0xC0]))
         self._bank = bank.standard_normal(_BANK_SIZE, np.float32)
 
@@ -93,7 +93,7 @@ class ColorSensor:
         return picture
 
 
-def _srgb_curve() -> UInt8Array:
+def srgb_curve() -> UInt8Array:
     """Return what each raw value becomes.
 
     Source: IEC 61966-2-1.
