@@ -23,6 +23,7 @@ LANGUAGES = {"en": "English", "es": "Español", "ca": "Català"}
 VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 """Of the environment, the strongest first, as gettext reads them."""
 
+DECIMAL_COMMA = ("es", "ca")
 NAMES_ON_WINDOWS = {"spanish": "es", "catalan": "ca"}
 
 _spoken: ContextVar[str] = ContextVar("spoken")
@@ -120,3 +121,9 @@ describe = _texts.describe
 def spoken_language() -> str:
     """Return the two letters of the language in use here."""
     return _texts.language
+
+
+def decimal_text(value: float, n_decimals: int) -> str:
+    """Return a number as a reader of the language in use expects it on paper."""
+    text = f"{value:.{n_decimals}f}"
+    return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text

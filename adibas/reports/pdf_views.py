@@ -20,8 +20,8 @@ from adibas.reports.pdf_layout import (
 )
 from adibas.reports.plots import marker_plot
 from adibas.reports.rows import MarkerRow, distance_rows, free_rows, marker_rows
+from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
-from adibas.texts import translate_plural
 
 DASH = "\N{EN DASH}"
 MOST_PAIRS = 435
@@ -98,8 +98,8 @@ def _markers(capture: CaptureReport, rows: list[MarkerRow], width: float) -> Ite
     cells = []
     for row in rows:
         mark = " *" if row.label in capture.placed_by_hand else ""
-        place = [f"{value:.1f}" for value in row.position_mm or ()] or missing
-        deviation = [f"{value:.1f}" for value in row.deviation_mm or ()] or missing
+        place = [decimal_text(value, 1) for value in row.position_mm or ()] or missing
+        deviation = [decimal_text(value, 1) for value in row.deviation_mm or ()] or missing
         cells.append([f"{row.label}{mark}", *place, *deviation])
     header = [_("Marker"), "x [mm]", "y [mm]", "z [mm]"]
     header += [_("sd {axis} [mm]").format(axis=axis) for axis in "xyz"]
@@ -130,7 +130,7 @@ def _free_measures(capture: CaptureReport, width: float) -> Iterator[Flowable]:
 def _numbers(value: float | None, low: float | None, high: float | None) -> tuple[str, str]:
     if value is None:
         return DASH, DASH
-    return f"{value:.1f}", f"{low:.1f} {DASH} {high:.1f}"
+    return decimal_text(value, 1), f"{decimal_text(low, 1)} {DASH} {decimal_text(high, 1)}"
 
 
 def _distances(capture: CaptureReport) -> Iterator[Flowable]:

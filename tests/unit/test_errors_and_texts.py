@@ -6,7 +6,7 @@ from threading import Thread
 import pytest
 
 from adibas.errors import AdibasError, RecordingError
-from adibas.texts import Texts, message, system_language
+from adibas.texts import Texts, decimal_text, message, speaking, system_language
 
 
 def write_catalogue(folder, texts):
@@ -121,3 +121,11 @@ def test_no_text_stays_no_text(tmp_path, monkeypatch):
     write_catalogue(tmp_path / "es" / "LC_MESSAGES", {"colour": "color"})
     monkeypatch.setattr("adibas.texts.resource_path", lambda _name: tmp_path)
     assert Texts("es").translate("") == ""
+
+
+@pytest.mark.parametrize(
+    ("language", "text"), [("en", "1234.57"), ("es", "1234,57"), ("ca", "-0,06"), ("en", "-0.06")]
+)
+def test_numbers_on_paper_have_the_decimal_mark_of_the_language(language, text):
+    with speaking(language):
+        assert decimal_text(float(text.replace(",", ".")), 2) == text

@@ -25,6 +25,7 @@ from adibas.measures.geometry_tables import all_distances
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.reports import batch, pdf, sheets, write_report
 from adibas.reports.batch import PICTURES, report_stem, write_session_reports
+from adibas.texts import speaking
 
 DASH = "\N{EN DASH}"
 BEGUN = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
@@ -165,6 +166,17 @@ def test_every_distance_of_the_pdf_is_the_workbook_s_to_a_tenth(report, tmp_path
         numbers = [float(row["value"]) for row in reader if row["quantity"] == "distance"]
     assert numbers == [row["Distance [mm]"] for row in rows]
     assert "3 angles of all triplets" in text
+
+
+def test_a_spanish_pdf_writes_its_numbers_with_a_comma(report, tmp_path):
+    english = pdf_text(written(report, ".pdf", tmp_path))
+    with speaking("es"):
+        spanish = pdf_text(written(report, ".pdf", tmp_path))
+    interval = rf"(\d+)[.,](\d) {DASH} (\d+)[.,](\d)"
+    assert len(re.findall(interval, english)) > 5
+    assert re.findall(interval, spanish) == re.findall(interval, english)
+    assert not re.findall(interval.replace("[.,]", r"\."), spanish)
+    assert not re.findall(interval.replace("[.,]", ","), english)
 
 
 def test_the_pdf_has_a_page_a_view_and_a_footer_on_each(report, tmp_path):
