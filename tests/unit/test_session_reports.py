@@ -25,7 +25,6 @@ from adibas.measures.geometry_tables import all_distances
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.reports import batch, pdf, sheets, write_report
 from adibas.reports.batch import PICTURES, report_stem, write_session_reports
-from adibas.texts import speaking
 
 DASH = "\N{EN DASH}"
 BEGUN = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
@@ -170,8 +169,7 @@ def test_every_distance_of_the_pdf_is_the_workbook_s_to_a_tenth(report, tmp_path
 
 def test_a_spanish_pdf_writes_its_numbers_with_a_comma(report, tmp_path):
     english = pdf_text(written(report, ".pdf", tmp_path))
-    with speaking("es"):
-        spanish = pdf_text(written(report, ".pdf", tmp_path))
+    spanish = pdf_text(written(replace(report, language="es"), ".pdf", tmp_path))
     interval = rf"(\d+)[.,](\d) {DASH} (\d+)[.,](\d)"
     assert len(re.findall(interval, english)) > 5
     assert re.findall(interval, spanish) == re.findall(interval, english)
