@@ -3,15 +3,23 @@
 Source: thesis, section 6.1.1.2.
 """
 
+import math
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
+from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blobs import Blob, BlobParams, connected_groups, judge, measure_blobs
+from adibas.markers.blobs import Blob, BlobParams, Groups, connected_groups, judge, measure_blobs
 from adibas.markers.detection import Detections, bounding_box
+
+Number = TypeVar("Number", np.float32, np.bool_)
+
+LEVEL_STEP = 0.85
+"""From one level of peaks to the next: a blob's rim is at most that much too high."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,11 +29,14 @@ class LedParams:
     Attributes
     ----------
     least_brightness : float
-        Of an LED's brightest pixel over the scene's median, grey levels of 255: 60.
+        Of an LED's brightest pixel over what is about it and over the body's median, grey levels
+        of 255: 60.
     rim_share : float
-        Of the brightest pixel of the image; what is brighter belongs to an LED: 0.35.
+        Of the LED's own brightest pixel; what is brighter belongs to it: 0.35.
     greatest_share : float
-        Of the body; where more is that bright, the image is no dark one.
+        Of the body; where more is bright beside its brightest pixel, the image is no dark one.
+    surround_factor : float
+        What is larger than this many times the greatest marker is background: 1.5.
     blobs : BlobParams
         Size and shape; bloom makes LEDs look larger than they are.
     """
@@ -33,6 +44,7 @@ class LedParams:
     least_brightness: float = 60.0
     rim_share: float = 0.35
     greatest_share: float = 0.05
+    surround_factor: float = 1.5
     blobs: BlobParams = field(default_factory=BlobParams)
 
 
@@ -66,32 +78,89 @@ def find_led_markers(
     brightest = float(brightness[inside].max())
     if brightest - dark < params.least_brightness:
         return Detections((), (), 0.0)
-    level = dark + params.rim_share * (brightest - dark)
-    bright = inside & (brightness > level)
-    matched = float(bright[inside].mean())
+    is_bright = brightness[inside] > dark + params.rim_share * (brightest - dark)
+    matched = float(is_bright.mean())
     if matched > params.greatest_share:
         return Detections((), (), matched)
-    return _judged(brightness, inside, bright, window, (depth_m, focal_px), params)
-
-
-def _judged(
-    brightness: Float32Array,
-    inside: BoolArray,
-    bright: BoolArray,
-    window: tuple[slice, slice],
-    size: tuple[Float32Array, float],
-    params: LedParams,
-) -> Detections:
-    offset_uv = np.array([window[1].start, window[0].start], float)
     # A saturated LED is a plateau: the blur makes its middle the brightest place again.
-    smooth = cv2.GaussianBlur(brightness, (0, 0), 1.0).astype(np.float32)[..., None]
-    blobs: list[Blob] = []
-    rejected: list[RejectedBlob] = []
-    groups = connected_groups(bright, np.zeros(bright.shape, np.bool_))
-    for blob in measure_blobs(smooth, 256.0 - smooth[..., 0], groups):
-        found = judge(blob, offset_uv, *size, params.blobs)
-        if isinstance(found, Blob):
-            blobs.append(found)
-        elif found is not None:
-            rejected.append(found)
-    return Detections(tuple(blobs), tuple(rejected), float(bright[inside].mean()))
+    smooth = cv2.GaussianBlur(brightness, (0, 0), 1.0).astype(np.float32)
+    size_px = _surround_px(depth_m[window], focal_px, params)
+    background = _background(np.where(inside, smooth, np.float32(dark)), size_px)
+    background = np.maximum(background, np.float32(dark))
+    excess = np.where(inside, brightness - background, np.float32(0.0))
+    # The inverse of the light, so that a dim LED stands out as a bright one does; squared, since
+    # the glow about a saturated one has half of its light.
+    distance = 1.0 / (1.0 + np.maximum(smooth - background, 0.0)) ** 2
+    groups = _groups(excess, params)
+    offset_uv = np.array([window[1].start, window[0].start], float)
+    judged = [
+        judge(blob, offset_uv, depth_m, focal_px, params.blobs)
+        for blob in measure_blobs(smooth[..., None], distance, groups)
+    ]
+    return Detections(
+        tuple(found for found in judged if isinstance(found, Blob)),
+        tuple(found for found in judged if isinstance(found, RejectedBlob)),
+        matched,
+    )
+
+
+def _surround_px(depth_m: Float32Array, focal_px: float, params: LedParams) -> int:
+    """Return the odd width of what no marker fills, where most of the picture's things are."""
+    known_m = depth_m[np.isfinite(depth_m)]
+    distance_m = float(np.median(known_m)) if len(known_m) else params.blobs.unknown_distance_m
+    width_m = params.surround_factor * params.blobs.greatest_diameter_m
+    return round(width_m * focal_px / distance_m) | 1
+
+
+def _background(brightness: Float32Array, size_px: int) -> Float32Array:
+    """Return the brightness without all that is narrower than a square of `size_px`."""
+    square = np.ones((size_px, size_px), np.uint8)
+    return np.asarray(cv2.morphologyEx(brightness, cv2.MORPH_OPEN, square), np.float32)
+
+
+def _groups(excess: Float32Array, params: LedParams) -> Groups:
+    """Return the pixels of every blob: what is brighter than the rim's share of its own peak.
+
+    From the brightest peaks to the least that count. A blob that would hang together with a
+    brighter one ends above the place where they meet.
+    """
+    taken = np.zeros(excess.shape, np.bool_)
+    found: list[Groups] = []
+    waiting: Groups = connected_groups(taken, taken)
+    for peak in _levels(float(excess.max()), params.least_brightness):
+        groups = connected_groups(excess > params.rim_share * peak, taken)
+        is_free = np.zeros(excess.shape, np.bool_)
+        is_free[groups[:2]] = True
+        merged = _chosen(waiting, ~_greatest(is_free, waiting))
+        peaks = _greatest(excess, groups)
+        is_bright = peaks >= max(LEVEL_STEP * peak, params.least_brightness)
+        bright = _chosen(groups, is_bright)
+        taken[bright[:2]] = taken[merged[:2]] = True
+        found += [bright, merged]
+        waiting = _chosen(groups, ~is_bright & (peaks >= params.least_brightness))
+    return _joined(found)
+
+
+def _levels(brightest: float, least: float) -> FloatArray:
+    """Return the peaks to look for, each a step below the one before; the last is the least."""
+    n_steps = math.ceil(math.log(max(brightest / least, 1.0)) / -math.log(LEVEL_STEP))
+    return np.geomspace(max(brightest, least), least, n_steps + 1)
+
+
+def _greatest(values: NDArray[Number], groups: Groups) -> NDArray[Number]:
+    """Return the greatest value in each group."""
+    rows, columns, starts = groups
+    return np.maximum.reduceat(values[rows, columns], starts[:-1]) if len(rows) else values[0, :0]
+
+
+def _chosen(groups: Groups, is_chosen: BoolArray) -> Groups:
+    rows, columns, starts = groups
+    sizes = np.diff(starts)
+    pixels = np.repeat(is_chosen, sizes)
+    return rows[pixels], columns[pixels], np.append(0, np.cumsum(sizes[is_chosen]))
+
+
+def _joined(parts: list[Groups]) -> Groups:
+    rows, columns = (np.concatenate([part[axis] for part in parts]) for axis in (0, 1))
+    sizes = np.concatenate([np.diff(part[2]) for part in parts])
+    return rows, columns, np.append(0, np.cumsum(sizes))

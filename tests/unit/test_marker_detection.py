@@ -138,6 +138,54 @@ def test_leds_are_found_in_a_dark_picture_though_they_are_saturated():
         assert min(np.hypot(blob.u - u, blob.v - v) for blob in found) < 0.15
 
 
+def leds(peaks, background=12.0):
+    """A picture with an LED of each peak, grey levels over its background, 40 pixels apart."""
+    picture = np.broadcast_to(np.float64(background), SIZE).copy()
+    for number, peak in enumerate(peaks):
+        light = cv2.GaussianBlur(disc(40.3 + 40 * number, 80.7, 2.0), (0, 0), 1.5)
+        picture += peak * light / light.max()
+    return np.repeat(np.clip(np.rint(picture), 0, 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+@pytest.mark.parametrize(
+    ("least", "n_found"), [(20.0, 4), (40.0, 3), (60.0, 2), (150.0, 1), (255.0, 0)]
+)
+def test_the_least_brightness_decides_which_leds_count_beside_brighter_ones(least, n_found):
+    picture = leds([900.0, 80.0, 50.0, 30.0])
+    params = LedParams(least_brightness=least)
+    found = find_led_markers(picture, BODY, DEPTH_M, FOCAL_PX, params).blobs
+    assert len(found) == n_found
+    for blob in found:
+        assert abs(blob.v - 80.7) < 0.1
+        assert abs((blob.u - 0.3 + 20) % 40 - 20) < 0.1
+
+
+def test_an_led_is_as_large_as_a_brighter_one_of_its_size():
+    (bright,) = find_led_markers(leds([200.0]), BODY, DEPTH_M, FOCAL_PX, LedParams()).blobs
+    both = find_led_markers(leds([200.0, 70.0]), BODY, DEPTH_M, FOCAL_PX, LedParams()).blobs
+    for blob in both:
+        assert blob.radius_px == pytest.approx(bright.radius_px, rel=0.02)
+        assert blob.n_pixels == pytest.approx(bright.n_pixels, abs=6)
+
+
+def test_an_led_is_compared_with_the_cloth_about_it():
+    background = np.full(SIZE, 12.0)
+    background[:, 100:] = 30.0
+    picture = leds([80.0, 0.0, 50.0], background)
+    wanted = [(60.0, 1), (40.0, 2)]
+    for least, n_found in wanted:
+        params = LedParams(least_brightness=least)
+        found = find_led_markers(picture, BODY, DEPTH_M, FOCAL_PX, params).blobs
+        assert len(found) == n_found, least
+
+
+def test_an_led_that_touches_the_glow_of_a_brighter_one_is_another_blob():
+    picture = leds([200.0, 0.0])[..., 0] + np.roll(leds([130.0])[..., 0], 11, axis=1) - 12
+    picture = np.repeat(picture[..., None].astype(np.uint8), 3, axis=2)
+    found = find_led_markers(picture, BODY, DEPTH_M, FOCAL_PX, LedParams()).blobs
+    assert sorted(round(blob.u) for blob in found) == [40, 51]
+
+
 def test_a_dark_picture_without_leds_has_none():
     dark = led_picture([], 0.0)
     assert find_led_markers(dark, BODY, DEPTH_M, FOCAL_PX, LedParams()).blobs == ()
