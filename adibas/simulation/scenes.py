@@ -22,6 +22,7 @@ from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.color_noise import ColorNoise, ColorSensor
 from adibas.simulation.depth_noise import DepthNoise, DepthSensor
 from adibas.simulation.device import Device, draw_device
+from adibas.simulation.frame_times import FRAME_RATE_HZ, frame_time_ns
 from adibas.simulation.gestures import Gesture, gesture_names, perform
 from adibas.simulation.light import Illumination, draw_illumination
 from adibas.simulation.looks import Look, draw_look
@@ -35,8 +36,6 @@ from adibas.simulation.truth import FrameTruth, MarkerTruth, SimulatedFrame
 
 Mounting: TypeAlias = Literal["landscape", "portrait"]
 
-FRAME_RATE_HZ = 30.0
-CLOCK_JITTER_NS = 150_000
 VIEWS: tuple[View, ...] = ("anterior", "posterior", "left_lateral", "right_lateral")
 
 _BOTH = ("left_", "right_")
@@ -276,9 +275,7 @@ class SimulatedScene:
         return self._patient, posed
 
     def _timestamp_ns(self, index: int) -> int:
-        rng = np.random.default_rng([self.settings.seed, 0x71, index])
-        jitter = int(rng.normal(0.0, CLOCK_JITTER_NS))
-        return 1_000_000_000 + round(index * 1e9 / FRAME_RATE_HZ) + jitter
+        return frame_time_ns(self.settings.seed, index)
 
     def _posed(self, timestamp_ns: int) -> PosedBody | None:
         if self._patient is None:
