@@ -4,6 +4,7 @@ Source: NIST SP 800-38D. The nonce is random, 96 bits, new for each piece (secti
 seals at most the frames of one recording, far below the 2^32 pieces that the standard allows.
 """
 
+import hmac
 import os
 
 from cryptography.exceptions import InvalidTag
@@ -14,6 +15,14 @@ from adibas.recordings.seal import PayloadSeal, SealError
 KEY_SIZE = 32
 NONCE_SIZE = 12
 TAG_SIZE = 16
+
+
+def key_for(purpose: str, key: bytes) -> bytes:
+    """Return the key for one purpose that is made of another key, and tells nothing of it.
+
+    Source: NIST SP 800-108r1, a pseudorandom function (HMAC-SHA256) of the purpose.
+    """
+    return hmac.digest(key, purpose.encode(), "sha256")
 
 
 class AesSeal(PayloadSeal):

@@ -22,6 +22,7 @@ from adibas.sessions.patients import Patients
 from adibas.sessions.purging import Purge
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_recordings import SealedRecordings
+from adibas.sessions.sealing import AesSeal, key_for
 from adibas.sessions.stored_recordings import Recordings
 from adibas.sessions.verification import Progress, Verification, VerifyReport
 from adibas.sessions.visits import Sessions
@@ -29,6 +30,7 @@ from adibas.sessions.visits import Sessions
 logger = logging.getLogger(__name__)
 
 PICTURES, RECORDINGS = "pictures", "recordings"
+DRAFTS = "adibas-drafts-1"
 STORE_AS_SUBJECT = "store"
 """The audit log's word for the whole store."""
 
@@ -49,10 +51,20 @@ class SessionStore:
         See `Patients`, `Sessions`, `Recordings`, `Captures`.
     audit : AuditLog
         Who did what.
+    drafts : AesSeal
+        Seals what has to outlive the open store; only this store, opened again, reads it.
     """
 
-    def __init__(self, folder: Path, database: Database, lock: StoreLock, audit: AuditLog) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        database: Database,
+        lock: StoreLock,
+        audit: AuditLog,
+        drafts: AesSeal,
+    ) -> None:
         self.folder = folder
+        self.drafts = drafts
         self.is_read_only = database.is_read_only
         self.audit = audit
         pictures = SealedFiles(folder / PICTURES)
@@ -178,7 +190,8 @@ def open_store(
         bring_up_to_date(database, key)
         _mark_as_made(folder)
         audit = AuditLog(database, clock, operator)
-        store = SessionStore(folder, database, lock, audit)
+        drafts = AesSeal(key_for(DRAFTS, key), DRAFTS)
+        store = SessionStore(folder, database, lock, audit, drafts)
         audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
         if not store.is_read_only:
             store.tidy()

@@ -13,6 +13,7 @@ from alembic.script import ScriptDirectory
 
 from adibas.data.sessions import SessionSetup
 from adibas.errors import PassphraseError, StoreError
+from adibas.recordings.seal import SealError
 from adibas.sessions import default_store_folder, key_state, migrating, open_store
 from adibas.sessions.database import Database
 from adibas.sessions.keys import load_key
@@ -315,3 +316,16 @@ def test_a_journal_that_finds_no_room_is_a_full_disk(folder, pseudonym, monkeypa
     monkeypatch.setattr(shutil, "disk_usage", lambda _folder: usage)
     with pytest.raises(StoreError, match="disk is full"):
         open_store(folder, PASSPHRASE)
+
+
+def test_a_draft_is_read_by_its_own_store_opened_again_and_by_no_other(folder, tmp_path):
+    draft = NAME.encode()
+    with open_sample(folder) as store:
+        sealed = store.drafts.seal("form", draft)
+    assert draft not in sealed
+    with open_sample(folder) as store:
+        assert store.drafts.open("form", sealed) == draft
+        with pytest.raises(SealError):
+            store.drafts.open("notes", sealed)
+    with open_sample(tmp_path / "other") as other, pytest.raises(SealError):
+        other.drafts.open("form", sealed)
