@@ -15,6 +15,7 @@ from ui.events import Event
 from ui.frame_bridge import CallBridge, NewestBridge
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
+    from adibas.data.board import Board
     from adibas.pipeline.live import LiveView
     from adibas.pipeline.posture import MarkerTarget
 
@@ -47,6 +48,7 @@ class QtLiveSource(QObject):
         self._core_lock = Lock()
         self._target: MarkerTarget | None = None
         self._rotation_deg = 0
+        self._board: Board | None = None
         self._orders = ThreadPoolExecutor(1, thread_name_prefix="live-orders")
 
     @property
@@ -74,6 +76,7 @@ class QtLiveSource(QObject):
                 self._core = LiveView(self._listener, opener=self._opener)
                 self._core.set_target(self._target)
                 self._core.set_rotation(self._rotation_deg)
+                self._core.set_board(self._board)
             return self._core
 
     def open(self, source: str, options: SensorOptions) -> None:
@@ -94,6 +97,13 @@ class QtLiveSource(QObject):
             self._rotation_deg = rotation_deg
             if self._core is not None:
                 self._core.set_rotation(rotation_deg)
+
+    def set_board(self, board: "Board | None") -> None:
+        """Look for this board in place of a person; None: for persons again."""
+        with self._core_lock:
+            self._board = board
+            if self._core is not None:
+                self._core.set_board(board)
 
     def close(self) -> None:
         """Let go of the sensor."""

@@ -9,6 +9,7 @@ from adibas.sensors.ports import SensorOptions
 from ui.events import Event
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
+    from adibas.data.board import Board
     from adibas.pipeline.live import LiveView
     from adibas.pipeline.posture import MarkerTarget
 
@@ -100,6 +101,8 @@ class LiveSource(Protocol):
     def set_target(self, target: "MarkerTarget | None") -> None: ...
 
     def set_rotation(self, rotation_deg: int) -> None: ...
+
+    def set_board(self, board: "Board | None") -> None: ...
 
     def close(self) -> None:
         """Let go of the sensor; it can be opened anew."""

@@ -8,6 +8,7 @@ import threading
 from concurrent.futures import Future
 from dataclasses import replace
 
+from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SourceInfo
 from adibas.errors import SensorError
@@ -120,6 +121,11 @@ class LiveView:
         """Look for these markers from the next frame on; None looks for none."""
         with self._look_lock:
             self._look = replace(self._look, target=target)
+
+    def set_board(self, board: Board | None) -> None:
+        """Look for this board in place of a person from the next frame on; None: as before."""
+        with self._look_lock:
+            self._look = replace(self._look, board=board)
 
     def set_rotation(self, rotation_deg: int) -> None:
         """Say how far the picture is turned clockwise for showing: 0, 90, 180 or 270."""

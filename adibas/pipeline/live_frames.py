@@ -10,6 +10,7 @@ from adibas.pipeline.plumb import PlumbLine
 from adibas.texts import Message
 
 if TYPE_CHECKING:  # the window knows these types before anything is compiled
+    from adibas.calibration.finder import BoardSearch
     from adibas.markers.detection import Detections
 
 SensorKind: TypeAlias = Literal["closed", "opening", "live", "lost", "ended"]
@@ -26,13 +27,16 @@ class LiveFrame:
     color_rgb : (H', W', 3) uint8 array or None
         None where the frame has no colour, or a damaged one.
     depth_m : (H, W) float32 array or None
-        Along the depth camera's z, bias corrected, metres; NaN where not measured.
+        Along the depth camera's z, bias corrected (but for a board), metres; NaN where not
+        measured.
     depth_in_color_m : (H', W') float32 array or None
         The same registered to the colour image; None without a calibration.
     outline : (H', W') bool array or None
         The person in the colour image; None where nobody is seen.
     detections : Detections or None
         Markers in this frame; None where nobody is seen or no marker is looked for.
+    board : BoardSearch or None
+        What the search for a board came to; None where none is looked for, or without colour.
     plumb : PlumbLine or None
         Vertical and horizon in the colour image; None where neither floor nor gravity is known.
     hints : tuple of Message
@@ -51,6 +55,7 @@ class LiveFrame:
     depth_in_color_m: Float32Array | None = None
     outline: BoolArray | None = None
     detections: "Detections | None" = None
+    board: "BoardSearch | None" = None
     plumb: PlumbLine | None = None
     hints: tuple[Message, ...] = ()
     frame_rate_hz: float = 0.0

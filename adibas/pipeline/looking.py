@@ -6,6 +6,8 @@ from adibas.alignment.registration import register_pixels
 from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.body.floor import find_floor
 from adibas.calibration.files import check_fits
+from adibas.calibration.finder import as_gray, search_board
+from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
 from adibas.errors import CalibrationError, MarkerError, RecordingError
@@ -27,6 +29,9 @@ from adibas.pipeline.posture import (
 from adibas.recordings.decoding import decode_color
 from adibas.texts import Message
 
+BOARD_IMAGE = "live"
+"""What the image of a board is called while it is not kept."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
@@ -40,11 +45,14 @@ class Look:
         Takes the place of the source's own.
     params : PostureParams
         As in the measuring of a burst.
+    board : Board or None
+        To be found in place of a person; depth is given as measured then.
     """
 
     target: MarkerTarget | None = None
     calibration: RgbdCalibration | None = None
     params: PostureParams = field(default_factory=PostureParams)
+    board: Board | None = None
 
     def calibration_of(self, info: SourceInfo) -> RgbdCalibration | None:
         """Return the calibration in use for a source."""
@@ -67,6 +75,8 @@ def look_at(arrival: Arrival, look: Look) -> LiveFrame:
         frame_rate_hz=arrival.frame_rate_hz,
         n_dropped=arrival.n_dropped,
     )
+    if look.board is not None and color_rgb is not None:
+        return replace(plain, board=search_board(as_gray(color_rgb), look.board, BOARD_IMAGE))
     if color_rgb is None or depth_m is None:
         return plain
     calibration = look.calibration_of(arrival.info)

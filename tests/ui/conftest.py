@@ -153,6 +153,7 @@ class NoSensor:
         self.view = None
         self.target = None
         self.rotation_deg = 0
+        self.board = None
         self.orders = []
 
     @property
@@ -167,6 +168,9 @@ class NoSensor:
 
     def set_rotation(self, rotation_deg) -> None:
         self.rotation_deg = rotation_deg
+
+    def set_board(self, board) -> None:
+        self.board = board
 
     def close(self) -> None:
         self.orders.append(None)

@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from adibas.data.board import Board
 from adibas.pipeline import acquisition
 from adibas.sensors import SensorOptions
 from tests.unit.live_rig import UNPLUGGED, DrivenCamera, Sources, frame
@@ -135,3 +136,13 @@ def test_an_unplugged_sensor_is_told_and_comes_back(live_on, qtbot):
     qtbot.waitUntil(lambda: live.newest.sequence == 9, timeout=PATIENCE_MS)
     assert kinds[:2] == ["opening", "opening"]
     assert kinds[2:] == ["live", "lost", "live"]
+
+
+def test_a_board_is_looked_for_from_the_first_frame_on(live_on, qtbot):
+    board = Board(9, 6, 0.025)
+    live = live_on(DrivenCamera([frame(1, (480, 640))]))
+    live.set_board(board)
+    live.open("sensor", OPTIONS)
+    qtbot.waitUntil(lambda: live.newest is not None, timeout=PATIENCE_MS)
+    assert live.newest.board.corners is None
+    assert live.newest.board.problem is not None

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from adibas.alignment.registration import register_depth
+from adibas.calibration.finder import BoardProblem
+from adibas.data.board import Board
+from adibas.data.calibration import CameraCalibration
 from adibas.data.frames import EncodedImage, SensorFrame
+from adibas.geometry.pinhole import Intrinsics
+from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 from adibas.markers.color_model import LearningParams, grow_region, learn_colors
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.led import LedParams
@@ -14,6 +19,7 @@ from adibas.pipeline import hints
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.looking import Look, look_at
 from adibas.pipeline.posture import PostureParams
+from adibas.simulation.boards import render_board
 from adibas.simulation.scenes import open_scene
 
 
@@ -135,3 +141,33 @@ def test_a_frame_without_a_whole_colour_picture_shows_its_depth(whole, color):
     assert live.color_rgb is None
     assert live.hints == (hints.NO_COLOR,)
     assert np.isfinite(live.depth_m).any()
+
+
+def board_frame(whole, board):
+    """A frame of the sensor with a board in the colour picture, and its true corners."""
+    camera = CameraCalibration(640, 480, Intrinsics(525.0, 525.0, 319.5, 239.5))
+    pose = RigidTransform(rotation_from_vector(np.array([0.2, 0.1, 0.0])), np.array([-0.1, 0, 0.7]))
+    shown = render_board(board, pose, camera, np.random.default_rng(3), in_color=True)
+    depth_raw = whole.frame(0).sensor_frame.depth_raw
+    return SensorFrame(7, 70, depth_raw, shown.image, 70), shown.corners_px[0]
+
+
+def test_a_board_is_found_in_place_of_a_person(whole):
+    board = Board(9, 6, 0.025)
+    sensor_frame, truth_px = board_frame(whole, board)
+    live = look_at(arrival_of(whole, sensor_frame), Look(board=board))
+    assert np.abs(live.board.corners.pixels - truth_px).max() < 0.2
+    assert (live.outline, live.plumb, live.hints) == (None, None, ())
+    measured_m = sensor_frame.depth_raw * np.float32(whole.info.depth_unit_m)
+    np.testing.assert_array_equal(np.nan_to_num(live.depth_m), measured_m)
+
+
+def test_why_no_board_is_found_is_told(whole):
+    sensor_frame, _truth_px = board_frame(whole, Board(9, 6, 0.025))
+    live = look_at(arrival_of(whole, sensor_frame), Look(board=Board(8, 5, 0.025)))
+    assert live.board.corners is None
+    assert live.board.problem is BoardProblem.ANOTHER_SIZE
+    without_color = replace(sensor_frame, color=None, color_timestamp_ns=None)
+    blind = look_at(arrival_of(whole, without_color), Look(board=Board(8, 5, 0.025)))
+    assert blind.board is None
+    assert hints.NO_COLOR in blind.hints
