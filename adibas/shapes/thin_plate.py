@@ -66,7 +66,7 @@ def fit_warp(target: FloatArray, source: FloatArray, smoothing: float = 0.0) -> 
     if np.linalg.matrix_rank(source - source.mean(axis=0)) < n_dimensions:
         return None
     if np.isinf(smoothing):
-        affine: FloatArray = np.linalg.lstsq(plane, target, rcond=None)[0]
+        affine = np.asarray(np.linalg.lstsq(plane, target, rcond=None)[0], float)
         return Warp(source.copy(), np.zeros_like(source), affine, 0.0)
     size = float(np.sqrt(((source - source.mean(axis=0)) ** 2).sum(axis=1).mean()))
     kernel = _kernel(source, source)
@@ -76,7 +76,7 @@ def fit_warp(target: FloatArray, source: FloatArray, smoothing: float = 0.0) -> 
     system[:n_points, n_points:] = plane
     system[n_points:, :n_points] = plane.T
     right = np.concatenate([target, np.zeros((n_dimensions + 1, n_dimensions))])
-    solved: FloatArray = np.linalg.solve(system, right)
+    solved = np.asarray(np.linalg.solve(system, right), float)
     weights, affine = solved[:n_points], solved[n_points:]
     energy = float((weights * (kernel @ weights)).sum()) * size**power / size**2
     return Warp(source.copy(), weights, affine, max(energy, 0.0))
