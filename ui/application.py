@@ -19,6 +19,7 @@ from adibas.texts import use_language
 from ui.appearance import Appearance
 from ui.closing import OrderlyClose
 from ui.crash import install_crash_report
+from ui.drafts import Drafts
 from ui.dropping import screen_for
 from ui.frame_bridge import CallBridge
 from ui.idle import IdleCall
@@ -73,6 +74,7 @@ class Application:
         self.window = MainWindow(self._theme, self.jobs, preferences)
         self.workspace: Workspace | None = None
         self._left_at: tuple[Place, str] | None = None
+        self._drafts = Drafts(self.window)
         self._is_locking = False
         self._watch = InactivityWatch(self.lock, self.window)
         self._idle = IdleCall(self.jobs, self._finish_lock)
@@ -136,6 +138,8 @@ class Application:
     def _finish_lock(self) -> None:
         self._is_locking = False
         self._close_other_windows()
+        if self.workspace is not None:
+            self._drafts.keep(self.workspace.store.drafts)
         self._take_apart()
         self._show_unlock().ask()
 
@@ -166,13 +170,22 @@ class Application:
         self._watch.set_minutes(self.preferences.now.autolock_minutes)
         self._show_where_the_user_was(workspace)
         if store.is_read_only:
-            workspace.tell(
-                "warning",
-                _(
-                    "Another window has the patient store open. Here you can look at everything "
-                    "and write reports; close that window to change anything."
-                ),
+            self._tell_read_only(workspace)
+        else:
+            self._drafts.give_back(store.drafts)
+
+    def _tell_read_only(self, workspace: Workspace) -> None:
+        if self._drafts.are_there:
+            sentence = _(
+                "Another window has the patient store open. What you were typing is kept: close "
+                "that window, then lock this one (Ctrl+L) and unlock it."
             )
+        else:
+            sentence = _(
+                "Another window has the patient store open. Here you can look at everything "
+                "and write reports; close that window to change anything."
+            )
+        workspace.tell("warning", sentence)
 
     def _show_where_the_user_was(self, workspace: Workspace) -> None:
         if self._left_at is None:

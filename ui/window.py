@@ -152,6 +152,11 @@ class MainWindow(QMainWindow):
                 splitter.restoreState(_bytes(state))
         return self._screens[name]
 
+    def drafts(self) -> dict[str, str]:
+        """Return by the name of the screen what was typed and is not saved."""
+        drafts = {name: screen.draft() for name, screen in self._screens.items()}
+        return {name: draft for name, draft in drafts.items() if draft}
+
     def show_screen(self, name: str) -> None:
         """Show a screen; the one that was seen is told."""
         before = self._pages.currentWidget()

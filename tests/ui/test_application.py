@@ -126,6 +126,83 @@ def test_nothing_of_a_patient_is_read_in_a_locked_window(user):
     user.close()
 
 
+def unlock(user):
+    user.until(lambda: locked(user))
+    user.settle()
+    user.window.activateWindow()
+    user.until(user.window.isActiveWindow)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    user.settle()
+
+
+def type_patient(user):
+    user.key(Key.Key_N, CTRL)
+    user.keys("Nuria Typed")
+    user.key(Key.Key_Tab)
+    user.keys("3/4/1980")
+
+
+def test_a_form_that_was_being_filled_in_is_given_back_after_a_lock(user):
+    type_patient(user)
+    user.application.lock()
+    assert "Nuria" not in words(user)
+    user.until(lambda: locked(user))
+    user.settle()
+    assert "Nuria" not in words(user)
+    unlock(user)
+    assert "Nuria Typed" in words(user)
+    assert "3/4/1980" in words(user)
+    user.click("Save")
+    assert user.workspace.patient.identity.name == "Nuria Typed"
+    user.application.lock()
+    unlock(user)
+    assert not user.screen.pages.has_form
+    user.close()
+
+
+def test_a_form_is_given_back_behind_the_screen_that_was_seen(user):
+    type_patient(user)
+    user.go_to("settings")
+    user.application.lock()
+    unlock(user)
+    assert user.window.shown == "settings"
+    user.go_to("patients")
+    assert "Nuria Typed" in words(user)
+    user.close()
+
+
+def test_while_locked_nothing_typed_is_in_the_store_or_readable_in_the_window(user, tmp_path):
+    type_patient(user)
+    user.application.lock()
+    user.until(lambda: locked(user))
+    drafts = vars(user.application)["_drafts"]
+    assert drafts.are_there
+    assert b"Nuria" not in b"".join(vars(drafts)["_sealed"].values())
+    files = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert files
+    assert not [path for path in files if b"Nuria" in path.read_bytes()]
+    unlock(user)
+    user.key(Key.Key_Escape)
+    user.close()
+
+
+def test_a_form_waits_until_no_other_window_has_the_store(user, tmp_path):
+    type_patient(user)
+    user.application.lock()
+    user.until(lambda: locked(user))
+    with open_store(tmp_path / "store", SECRET):
+        unlock(user)
+        assert "What you were typing is kept" in user.window.told
+        assert "Nuria Typed" not in words(user)
+        user.application.lock()
+        user.until(lambda: locked(user))
+    unlock(user)
+    assert "Nuria Typed" in words(user)
+    user.key(Key.Key_Escape)
+    user.close()
+
+
 def test_after_a_lock_the_same_screen_and_session_are_shown(user):
     choose_somebody(user)
     (session,) = user.store.sessions.of_patient(user.workspace.patient.pseudonym)

@@ -172,6 +172,31 @@ def test_markers_in_use_are_there_from_the_start(view, workspace, live):  # noqa
     assert (shown(view).mode, shown(view).least_brightness) == ("led", 99.0)
 
 
+def test_what_was_learned_and_not_used_is_given_back(learner, view, workspace, live):  # noqa: ARG001
+    assert learner.draft() == ""
+    learner.set_mode("led")
+    assert learner.draft() == ""
+    learner.set_brightness(88.0)
+    draft = learner.draft()
+    learner.reset()
+    learner.take_back(draft)
+    assert (shown(view).mode, shown(view).least_brightness) == ("led", 88.0)
+    learner.use()
+    assert learner.draft() == ""
+
+
+def test_learned_colours_are_given_back_without_the_picture(learner, view, workspace):
+    learner.click(*STICKERS[0])
+    swatches, draft = shown(view).swatches, learner.draft()
+    assert swatches
+    learner.close()
+    later = LearnerPresenter(view, workspace)
+    later.take_back(draft)
+    assert shown(view).swatches == swatches
+    assert not shown(view).has_picture
+    assert shown(view).has_target
+
+
 def test_colours_are_saved_and_loaded(learner, view, tmp_path, told):
     path = tmp_path / "green.json"
     learner.save(path)

@@ -12,7 +12,13 @@ from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.sessions import NewCapture
-from ui.patients.content import ConsentEntry, EntryError, PatientEntry, UndoOffer, read_birth_date
+from ui.patients.content import (
+    ConsentEntry,
+    EntryError,
+    PatientEntry,
+    UndoOffer,
+    read_birth_date,
+)
 from ui.patients.form_presenter import FormPresenter, FormView
 from ui.patients.history_presenter import HistoryPresenter, HistoryView
 from ui.patients.presenter import PatientListView, PatientsPresenter, PatientView
@@ -582,3 +588,66 @@ def test_what_is_no_birth_date_is_refused(text):
 
 def test_no_birth_date_is_none():
     assert read_birth_date("  ", TODAY) is None
+
+
+TYPED = PatientEntry("Carla", "1/2/2015", "HC-3", "female", "writes with\nthe left hand")
+CONSENT = ConsentEntry(("treatment", "research"), is_guardian=True, guardian="Dora")
+
+
+def kept(screen, *typed):
+    """Return the draft of a form in which this stands."""
+    screen.form.typed.return_value = typed
+    draft = screen.forms.draft()
+    screen.form.reset_mock()
+    return draft
+
+
+def test_without_an_open_form_there_is_nothing_to_give_back(screen):
+    screen.form.typed.return_value = None
+    assert screen.forms.draft() == ""
+
+
+@pytest.mark.parametrize("consent", [CONSENT, None])
+def test_a_new_patient_is_given_back_as_typed_and_can_be_saved(screen, store, consent):
+    screen.forms.add()
+    screen.forms.take_back(kept(screen, TYPED, consent))
+    screen.form.show_entry.assert_called_once_with(TYPED, is_new=True)
+    screen.form.show_age.assert_called_with(11)
+    assert [call.args[0] for call in screen.form.show_consent.call_args_list] == (
+        [] if consent is None else [consent]
+    )
+    screen.forms.save(TYPED, consent)
+    (row,) = store.patients.search("carla")
+    assert len(store.patients.get(row.pseudonym).consents) == (0 if consent is None else 1)
+
+
+def test_a_changed_patient_is_given_back_and_saved_as_the_same(screen, store, ana):
+    screen.patients.choose(ana.pseudonym)
+    screen.forms.edit()
+    draft = kept(screen, TYPED, None)
+    screen.forms.add()
+    screen.forms.take_back(draft)
+    assert screen.form.show_entry.call_args.kwargs == {"is_new": False}
+    screen.forms.save(TYPED)
+    assert store.patients.get(ana.pseudonym).identity.name == "Carla"
+
+
+def test_a_consent_is_given_back(screen, store, ana):
+    screen.patients.choose(ana.pseudonym)
+    screen.forms.edit_consents()
+    screen.forms.take_back(kept(screen, None, CONSENT))
+    screen.form.show_consents.assert_called_once_with(store.patients.get(ana.pseudonym))
+    screen.form.show_consent.assert_called_once_with(CONSENT)
+    screen.forms.give(CONSENT)
+    assert store.patients.get(ana.pseudonym).consents[0].given_by == "Dora"
+
+
+def test_that_the_patient_of_a_form_is_gone_is_told(screen, store, ana):
+    screen.patients.choose(ana.pseudonym)
+    screen.forms.edit()
+    draft = kept(screen, TYPED, None)
+    store.patients.delete(ana.pseudonym)
+    store.patients.purge(ana.pseudonym)
+    screen.forms.take_back(draft)
+    assert screen.told[-1][0] == "bad"
+    screen.form.show_entry.assert_not_called()

@@ -1,5 +1,6 @@
 """What the learner shows, and what a click on its picture means. Knows nothing of Qt."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,7 @@ from adibas.pipeline.learning import read_picture
 from adibas.pipeline.learning_board import LearnedRegion, LearningBoard, learned_model
 from adibas.pipeline.live import LiveFrame
 from adibas.pipeline.posture import MarkerTarget
-from adibas.pipeline.targets import target_to_document
+from adibas.pipeline.targets import target_from_document, target_to_document
 from adibas.sensors.ports import SensorOptions
 from adibas.texts import translate as _
 from ui.markers.ports import LearnerView, Mode, Shown
@@ -184,6 +185,17 @@ class LearnerPresenter:
         self._mode, self._model = "color", model
         self._forget_clicks()
 
+    def draft(self) -> str:
+        """Return the markers that were learned and are not in use yet, else nothing."""
+        target = self._target()
+        if target is None or target == LedParams() or target is self._workspace.target:
+            return ""
+        return json.dumps(target_to_document(target))
+
+    def take_back(self, draft: str) -> None:
+        """Go on with markers that were learned before; the picture has to be frozen anew."""
+        self._take_target(target_from_document(json.loads(draft)))
+
     def _forget_clicks(self) -> None:
         """Go on without regions, with the markers that are known."""
         if self._board is not None:
@@ -303,6 +315,9 @@ class LearnerPresenter:
         if target is None or target is self._target():
             self._show_controls()
             return
+        self._take_target(target)
+
+    def _take_target(self, target: MarkerTarget) -> None:
         if isinstance(target, LedParams):
             self._mode, self._led = "led", target
         else:

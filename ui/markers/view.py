@@ -126,6 +126,14 @@ class LearnerScreen(Screen):
     def closed(self) -> None:
         self._presenter.close()
 
+    def draft(self) -> str:
+        """Return the markers that were learned and not used yet."""
+        return self._presenter.draft()
+
+    def take_back(self, draft: str) -> None:
+        """Go on with the markers that were learned."""
+        self._presenter.take_back(draft)
+
     def show_picture(self, picture_rgb: UInt8Array | None, *, is_frozen: bool) -> None:
         self._picture.set_picture(picture_rgb)
         self._buttons["freeze"].setEnabled(picture_rgb is not None and not is_frozen)

@@ -50,6 +50,13 @@ class ConsentFields(QWidget):
         self.propose_guardian(is_guardian=False)
         self._show_guardian()
 
+    def show_entry(self, entry: ConsentEntry) -> None:
+        """Show what was entered before."""
+        for purpose, box in self._purposes.items():
+            box.setChecked(purpose in entry.purposes)
+        self.propose_guardian(is_guardian=entry.is_guardian)
+        self.guardian.setText(entry.guardian)
+
     def propose_guardian(self, *, is_guardian: bool) -> None:
         """Ask for a guardian, or for the patient."""
         self._giver.setCurrentIndex(GUARDIAN if is_guardian else PATIENT)

@@ -1,9 +1,10 @@
 """What the patients screen shows and what is typed into it; without Qt."""
 
+import json
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import date, datetime
-from typing import Literal
+from typing import Literal, Self
 
 from adibas.arrays import UInt8Array
 from adibas.data.patients import Patient
@@ -97,6 +98,44 @@ class ConsentEntry:
     purposes: tuple[str, ...]
     is_guardian: bool
     guardian: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """An open form as it stands.
+
+    Attributes
+    ----------
+    edited : str or None
+        Pseudonym of the patient; None for a new one.
+    entry : PatientEntry or None
+        None in the form of consents.
+    consent : ConsentEntry or None
+        None where none is given.
+    is_new : bool
+        Whether the form asks for a consent, too.
+    """
+
+    edited: str | None
+    entry: PatientEntry | None
+    consent: ConsentEntry | None
+    is_new: bool
+
+    def to_text(self) -> str:
+        """Return what `from_text` reads."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_text(cls, text: str) -> Self:
+        """Return the form of a text that `to_text` gave."""
+        known = json.loads(text)
+        entry, consent = known["entry"], known["consent"]
+        return cls(
+            edited=known["edited"],
+            entry=entry and PatientEntry(**entry),
+            consent=consent and ConsentEntry(**consent | {"purposes": tuple(consent["purposes"])}),
+            is_new=known["is_new"],
+        )
 
 
 class EntryError(ValueError):

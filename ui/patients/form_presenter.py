@@ -9,6 +9,7 @@ from adibas.texts import translate as _
 from ui.patients.content import (
     CHILD_BELOW_YEARS,
     ConsentEntry,
+    Draft,
     EntryError,
     PatientEntry,
     read_birth_date,
@@ -26,6 +27,12 @@ class FormView(Protocol):
 
     def show_consents(self, patient: Patient) -> None:
         """Open the form of a patient's consents."""
+
+    def show_consent(self, entry: ConsentEntry) -> None:
+        """Fill in the consent of the open form."""
+
+    def typed(self) -> tuple[PatientEntry | None, ConsentEntry | None] | None:
+        """Return what stands in the open form, or None where no form is open."""
 
     def show_age(self, age_years: int | None) -> None:
         """Show the age that goes with the birth date that is typed."""
@@ -56,39 +63,47 @@ class FormPresenter:
         self._now = now
         self._edited: Patient | None = None
         self._warned_of: Identity | None = None
+        self._is_new = False
 
     def add(self) -> None:
         """Open the form for a new patient."""
         if not self._workspace.store.is_read_only:
-            self._edited, self._warned_of = None, None
-            self._view.show_entry(PatientEntry(), is_new=True)
+            self._open(None, PatientEntry(), is_new=True)
 
     def edit(self) -> None:
         """Open the form with the chosen patient."""
         patient = self._workspace.patient
         if patient is None or self._workspace.store.is_read_only:
             return
-        self._edited, self._warned_of = patient, None
         identity, born = patient.identity, patient.identity.birth_date
-        self._view.show_entry(
-            PatientEntry(
-                identity.name,
-                "" if born is None else f"{born:%d/%m/%Y}",
-                identity.record_number,
-                patient.sex,
-                patient.notes,
-            ),
-            is_new=False,
+        entry = PatientEntry(
+            identity.name,
+            "" if born is None else f"{born:%d/%m/%Y}",
+            identity.record_number,
+            patient.sex,
+            patient.notes,
         )
+        self._open(patient, entry)
         self._view.show_age(patient.age_years(self._today()))
 
     def edit_consents(self) -> None:
         """Open the form of the chosen patient's consents."""
         patient = self._workspace.patient
         if patient is not None and not self._workspace.store.is_read_only:
-            self._edited = patient
-            self._view.show_consents(patient)
-            self._view.propose_guardian(is_guardian=self._is_child(patient.identity))
+            self._open(patient, None)
+
+    def draft(self) -> str:
+        """Return the open form as it stands; nothing where none is open."""
+        typed = self._view.typed()
+        if typed is None:
+            return ""
+        edited = None if self._edited is None else self._edited.pseudonym
+        return Draft(edited, *typed, is_new=self._is_new).to_text()
+
+    def take_back(self, text: str) -> None:
+        """Open a form as it stood; that a patient is gone meanwhile is told."""
+        draft = Draft.from_text(text)
+        self._workspace.attempt(lambda: self._open_again(draft))
 
     def cancel(self) -> None:
         """Forget what was typed."""
@@ -138,6 +153,27 @@ class FormPresenter:
             self._workspace.attempt(
                 lambda: self._finish(patients.withdraw_consent(patient.pseudonym, index))
             )
+
+    def _open(
+        self, patient: Patient | None, entry: PatientEntry | None, *, is_new: bool = False
+    ) -> None:
+        """Open the form of a patient, or of her consents."""
+        self._edited, self._warned_of = patient, None
+        self._is_new = is_new
+        if entry is not None:
+            self._view.show_entry(entry, is_new=is_new)
+        elif patient is not None:
+            self._view.show_consents(patient)
+            self._view.propose_guardian(is_guardian=self._is_child(patient.identity))
+
+    def _open_again(self, draft: Draft) -> None:
+        edited = draft.edited
+        patient = None if edited is None else self._workspace.store.patients.get(edited)
+        self._open(patient, draft.entry, is_new=draft.is_new)
+        if draft.entry is not None:
+            self.note_birth_date(draft.entry.birth_date)
+        if draft.consent is not None:
+            self._view.show_consent(draft.consent)
 
     def _write(self, identity: Identity, entry: PatientEntry, consent: Consent | None) -> None:
         patients = self._workspace.store.patients

@@ -7,7 +7,7 @@ from adibas.data.patients import Patient
 from adibas.texts import translate as _
 from ui.events import Event
 from ui.patients.consent_form import ConsentForm
-from ui.patients.content import PatientEntry, PurgeQuestion, ShownPatient
+from ui.patients.content import ConsentEntry, PatientEntry, PurgeQuestion, ShownPatient
 from ui.patients.history_panel import HistoryPanel
 from ui.patients.patient_form import PatientForm
 from ui.patients.patient_panel import PatientPanel
@@ -97,6 +97,19 @@ class PatientPages(QStackedWidget):
     def show_consents(self, patient: Patient) -> None:
         self._open(self.consents)
         self.consents.show_patient(patient)
+
+    def show_consent(self, entry: ConsentEntry) -> None:
+        if self._open_form is self.form:
+            self.form.show_consent(entry)
+        else:
+            self.consents.fields.show_entry(entry)
+
+    def typed(self) -> tuple[PatientEntry | None, ConsentEntry | None] | None:
+        if self._open_form is None:
+            return None
+        if self._open_form is self.form:
+            return self.form.typed()
+        return None, self.consents.fields.entry()
 
     def show_age(self, age_years: int | None) -> None:
         self.form.show_age(age_years)

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 from adibas.data.patients import SEXES
 from adibas.texts import translate as _
 from ui.patients.consent_fields import ConsentFields
-from ui.patients.content import PatientEntry
+from ui.patients.content import ConsentEntry, PatientEntry
 from ui.patients.form_footer import lay_out_footer
 from ui.patients.patient_panel import SEX_NAMES
 from ui.patients.patients_model import age_text
@@ -137,6 +137,11 @@ class PatientForm(QWidget):
         self.retranslate()
         self._name.setFocus()
 
+    def show_consent(self, entry: ConsentEntry) -> None:
+        """Show the consent that was entered before."""
+        self._consents.setChecked(True)
+        self._consent.show_entry(entry)
+
     def show_age(self, age_years: int | None) -> None:
         """Show how old the patient is."""
         self._age_years = age_years
@@ -163,6 +168,10 @@ class PatientForm(QWidget):
     def save(self) -> None:
         """Send what is entered."""
         self._problem.hide()
+        self.saved.emit(*self.typed())
+
+    def typed(self) -> tuple[PatientEntry, ConsentEntry | None]:
+        """Return what is entered; the consent where one was given."""
         entry = PatientEntry(
             self._name.text(),
             self._birth_date.text(),
@@ -171,4 +180,4 @@ class PatientForm(QWidget):
             self._notes.toPlainText(),
         )
         has_consent = self._is_new and self._consents.isChecked()
-        self.saved.emit(entry, self._consent.entry() if has_consent else None)
+        return entry, self._consent.entry() if has_consent else None

@@ -126,6 +126,14 @@ class PatientsScreen(Screen):
         self._history.close()
         self.pages.history.list.shown_model.stop()
 
+    def draft(self) -> str:
+        """Return the form that is open."""
+        return self._form.draft()
+
+    def take_back(self, draft: str) -> None:
+        """Open the form as it was left."""
+        self._form.take_back(draft)
+
     def _on_deleted_wanted(self, is_wanted: bool) -> None:
         self._patients.show_deleted(is_wanted=is_wanted)
         self._history.show_deleted(is_wanted=is_wanted)

@@ -27,6 +27,13 @@ class Screen(QWidget):
     def closed(self) -> None:
         """Let go of threads, timers and files: the window closes."""
 
+    def draft(self) -> str:
+        """Return what was typed and is not saved, for `take_back`; nothing for nothing."""
+        return ""
+
+    def take_back(self, draft: str) -> None:
+        """Give back what was typed before the window locked; most screens save at once."""
+
     def open_file(self, path: Path) -> None:
         """Open what was dropped onto the window; most screens open nothing."""
 
