@@ -5,14 +5,14 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from sqlalchemy import select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.clock import Clock, to_text
 from adibas.sessions.database import Database
-from adibas.sessions.schema import AuditHead, AuditRecord
+from adibas.sessions.rows import Transaction, add_row, change_row, row_of
+from adibas.sessions.schema import AUDIT, AUDIT_HEAD
 
 Action = Literal[
     "create", "view", "change", "export", "delete", "restore", "purge", "open", "recover"
@@ -55,6 +55,19 @@ class AuditEntry:
     detail: Mapping[str, object]
 
 
+class AuditLine(NamedTuple):
+    """A line as the table has it, in the order of its columns; see `AuditEntry`."""
+
+    sequence: int
+    time_utc: str
+    operator: str
+    action: str
+    subject: str
+    detail: str
+    previous_hash: str
+    hash: str = ""
+
+
 class AuditLog:
     """Writes lines; every change and its line are one transaction.
 
@@ -78,9 +91,9 @@ class AuditLog:
         self, transaction: Transaction, action: Action, subject: str, **detail: object
     ) -> None:
         """Append a line within `transaction`."""
-        head = transaction.get(AuditHead, THE_HEAD)
-        last = None if head is None else transaction.get(AuditRecord, head.sequence)
-        line = AuditRecord(
+        head = row_of(transaction, AUDIT_HEAD, THE_HEAD)
+        last = None if head is None else row_of(transaction, AUDIT, head.sequence)
+        line = AuditLine(
             sequence=1 if head is None else head.sequence + 1,
             time_utc=self.now() if last is None else max(self.now(), last.time_utc),
             operator=self.operator,
@@ -89,13 +102,13 @@ class AuditLog:
             detail=json.dumps(detail, sort_keys=True, ensure_ascii=False),
             previous_hash=BEGINNING if head is None else head.hash,
         )
-        line.hash = hash_of(line)
-        transaction.add(line)
+        line = line._replace(hash=hash_of(line))
+        add_row(transaction, AUDIT, **line._asdict())
+        now_last = {"sequence": line.sequence, "hash": line.hash}
         if head is None:
-            transaction.add(AuditHead(only=THE_HEAD, sequence=line.sequence, hash=line.hash))
+            add_row(transaction, AUDIT_HEAD, only=THE_HEAD, **now_last)
         else:
-            head.sequence, head.hash = line.sequence, line.hash
-        transaction.flush()
+            change_row(transaction, AUDIT_HEAD, THE_HEAD, **now_last)
 
     def saw(self, subject: str) -> None:
         """Append a line that `subject` was looked at, unless it was a moment ago."""
@@ -114,12 +127,12 @@ class AuditLog:
 
     def entries(self, limit: int = 1000) -> tuple[AuditEntry, ...]:
         """Return the last lines, newest first."""
-        newest = select(AuditRecord).order_by(AuditRecord.sequence.desc()).limit(limit)
+        newest = select(AUDIT).order_by(AUDIT.c.sequence.desc()).limit(limit)
         with self._database.reading() as transaction:
-            return tuple(_entry(line) for line in transaction.scalars(newest))
+            return tuple(_entry(AuditLine(*row)) for row in transaction.execute(newest))
 
 
-def hash_of(line: AuditRecord) -> str:
+def hash_of(line: AuditLine) -> str:
     """Return the SHA-256 over the hash before and the canonical content of a line."""
     content = json.dumps(
         [line.sequence, line.time_utc, line.operator, line.action, line.subject, line.detail],
@@ -129,7 +142,7 @@ def hash_of(line: AuditRecord) -> str:
     return hashlib.sha256(f"{line.previous_hash}\n{content}".encode()).hexdigest()
 
 
-def _entry(line: AuditRecord) -> AuditEntry:
+def _entry(line: AuditLine) -> AuditEntry:
     return AuditEntry(
         sequence=line.sequence,
         time_utc=datetime.fromisoformat(line.time_utc),

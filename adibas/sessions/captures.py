@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from sqlalchemy import func, select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.arrays import UInt8Array
 from adibas.clock import to_text
@@ -39,7 +38,8 @@ from adibas.sessions.images import (
     encode_thumbnail,
 )
 from adibas.sessions.kept_files import KeptFiles
-from adibas.sessions.schema import CaptureRecord, RecordingRecord
+from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
+from adibas.sessions.schema import CAPTURES, RECORDINGS
 from adibas.sessions.visits import found_session
 
 
@@ -101,15 +101,23 @@ class Captures:
         with self._files.written(payloads) as files, self._database.changing() as transaction:
             found_session(transaction, session_id)
             self._files.keep(transaction, files)
-            record = self._record(transaction, session_id, new)
-            record.picture_id = files[0]
-            record.surface_id = files[1] if surface is not None else None
-            record.thumbnail = thumbnail
-            transaction.add(record)
-            transaction.flush()
-            self._audit.write(transaction, "create", record.capture_id, session=session_id)
-            save_history(transaction, self._audit, record, new.history)
-            return _capture(transaction, record)
+            capture_id, at = uuid.uuid4().hex, new.captured_utc
+            add_row(
+                transaction,
+                CAPTURES,
+                capture_id=capture_id,
+                session_id=session_id,
+                number=_next_number(transaction, session_id),
+                picture_id=files[0],
+                surface_id=files[1] if surface is not None else None,
+                thumbnail=thumbnail,
+                captured_utc=self._audit.now() if at is None else to_text(at),
+                **_columns_of(new),
+            )
+            self._audit.write(transaction, "create", capture_id, session=session_id)
+            row = found_capture(transaction, capture_id)
+            save_history(transaction, self._audit, row, new.history)
+            return _capture(transaction, found_capture(transaction, capture_id))
 
     def get(self, capture_id: str) -> Capture:
         """Return a capture, a hidden one too.
@@ -126,12 +134,12 @@ class Captures:
 
     def of_session(self, session_id: str, *, with_deleted: bool = False) -> tuple[Capture, ...]:
         """Return the captures of a session in the order in which they were taken."""
-        theirs = select(CaptureRecord).where(CaptureRecord.session_id == session_id)
+        theirs = select(CAPTURES).where(CAPTURES.c.session_id == session_id)
         if not with_deleted:
-            theirs = theirs.where(CaptureRecord.is_deleted.is_(False))
+            theirs = theirs.where(CAPTURES.c.is_deleted.is_(False))
         with self._database.reading() as transaction:
-            found = transaction.scalars(theirs.order_by(CaptureRecord.number))
-            captures = tuple(_capture(transaction, record) for record in found)
+            found = transaction.execute(theirs.order_by(CAPTURES.c.number)).all()
+            captures = tuple(_capture(transaction, row) for row in found)
         if captures:
             self._audit.saw(session_id)
         return captures
@@ -147,10 +155,10 @@ class Captures:
             There is no such capture, the store is read-only, or the disk is full.
         """
         with self._database.changing() as transaction:
-            record = found_capture(transaction, capture_id)
-            history.markers(markers_from_json(record.detected))
-            save_history(transaction, self._audit, record, history)
-            return _capture(transaction, record)
+            row = found_capture(transaction, capture_id)
+            history.markers(markers_from_json(row.detected))
+            save_history(transaction, self._audit, row, history)
+            return _capture(transaction, found_capture(transaction, capture_id))
 
     def delete(self, capture_id: str) -> None:
         """Hide a capture, until `restore` or a purge of its session.
@@ -207,67 +215,67 @@ class Captures:
             surface_id = found_capture(transaction, capture_id).surface_id
         return None if surface_id is None else decode_surface(self._files.read(surface_id))
 
-    def _record(self, transaction: Transaction, session_id: str, new: NewCapture) -> CaptureRecord:
-        last = select(func.max(CaptureRecord.number)).where(CaptureRecord.session_id == session_id)
-        captured_utc = new.captured_utc
-        return CaptureRecord(
-            capture_id=uuid.uuid4().hex,
-            session_id=session_id,
-            number=(transaction.scalar(last) or 0) + 1,
-            view=new.view,
-            captured_utc=self._audit.now() if captured_utc is None else to_text(captured_utc),
-            recording_id=new.recording_id or None,
-            first_frame=new.first_frame,
-            n_frames=new.n_frames,
-            calibration=calibration_line(new.calibration),
-            detected=markers_to_json(new.detected),
-            rejected=rejected_to_json(new.rejected),
-            provenance=provenance_to_json(new.provenance),
-            notices=to_json(list(new.notices)),
-            n_done=0,
-            is_deleted=False,
-        )
-
     def _hide(self, capture_id: str, *, is_deleted: bool) -> None:
         with self._database.changing() as transaction:
-            record = found_capture(transaction, capture_id)
-            if record.is_deleted != is_deleted:
-                record.is_deleted = is_deleted
+            if found_capture(transaction, capture_id).is_deleted != is_deleted:
+                change_row(transaction, CAPTURES, capture_id, is_deleted=is_deleted)
                 self._audit.write(transaction, "delete" if is_deleted else "restore", capture_id)
 
 
-def found_capture(transaction: Transaction, capture_id: str) -> CaptureRecord:
-    """Return the record, or raise StoreError."""
-    record = transaction.get(CaptureRecord, capture_id)
-    if record is None:
+def found_capture(transaction: Transaction, capture_id: str) -> Row:
+    """Return the row, or raise StoreError."""
+    row = row_of(transaction, CAPTURES, capture_id)
+    if row is None:
         raise StoreError(
             "There is no capture {capture_id} in this store; perhaps it was purged. Choose another "
             "one.",
             capture_id=capture_id,
         )
-    return record
+    return row
 
 
 def _check_recording(transaction: Transaction, session_id: str, recording_id: str) -> None:
-    record = transaction.get(RecordingRecord, recording_id) if recording_id else None
-    if recording_id and (record is None or record.session_id != session_id):
+    row = row_of(transaction, RECORDINGS, recording_id) if recording_id else None
+    if recording_id and (row is None or row.session_id != session_id):
         raise ValueError(f"no recording {recording_id} of session {session_id}")
 
 
-def _capture(transaction: Transaction, record: CaptureRecord) -> Capture:
+def _next_number(transaction: Transaction, session_id: str) -> int:
+    last = select(func.max(CAPTURES.c.number)).where(CAPTURES.c.session_id == session_id)
+    return (transaction.scalar(last) or 0) + 1
+
+
+def _columns_of(new: NewCapture) -> dict[str, object]:
+    """Return what a new capture brings along itself."""
+    return {
+        "view": new.view,
+        "recording_id": new.recording_id or None,
+        "first_frame": new.first_frame,
+        "n_frames": new.n_frames,
+        "calibration": calibration_line(new.calibration),
+        "detected": markers_to_json(new.detected),
+        "rejected": rejected_to_json(new.rejected),
+        "provenance": provenance_to_json(new.provenance),
+        "notices": to_json(list(new.notices)),
+        "n_done": 0,
+        "is_deleted": False,
+    }
+
+
+def _capture(transaction: Transaction, row: Row) -> Capture:
     return Capture(
-        capture_id=record.capture_id,
-        session_id=record.session_id,
-        view=record.view,
-        captured_utc=datetime.fromisoformat(record.captured_utc),
-        recording_id=record.recording_id or "",
-        first_frame=record.first_frame,
-        n_frames=record.n_frames,
-        calibration=calibration_of_line(record.calibration),
-        detected=markers_from_json(record.detected),
-        rejected=rejected_from_json(record.rejected),
-        provenance=provenance_from_json(record.provenance),
-        history=history_of(transaction, record),
-        notices=tuple(from_json(record.notices)),
-        is_deleted=record.is_deleted,
+        capture_id=row.capture_id,
+        session_id=row.session_id,
+        view=row.view,
+        captured_utc=datetime.fromisoformat(row.captured_utc),
+        recording_id=row.recording_id or "",
+        first_frame=row.first_frame,
+        n_frames=row.n_frames,
+        calibration=calibration_of_line(row.calibration),
+        detected=markers_from_json(row.detected),
+        rejected=rejected_from_json(row.rejected),
+        provenance=provenance_from_json(row.provenance),
+        history=history_of(transaction, row),
+        notices=tuple(from_json(row.notices)),
+        is_deleted=row.is_deleted,
     )

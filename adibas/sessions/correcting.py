@@ -3,24 +3,24 @@
 from itertools import takewhile
 
 from sqlalchemy import select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.data.corrections import CorrectionHistory
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.documents import correction_from_json, correction_to_json
-from adibas.sessions.schema import CaptureRecord, CorrectionRecord
+from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row
+from adibas.sessions.schema import CAPTURES, CORRECTIONS
 
 
-def history_of(transaction: Transaction, capture: CaptureRecord) -> CorrectionHistory:
+def history_of(transaction: Transaction, capture: Row) -> CorrectionHistory:
     """Return the undo stack of a capture."""
     stack = _stack(transaction, capture.capture_id)
     return CorrectionHistory(
-        tuple(correction_from_json(record.content) for record in stack), capture.n_done
+        tuple(correction_from_json(row.content) for row in stack), capture.n_done
     )
 
 
 def save_history(
-    transaction: Transaction, audit: AuditLog, capture: CaptureRecord, history: CorrectionHistory
+    transaction: Transaction, audit: AuditLog, capture: Row, history: CorrectionHistory
 ) -> None:
     """Save `history`, with a line in the audit log for everything undone, done anew or again."""
     stack = _stack(transaction, capture.capture_id)
@@ -34,67 +34,61 @@ def save_history(
     for correction, content in zip(history.corrections[n_common:], wanted[n_common:], strict=True):
         changes.add(correction.kind, content)
     changes.move_to(history.n_done)
-    transaction.flush()
+    change_row(transaction, CAPTURES, capture.capture_id, n_done=history.n_done)
 
 
 class _Changes:
     """Makes one change of the stack after the other, each with its line in the log."""
 
     def __init__(
-        self,
-        transaction: Transaction,
-        audit: AuditLog,
-        capture: CaptureRecord,
-        stack: list[CorrectionRecord],
+        self, transaction: Transaction, audit: AuditLog, capture: Row, stack: list[Row]
     ) -> None:
         self._transaction = transaction
         self._audit = audit
-        self._capture = capture
-        self._stack = stack
+        self._capture_id = capture.capture_id
+        self._n_done = capture.n_done
+        self._numbers = [row.correction_id for row in stack]
 
     def move_to(self, n_done: int) -> None:
         """Undo or do again until `n_done` corrections are in force."""
-        for undone in reversed(self._stack[n_done : self._capture.n_done]):
+        for undone in reversed(self._numbers[n_done : self._n_done]):
             self._log(undone, "undo")
-        for redone in self._stack[self._capture.n_done : n_done]:
+        for redone in self._numbers[self._n_done : n_done]:
             self._log(redone, "redo")
-        self._capture.n_done = n_done
+        self._n_done = n_done
 
     def forget_from(self, position: int) -> None:
         """Take corrections off the stack; they stay in the table."""
-        for left in self._stack[position:]:
-            left.position = None
-        del self._stack[position:]
+        for left in self._numbers[position:]:
+            change_row(self._transaction, CORRECTIONS, left, position=None)
+        del self._numbers[position:]
 
     def add(self, kind: str, content: str) -> None:
         """Put a correction on the stack."""
-        made = CorrectionRecord(
-            capture_id=self._capture.capture_id,
-            position=len(self._stack),
+        number = add_numbered_row(
+            self._transaction,
+            CORRECTIONS,
+            capture_id=self._capture_id,
+            position=len(self._numbers),
             content=content,
             made_utc=self._audit.now(),
             operator=self._audit.operator,
         )
-        self._transaction.add(made)
-        self._transaction.flush()
-        self._stack.append(made)
-        self._capture.n_done += 1
-        self._log(made, kind)
+        self._numbers.append(number)
+        self._n_done += 1
+        self._log(number, kind)
 
-    def _log(self, record: CorrectionRecord, what: str) -> None:
+    def _log(self, number: int, what: str) -> None:
         self._audit.write(
-            self._transaction,
-            "change",
-            record.capture_id,
-            correction=what,
-            number=record.correction_id,
+            self._transaction, "change", self._capture_id, correction=what, number=number
         )
 
 
-def _stack(transaction: Transaction, capture_id: str) -> list[CorrectionRecord]:
+def _stack(transaction: Transaction, capture_id: str) -> list[Row]:
+    columns = CORRECTIONS.c
     in_order = (
-        select(CorrectionRecord)
-        .where(CorrectionRecord.capture_id == capture_id, CorrectionRecord.position.is_not(None))
-        .order_by(CorrectionRecord.position)
+        select(CORRECTIONS)
+        .where(columns.capture_id == capture_id, columns.position.is_not(None))
+        .order_by(columns.position)
     )
-    return list(transaction.scalars(in_order))
+    return list(transaction.execute(in_order))

@@ -9,10 +9,10 @@ from pathlib import Path
 import sqlcipher3.dbapi2 as sqlcipher
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.exc import DatabaseError, IntegrityError
-from sqlalchemy.orm import Session as Transaction
 from sqlalchemy.pool import StaticPool
 
 from adibas.errors import StoreError
+from adibas.sessions.rows import Transaction
 
 DATABASE_FILE = "adibas.db"
 SECONDS_TO_WAIT = 10.0
@@ -57,7 +57,7 @@ class Database:
         event.listen(self._engine, "begin", self._begin)
         self._begin_word = "BEGIN"
         with self.reading() as transaction:
-            _check_readable(transaction.connection())
+            _check_readable(transaction)
 
     @contextmanager
     def reading(self) -> Iterator[Transaction]:
@@ -121,10 +121,7 @@ class Database:
     def _transaction(self, begin_word: str) -> Iterator[Transaction]:
         with self._alone():
             self._begin_word = begin_word
-            with (
-                Transaction(self._engine, expire_on_commit=False) as transaction,
-                transaction.begin(),
-            ):
+            with self._engine.connect() as transaction, transaction.begin():
                 yield transaction
 
     @contextmanager
@@ -171,9 +168,9 @@ def _connect(path: Path, key: bytes) -> sqlcipher.Connection:
     return connection
 
 
-def _check_readable(connection: Connection) -> None:
+def _check_readable(transaction: Transaction) -> None:
     """Read the first page: with a wrong key this fails."""
-    connection.exec_driver_sql("SELECT count(*) FROM sqlite_master").scalar_one()
+    transaction.exec_driver_sql("SELECT count(*) FROM sqlite_master").scalar_one()
 
 
 def _cannot_open(reason: str) -> bool:

@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from sqlalchemy import delete, select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.errors import StoreError
 from adibas.sessions.database import Database
-from adibas.sessions.schema import FileRecord, LeftoverRecord
+from adibas.sessions.rows import Transaction, add_row, change_row
+from adibas.sessions.schema import FILES, LEFTOVERS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
 from adibas.sessions.sealing import KEY_SIZE
@@ -40,7 +40,7 @@ class KeptFiles:
         made = [(uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)) for _ in payloads]
         with self._database.changing() as transaction:
             for file_id, key in made:
-                transaction.add(FileRecord(file_id=file_id, key=key, sha256=None))
+                add_row(transaction, FILES, file_id=file_id, key=key, sha256=None)
         ids = [file_id for file_id, _ in made]
         try:
             for (file_id, key), payload in zip(made, payloads, strict=True):
@@ -54,7 +54,7 @@ class KeptFiles:
     def keep(self, transaction: Transaction, ids: Sequence[str]) -> None:
         """Mark files as kept, with the change that uses them."""
         for file_id in ids:
-            transaction.get_one(FileRecord, file_id).sha256 = self._files.sha256(file_id)
+            change_row(transaction, FILES, file_id, sha256=self._files.sha256(file_id))
 
     def read(self, file_id: str) -> bytes:
         """Return the content of a file.
@@ -65,7 +65,7 @@ class KeptFiles:
             It is missing or damaged.
         """
         with self._database.reading() as transaction:
-            key = transaction.get_one(FileRecord, file_id).key
+            key = transaction.scalars(select(FILES.c.key).where(FILES.c.file_id == file_id)).one()
         return self._files.read(file_id, key)
 
     def _remove(self, ids: Sequence[str]) -> None:
@@ -73,11 +73,11 @@ class KeptFiles:
         for file_id in ids:
             self._files.delete(file_id)
         with self._database.changing() as transaction:
-            transaction.execute(delete(FileRecord).where(FileRecord.file_id.in_(ids)))
+            transaction.execute(delete(FILES).where(FILES.c.file_id.in_(ids)))
 
     def finish(self) -> None:
         """Remove what a crash left pending."""
-        pending = select(FileRecord.file_id).where(FileRecord.sha256.is_(None))
+        pending = select(FILES.c.file_id).where(FILES.c.sha256.is_(None))
         with self._database.reading() as transaction:
             ids = list(transaction.scalars(pending))
         if ids:
@@ -95,7 +95,7 @@ def remove_leftovers(database: Database, folders: Sequence[SealedFolder]) -> Non
     """
     by_name = {folder.folder.name: folder for folder in folders}
     with database.reading() as transaction:
-        left = list(transaction.scalars(select(LeftoverRecord)))
+        left = list(transaction.execute(select(LEFTOVERS)))
     if not left:
         return
     gone, failure = [], None
@@ -107,6 +107,6 @@ def remove_leftovers(database: Database, folders: Sequence[SealedFolder]) -> Non
         else:
             gone.append(leftover.file_id)
     with database.changing() as transaction:
-        transaction.execute(delete(LeftoverRecord).where(LeftoverRecord.file_id.in_(gone)))
+        transaction.execute(delete(LEFTOVERS).where(LEFTOVERS.c.file_id.in_(gone)))
     if failure is not None:
         raise failure

@@ -3,11 +3,10 @@
 import threading
 from pathlib import Path
 
-from sqlalchemy import Connection
-
 from adibas.errors import StoreError
 from adibas.files import written_whole
 from adibas.sessions.database import DATABASE_FILE, Database
+from adibas.sessions.rows import Transaction
 
 HEAD = "0001"
 """The last revision under `migrations/versions` (a test compares), to start without Alembic."""
@@ -31,7 +30,7 @@ def bring_up_to_date(database: Database, key: bytes) -> None:
         The copy cannot be written.
     """
     with database.reading() as transaction:
-        revision = _revision(transaction.connection())
+        revision = _revision(transaction)
     if revision == HEAD:
         return
     if revision is not None and revision not in KNOWN:
@@ -44,7 +43,7 @@ def bring_up_to_date(database: Database, key: bytes) -> None:
     if revision is not None:
         _keep_copy(database, key, revision)
     with database.changing() as transaction:
-        _upgrade(transaction.connection())
+        _upgrade(transaction)
 
 
 def copies(folder: Path) -> list[Path]:
@@ -52,9 +51,9 @@ def copies(folder: Path) -> list[Path]:
     return sorted(folder.glob(f"{DATABASE_FILE}.before-*"))
 
 
-def _revision(connection: Connection) -> str | None:
+def _revision(transaction: Transaction) -> str | None:
     """Return the revision of the tables; None of an empty database."""
-    tables = connection.exec_driver_sql("SELECT name FROM sqlite_master").scalars().all()
+    tables = transaction.exec_driver_sql("SELECT name FROM sqlite_master").scalars().all()
     if not tables:
         return None
     if "alembic_version" not in tables:
@@ -63,7 +62,7 @@ def _revision(connection: Connection) -> str | None:
             "from a backup.",
             file=DATABASE_FILE,
         )
-    found = connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one()
+    found = transaction.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one()
     return str(found)
 
 
@@ -78,12 +77,12 @@ def _keep_copy(database: Database, key: bytes, revision: str) -> None:
         database.copy_to(path, key)
 
 
-def _upgrade(connection: Connection) -> None:
+def _upgrade(transaction: Transaction) -> None:
     from alembic import command
     from alembic.config import Config
 
     config = Config()
     config.set_main_option("script_location", str(REVISIONS))
-    config.attributes["connection"] = connection
+    config.attributes["connection"] = transaction
     with _ONE_AT_A_TIME:
         command.upgrade(config, "head")

@@ -4,9 +4,9 @@ import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date, datetime
+from typing import Any
 
 from sqlalchemy import Select, func, select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.clock import to_text
 from adibas.data.patients import Consent, Identity, Patient
@@ -14,13 +14,15 @@ from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
 from adibas.sessions.documents import from_json, to_json
-from adibas.sessions.schema import (
-    ConsentRecord,
-    IdentityRecord,
-    PatientRecord,
-    SessionRecord,
-    SignerRecord,
+from adibas.sessions.rows import (
+    Row,
+    Transaction,
+    add_numbered_row,
+    add_row,
+    change_row,
+    row_of,
 )
+from adibas.sessions.schema import CONSENTS, IDENTITIES, PATIENTS, SESSIONS, SIGNERS
 from adibas.sessions.search_text import ESCAPE, patterns, searchable, simplified
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
@@ -61,17 +63,16 @@ class Patients:
             pseudonym = _new_pseudonym(transaction)
             created_utc = self._audit.now()
             patient = Patient(pseudonym, identity, sex, notes, datetime.fromisoformat(created_utc))
-            transaction.add(
-                PatientRecord(
-                    pseudonym=pseudonym,
-                    sex=sex,
-                    notes=notes,
-                    created_utc=created_utc,
-                    is_deleted=False,
-                )
+            add_row(
+                transaction,
+                PATIENTS,
+                pseudonym=pseudonym,
+                sex=sex,
+                notes=notes,
+                created_utc=created_utc,
+                is_deleted=False,
             )
-            transaction.flush()
-            transaction.add(_identity_record(pseudonym, identity))
+            add_row(transaction, IDENTITIES, **_columns_of(pseudonym, identity))
             self._audit.write(transaction, "create", pseudonym)
         return patient
 
@@ -90,17 +91,17 @@ class Patients:
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
-        given = {"identity": identity, "sex": sex, "notes": notes}
-        fields = [name for name, value in given.items() if value is not None]
+        plain = {"sex": sex, "notes": notes}
+        given = {name: value for name, value in plain.items() if value is not None}
+        fields = ([] if identity is None else ["identity"]) + list(given)
         with self._database.changing() as transaction:
-            record = found_patient(transaction, pseudonym)
+            found_patient(transaction, pseudonym)
             if identity is not None:
-                transaction.merge(_identity_record(pseudonym, identity))
-            if sex is not None:
-                record.sex = sex
-            if notes is not None:
-                record.notes = notes
-            patient = _patient(transaction, record)
+                columns = _columns_of(pseudonym, identity)
+                change_row(transaction, IDENTITIES, pseudonym, **columns)
+            if given:
+                change_row(transaction, PATIENTS, pseudonym, **given)
+            patient = _patient(transaction, pseudonym)
             if fields:
                 self._audit.write(transaction, "change", pseudonym, fields=fields)
         return patient
@@ -114,7 +115,7 @@ class Patients:
             There is no such patient.
         """
         with self._database.reading() as transaction:
-            patient = _patient(transaction, found_patient(transaction, pseudonym))
+            patient = _patient(transaction, pseudonym)
         self._audit.saw(pseudonym)
         return patient
 
@@ -128,7 +129,7 @@ class Patients:
         """
         with self._database.reading() as transaction:
             found = transaction.execute(_search(text, limit, with_deleted=with_deleted))
-            rows = tuple(_row(*line) for line in found)
+            rows = tuple(_row(line) for line in found)
         if rows:
             self._audit.saw(LIST_OF_PATIENTS)
         return rows
@@ -142,21 +143,21 @@ class Patients:
             There is no such patient, the store is read-only, or the disk is full.
         """
         with self._database.changing() as transaction:
-            patient = found_patient(transaction, pseudonym)
-            record = ConsentRecord(
+            found_patient(transaction, pseudonym)
+            consent_id = add_numbered_row(
+                transaction,
+                CONSENTS,
                 pseudonym=pseudonym,
                 purposes=to_json(list(consent.purposes)),
                 is_guardian=consent.is_guardian,
                 given_utc=to_text(consent.given_utc),
                 withdrawn_utc=_time_text(consent.withdrawn_utc),
             )
-            transaction.add(record)
-            transaction.flush()
-            transaction.add(SignerRecord(consent_id=record.consent_id, name=consent.given_by))
+            add_row(transaction, SIGNERS, consent_id=consent_id, name=consent.given_by)
             self._audit.write(
                 transaction, "change", pseudonym, consent="given", purposes=list(consent.purposes)
             )
-            return _patient(transaction, patient)
+            return _patient(transaction, pseudonym)
 
     def withdraw_consent(self, pseudonym: str, index: int) -> Patient:
         """Save that consent `index` of `Patient.consents` stands no more.
@@ -167,16 +168,17 @@ class Patients:
             There is no such patient, the store is read-only, or the disk is full.
         """
         with self._database.changing() as transaction:
-            patient = found_patient(transaction, pseudonym)
-            records = _consent_records(transaction, pseudonym)
-            if not 0 <= index < len(records):
-                raise ValueError(f"consent {index} of {len(records)}")
-            if records[index].withdrawn_utc is None:
-                records[index].withdrawn_utc = self._audit.now()
+            found_patient(transaction, pseudonym)
+            rows = _consent_rows(transaction, pseudonym)
+            if not 0 <= index < len(rows):
+                raise ValueError(f"consent {index} of {len(rows)}")
+            if rows[index].withdrawn_utc is None:
+                consent_id, now = rows[index].consent_id, self._audit.now()
+                change_row(transaction, CONSENTS, consent_id, withdrawn_utc=now)
                 self._audit.write(
                     transaction, "change", pseudonym, consent="withdrawn", index=index
                 )
-            return _patient(transaction, patient)
+            return _patient(transaction, pseudonym)
 
     def delete(self, pseudonym: str) -> None:
         """Hide a patient with all sessions, until `restore` or a purge.
@@ -210,122 +212,110 @@ class Patients:
 
     def _hide(self, pseudonym: str, *, is_deleted: bool) -> None:
         with self._database.changing() as transaction:
-            record = found_patient(transaction, pseudonym)
-            if record.is_deleted != is_deleted:
-                record.is_deleted = is_deleted
+            if found_patient(transaction, pseudonym).is_deleted != is_deleted:
+                change_row(transaction, PATIENTS, pseudonym, is_deleted=is_deleted)
                 self._audit.write(transaction, "delete" if is_deleted else "restore", pseudonym)
 
 
-def found_patient(transaction: Transaction, pseudonym: str) -> PatientRecord:
-    """Return the record, or raise StoreError."""
-    record = transaction.get(PatientRecord, pseudonym)
-    if record is None:
+def found_patient(transaction: Transaction, pseudonym: str) -> Row:
+    """Return the row, or raise StoreError."""
+    row = row_of(transaction, PATIENTS, pseudonym)
+    if row is None:
         raise StoreError(
             "There is no patient {pseudonym} in this store; perhaps the patient was purged. Choose "
             "another one.",
             pseudonym=pseudonym,
         )
-    return record
+    return row
 
 
-def _search(
-    text: str, limit: int, *, with_deleted: bool
-) -> "Select[IdentityRecord, bool, int, str | None]":
-    theirs = select(func.count()).where(
-        SessionRecord.pseudonym == PatientRecord.pseudonym, SessionRecord.is_deleted.is_(False)
-    )
-    last = theirs.with_only_columns(func.max(SessionRecord.started_utc))
+def _search(text: str, limit: int, *, with_deleted: bool) -> "Select[*tuple[Any, ...]]":
+    theirs = (SESSIONS.c.pseudonym == PATIENTS.c.pseudonym) & SESSIONS.c.is_deleted.is_(False)
+    n_sessions = select(func.count()).select_from(SESSIONS).where(theirs).scalar_subquery()
+    last = select(func.max(SESSIONS.c.started_utc)).where(theirs).scalar_subquery()
+    columns = IDENTITIES.c
     found = (
         select(
-            IdentityRecord,
-            PatientRecord.is_deleted,
-            theirs.scalar_subquery(),
-            last.scalar_subquery(),
+            IDENTITIES,
+            PATIENTS.c.is_deleted,
+            n_sessions.label("n_sessions"),
+            last.label("last_session_utc"),
         )
-        .join(PatientRecord, PatientRecord.pseudonym == IdentityRecord.pseudonym)
-        .where(*(IdentityRecord.search_text.like(p, escape=ESCAPE) for p in patterns(text)))
-        .order_by(IdentityRecord.sort_name, IdentityRecord.pseudonym)
+        .join(PATIENTS, PATIENTS.c.pseudonym == columns.pseudonym)
+        .where(*(columns.search_text.like(p, escape=ESCAPE) for p in patterns(text)))
+        .order_by(columns.sort_name, columns.pseudonym)
         .limit(limit)
     )
-    return found if with_deleted else found.where(PatientRecord.is_deleted.is_(False))
+    return found if with_deleted else found.where(PATIENTS.c.is_deleted.is_(False))
 
 
-def _row(
-    identity: IdentityRecord, is_deleted: bool, n_sessions: int, last: str | None
-) -> PatientRow:
+def _row(found: Row) -> PatientRow:
+    last = found.last_session_utc
     return PatientRow(
-        pseudonym=identity.pseudonym,
-        identity=_identity(identity),
-        n_sessions=n_sessions,
+        pseudonym=found.pseudonym,
+        identity=_identity(found),
+        n_sessions=found.n_sessions,
         last_session_utc=None if last is None else datetime.fromisoformat(last),
-        is_deleted=is_deleted,
+        is_deleted=found.is_deleted,
     )
 
 
 def _new_pseudonym(transaction: Transaction) -> str:
     while True:
         letters = "".join(secrets.choice(LETTERS) for _ in range(PSEUDONYM_LENGTH))
-        if transaction.get(PatientRecord, PREFIX + letters) is None:
+        if row_of(transaction, PATIENTS, PREFIX + letters) is None:
             return PREFIX + letters
 
 
-def _identity_record(pseudonym: str, identity: Identity) -> IdentityRecord:
+def _columns_of(pseudonym: str, identity: Identity) -> dict[str, str | None]:
     born = identity.birth_date
-    return IdentityRecord(
-        pseudonym=pseudonym,
-        name=identity.name,
-        birth_date=None if born is None else born.isoformat(),
-        record_number=identity.record_number,
-        search_text=searchable(identity, pseudonym),
-        sort_name=simplified(identity.name),
-    )
-
-
-def _identity(record: IdentityRecord) -> Identity:
-    born = None if record.birth_date is None else date.fromisoformat(record.birth_date)
-    return Identity(record.name, born, record.record_number)
-
-
-def _patient(transaction: Transaction, record: PatientRecord) -> Patient:
-    identity = transaction.get_one(IdentityRecord, record.pseudonym)
-    signers = {
-        signer.consent_id: signer.name
-        for signer in transaction.scalars(
-            select(SignerRecord)
-            .join(ConsentRecord, ConsentRecord.consent_id == SignerRecord.consent_id)
-            .where(ConsentRecord.pseudonym == record.pseudonym)
-        )
+    return {
+        "pseudonym": pseudonym,
+        "name": identity.name,
+        "birth_date": None if born is None else born.isoformat(),
+        "record_number": identity.record_number,
+        "search_text": searchable(identity, pseudonym),
+        "sort_name": simplified(identity.name),
     }
+
+
+def _identity(row: Row) -> Identity:
+    born = None if row.birth_date is None else date.fromisoformat(row.birth_date)
+    return Identity(row.name, born, row.record_number)
+
+
+def _patient(transaction: Transaction, pseudonym: str) -> Patient:
+    row = found_patient(transaction, pseudonym)
+    whose = select(IDENTITIES).where(IDENTITIES.c.pseudonym == pseudonym)
     return Patient(
-        pseudonym=record.pseudonym,
-        identity=_identity(identity),
-        sex=record.sex,
-        notes=record.notes,
-        created_utc=datetime.fromisoformat(record.created_utc),
-        consents=tuple(
-            _consent(consent, signers[consent.consent_id])
-            for consent in _consent_records(transaction, record.pseudonym)
-        ),
-        is_deleted=record.is_deleted,
+        pseudonym=pseudonym,
+        identity=_identity(transaction.execute(whose).one()),
+        sex=row.sex,
+        notes=row.notes,
+        created_utc=datetime.fromisoformat(row.created_utc),
+        consents=tuple(_consent(one) for one in _consent_rows(transaction, pseudonym)),
+        is_deleted=row.is_deleted,
     )
 
 
-def _consent_records(transaction: Transaction, pseudonym: str) -> list[ConsentRecord]:
+def _consent_rows(transaction: Transaction, pseudonym: str) -> list[Row]:
+    """Return the consents of a patient in their order, each with the name of who signed."""
     in_order = (
-        select(ConsentRecord)
-        .where(ConsentRecord.pseudonym == pseudonym)
-        .order_by(ConsentRecord.consent_id)
+        select(CONSENTS, SIGNERS.c.name)
+        .join(SIGNERS, SIGNERS.c.consent_id == CONSENTS.c.consent_id)
+        .where(CONSENTS.c.pseudonym == pseudonym)
+        .order_by(CONSENTS.c.consent_id)
     )
-    return list(transaction.scalars(in_order))
+    return list(transaction.execute(in_order))
 
 
-def _consent(record: ConsentRecord, signer: str) -> Consent:
-    withdrawn = record.withdrawn_utc
+def _consent(row: Row) -> Consent:
+    withdrawn = row.withdrawn_utc
     return Consent(
-        purposes=tuple(from_json(record.purposes)),
-        given_by=signer,
-        is_guardian=record.is_guardian,
-        given_utc=datetime.fromisoformat(record.given_utc),
+        purposes=tuple(from_json(row.purposes)),
+        given_by=row.name,
+        is_guardian=row.is_guardian,
+        given_utc=datetime.fromisoformat(row.given_utc),
         withdrawn_utc=None if withdrawn is None else datetime.fromisoformat(withdrawn),
     )
 

@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import delete, select
-from sqlalchemy.orm import Session as Transaction
+from sqlalchemy import delete, insert, select
 
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
@@ -11,14 +10,8 @@ from adibas.sessions.database import Database
 from adibas.sessions.kept_files import remove_leftovers
 from adibas.sessions.migrating import copies
 from adibas.sessions.patients import found_patient
-from adibas.sessions.schema import (
-    CaptureRecord,
-    FileRecord,
-    LeftoverRecord,
-    PatientRecord,
-    RecordingRecord,
-    SessionRecord,
-)
+from adibas.sessions.rows import Transaction, remove_row
+from adibas.sessions.schema import CAPTURES, FILES, LEFTOVERS, PATIENTS, RECORDINGS, SESSIONS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import cannot_save
 from adibas.sessions.stored_recordings import Recordings
@@ -44,12 +37,12 @@ class Purge:
         StoreError
             There is no such patient, a recording is being made, or the store is read-only.
         """
-        theirs = select(SessionRecord.session_id).where(SessionRecord.pseudonym == pseudonym)
+        theirs = select(SESSIONS.c.session_id).where(SESSIONS.c.pseudonym == pseudonym)
         with self._database.changing() as transaction:
             found_patient(transaction, pseudonym)
             sessions = list(transaction.scalars(theirs))
             self._let_go(transaction, sessions)
-            transaction.execute(delete(PatientRecord).where(PatientRecord.pseudonym == pseudonym))
+            remove_row(transaction, PATIENTS, pseudonym)
             self._audit.write(transaction, "purge", pseudonym, sessions=len(sessions))
         self._clean()
 
@@ -64,34 +57,38 @@ class Purge:
         with self._database.changing() as transaction:
             found_session(transaction, session_id)
             self._let_go(transaction, [session_id])
-            transaction.execute(delete(SessionRecord).where(SessionRecord.session_id == session_id))
+            remove_row(transaction, SESSIONS, session_id)
             self._audit.write(transaction, "purge", session_id)
         self._clean()
 
     def _let_go(self, transaction: Transaction, sessions: Sequence[str]) -> None:
         """Destroy the keys of all files of `sessions`, and remember to remove the files."""
-        captures = CaptureRecord.session_id.in_(sessions)
-        recordings = RecordingRecord.session_id.in_(sessions)
+        captures = CAPTURES.c.session_id.in_(sessions)
+        recordings = RECORDINGS.c.session_id.in_(sessions)
         recording_ids = list(
-            transaction.scalars(select(RecordingRecord.recording_id).where(recordings))
+            transaction.scalars(select(RECORDINGS.c.recording_id).where(recordings))
         )
         if self._recordings.in_the_making.intersection(recording_ids):
             raise StoreError(
                 "A recording of this patient is being made. Stop it first, then purge."
             )
         pairs = transaction.execute(
-            select(CaptureRecord.picture_id, CaptureRecord.surface_id).where(captures)
+            select(CAPTURES.c.picture_id, CAPTURES.c.surface_id).where(captures)
         )
         file_ids = [file_id for pair in pairs for file_id in pair if file_id is not None]
-        transaction.execute(delete(CaptureRecord).where(captures))
-        transaction.execute(delete(FileRecord).where(FileRecord.file_id.in_(file_ids)))
-        transaction.execute(delete(RecordingRecord).where(recordings))
-        for folder, ids in (
-            (self._pictures.folder, file_ids),
-            (self._recordings.sealed.folder, recording_ids),
-        ):
-            transaction.add_all(LeftoverRecord(file_id=i, folder=folder.name) for i in ids)
-        transaction.flush()
+        transaction.execute(delete(CAPTURES).where(captures))
+        transaction.execute(delete(FILES).where(FILES.c.file_id.in_(file_ids)))
+        transaction.execute(delete(RECORDINGS).where(recordings))
+        left = [
+            {"file_id": file_id, "folder": folder.name}
+            for folder, ids in (
+                (self._pictures.folder, file_ids),
+                (self._recordings.sealed.folder, recording_ids),
+            )
+            for file_id in ids
+        ]
+        if left:
+            transaction.execute(insert(LEFTOVERS), left)
 
     def _clean(self) -> None:
         """Remove the files, and the data from the journal and from copies of the database."""

@@ -1,10 +1,22 @@
 """The tables of the store. Identity stands in two tables of its own, apart from all measurements.
 
-A change here needs a new revision under `migrations/versions`.
+Times are ISO 8601 texts in UTC, documents are JSON texts. A change here needs a new revision under
+`migrations/versions`.
 """
 
-from sqlalchemy import ForeignKey, Index, LargeBinary, MetaData
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from typing import Any
+
+from sqlalchemy import (
+    Boolean,
+    Column,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+)
 
 NAMING = {
     "fk": "fk_%(table_name)s_%(column_0_name)s",
@@ -12,192 +24,183 @@ NAMING = {
     "pk": "pk_%(table_name)s",
     "uq": "uq_%(table_name)s_%(column_0_name)s",
 }
+METADATA = MetaData(naming_convention=NAMING)
 
 
-class Record(DeclarativeBase):
-    """Base of all tables; times are ISO 8601 texts in UTC, documents are JSON texts."""
-
-    metadata = MetaData(naming_convention=NAMING)
+def _text(name: str, **more: Any) -> "Column[str]":
+    return Column(name, String, nullable=False, **more)
 
 
-class PatientRecord(Record):
-    """A patient without identity."""
-
-    __tablename__ = "patients"
-
-    pseudonym: Mapped[str] = mapped_column(primary_key=True)
-    sex: Mapped[str]
-    notes: Mapped[str]
-    created_utc: Mapped[str]
-    is_deleted: Mapped[bool]
+def _text_or_none(name: str, *more: Any) -> "Column[str | None]":
+    return Column(name, String, *more, nullable=True)
 
 
-class IdentityRecord(Record):
-    """Who a patient is; `search_text` and `sort_name` are in small letters without accents."""
-
-    __tablename__ = "identities"
-
-    pseudonym: Mapped[str] = mapped_column(
-        ForeignKey("patients.pseudonym", ondelete="CASCADE"), primary_key=True
-    )
-    name: Mapped[str]
-    birth_date: Mapped[str | None]
-    record_number: Mapped[str]
-    search_text: Mapped[str]
-    sort_name: Mapped[str] = mapped_column(index=True)
+def _whole(name: str, **more: Any) -> "Column[int]":
+    return Column(name, Integer, nullable=False, **more)
 
 
-class ConsentRecord(Record):
-    """That somebody agreed, without who."""
-
-    __tablename__ = "consents"
-
-    consent_id: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
-    pseudonym: Mapped[str] = mapped_column(
-        ForeignKey("patients.pseudonym", ondelete="CASCADE"), index=True
-    )
-    purposes: Mapped[str]
-    is_guardian: Mapped[bool]
-    given_utc: Mapped[str]
-    withdrawn_utc: Mapped[str | None]
+def _flag(name: str) -> "Column[bool]":
+    return Column(name, Boolean, nullable=False)
 
 
-class SignerRecord(Record):
-    """Who signed a consent."""
-
-    __tablename__ = "signers"
-
-    consent_id: Mapped[int] = mapped_column(
-        ForeignKey("consents.consent_id", ondelete="CASCADE"), primary_key=True
-    )
-    name: Mapped[str]
+def _bytes(name: str) -> "Column[bytes]":
+    return Column(name, LargeBinary, nullable=False)
 
 
-class SessionRecord(Record):
-    """One visit."""
-
-    __tablename__ = "sessions"
-
-    session_id: Mapped[str] = mapped_column(primary_key=True)
-    pseudonym: Mapped[str] = mapped_column(ForeignKey("patients.pseudonym", ondelete="CASCADE"))
-    started_utc: Mapped[str] = mapped_column(index=True)
-    operator: Mapped[str]
-    setup: Mapped[str]
-    notes: Mapped[str]
-    is_deleted: Mapped[bool]
-
-    __table_args__ = (Index("ix_sessions_pseudonym", "pseudonym", "started_utc"),)
+def _of(target: str, kind: type[String | Integer] = String, **more: Any) -> "Column[Any]":
+    """Refer to the row that this one belongs to, and goes with."""
+    name = target.rpartition(".")[2]
+    return Column(name, kind, ForeignKey(target, ondelete="CASCADE"), nullable=False, **more)
 
 
-class RecordingRecord(Record):
-    """A sealed recording and its key, which is here before the first frame is written.
+PATIENTS = Table(
+    "patients",
+    METADATA,
+    _text("pseudonym", primary_key=True),
+    _text("sex"),
+    _text("notes"),
+    _text("created_utc"),
+    _flag("is_deleted"),
+)
+"""Patients without identity."""
 
-    `is_closed` is False while it is being made; a crash leaves it so.
-    """
+IDENTITIES = Table(
+    "identities",
+    METADATA,
+    _of("patients.pseudonym", primary_key=True),
+    _text("name"),
+    _text_or_none("birth_date"),
+    _text("record_number"),
+    _text("search_text"),
+    _text("sort_name", index=True),
+)
+"""Who a patient is; `search_text` and `sort_name` are in small letters without accents."""
 
-    __tablename__ = "recordings"
+CONSENTS = Table(
+    "consents",
+    METADATA,
+    _whole("consent_id", primary_key=True, autoincrement=True),
+    _of("patients.pseudonym", index=True),
+    _text("purposes"),
+    _flag("is_guardian"),
+    _text("given_utc"),
+    _text_or_none("withdrawn_utc"),
+)
+"""That somebody agreed, without who."""
 
-    recording_id: Mapped[str] = mapped_column(primary_key=True)
-    session_id: Mapped[str] = mapped_column(
-        ForeignKey("sessions.session_id", ondelete="CASCADE"), index=True
-    )
-    is_closed: Mapped[bool]
-    key: Mapped[bytes] = mapped_column(LargeBinary)
-    created_utc: Mapped[str]
-    n_frames: Mapped[int]
-    n_dropped: Mapped[int]
-    duration_ns: Mapped[int]
-    size_bytes: Mapped[int]
-    sha256: Mapped[str]
-    notice: Mapped[str]
+SIGNERS = Table(
+    "signers",
+    METADATA,
+    _of("consents.consent_id", Integer, primary_key=True),
+    _text("name"),
+)
+"""Who signed a consent."""
 
+SESSIONS = Table(
+    "sessions",
+    METADATA,
+    _text("session_id", primary_key=True),
+    _of("patients.pseudonym"),
+    _text("started_utc", index=True),
+    _text("operator"),
+    _text("setup"),
+    _text("notes"),
+    _flag("is_deleted"),
+    Index("ix_sessions_pseudonym", "pseudonym", "started_utc"),
+)
+"""One visit a row."""
 
-class FileRecord(Record):
-    """A sealed picture or surface and its key, which is here before the file is written.
+RECORDINGS = Table(
+    "recordings",
+    METADATA,
+    _text("recording_id", primary_key=True),
+    _of("sessions.session_id", index=True),
+    _flag("is_closed"),
+    _bytes("key"),
+    _text("created_utc"),
+    _whole("n_frames"),
+    _whole("n_dropped"),
+    _whole("duration_ns"),
+    _whole("size_bytes"),
+    _text("sha256"),
+    _text("notice"),
+)
+"""Sealed recordings and their keys, which are here before the first frame is written.
 
-    `sha256` is None until a capture uses the file.
-    """
+`is_closed` is False while one is being made; a crash leaves it so.
+"""
 
-    __tablename__ = "files"
+FILES = Table(
+    "files",
+    METADATA,
+    _text("file_id", primary_key=True),
+    _bytes("key"),
+    _text_or_none("sha256"),
+)
+"""Sealed pictures and surfaces and their keys, which are here before the file is written.
 
-    file_id: Mapped[str] = mapped_column(primary_key=True)
-    key: Mapped[bytes] = mapped_column(LargeBinary)
-    sha256: Mapped[str | None]
+`sha256` is None until a capture uses the file.
+"""
 
+LEFTOVERS = Table("leftovers", METADATA, _text("file_id", primary_key=True), _text("folder"))
+"""Purged files that are still to be removed from the disk; their keys are gone already."""
 
-class LeftoverRecord(Record):
-    """A purged file that is still to be removed from the disk; its key is gone already."""
+CAPTURES = Table(
+    "captures",
+    METADATA,
+    _text("capture_id", primary_key=True),
+    _of("sessions.session_id"),
+    _whole("number"),
+    _text("view"),
+    _text("captured_utc"),
+    _text_or_none("recording_id", ForeignKey("recordings.recording_id", ondelete="SET NULL")),
+    _whole("first_frame"),
+    _whole("n_frames"),
+    _text("calibration"),
+    _text("detected"),
+    _text("rejected"),
+    _text("provenance"),
+    _text("notices"),
+    _whole("n_done"),
+    Column("picture_id", String, ForeignKey("files.file_id"), nullable=False),
+    _text_or_none("surface_id", ForeignKey("files.file_id")),
+    _bytes("thumbnail"),
+    _flag("is_deleted"),
+    Index("ix_captures_session_id", "session_id", "number"),
+)
+"""One burst a row; `number` counts within the session."""
 
-    __tablename__ = "leftovers"
+CORRECTIONS = Table(
+    "corrections",
+    METADATA,
+    _whole("correction_id", primary_key=True, autoincrement=True),
+    _of("captures.capture_id", index=True),
+    Column("position", Integer, nullable=True),
+    _text("content"),
+    _text("made_utc"),
+    _text("operator"),
+)
+"""One correction a row; `position` in the undo stack, None once another one took its place."""
 
-    file_id: Mapped[str] = mapped_column(primary_key=True)
-    folder: Mapped[str]
+AUDIT = Table(
+    "audit",
+    METADATA,
+    _whole("sequence", primary_key=True, autoincrement=False),
+    _text("time_utc"),
+    _text("operator"),
+    _text("action"),
+    _text("subject"),
+    _text("detail"),
+    _text("previous_hash"),
+    _text("hash"),
+)
+"""The audit log; the database refuses to change or delete a line."""
 
-
-class CaptureRecord(Record):
-    """One burst; `number` counts within the session."""
-
-    __tablename__ = "captures"
-
-    capture_id: Mapped[str] = mapped_column(primary_key=True)
-    session_id: Mapped[str] = mapped_column(ForeignKey("sessions.session_id", ondelete="CASCADE"))
-    number: Mapped[int]
-    view: Mapped[str]
-    captured_utc: Mapped[str]
-    recording_id: Mapped[str | None] = mapped_column(
-        ForeignKey("recordings.recording_id", ondelete="SET NULL")
-    )
-    first_frame: Mapped[int]
-    n_frames: Mapped[int]
-    calibration: Mapped[str]
-    detected: Mapped[str]
-    rejected: Mapped[str]
-    provenance: Mapped[str]
-    notices: Mapped[str]
-    n_done: Mapped[int]
-    picture_id: Mapped[str] = mapped_column(ForeignKey("files.file_id"))
-    surface_id: Mapped[str | None] = mapped_column(ForeignKey("files.file_id"))
-    thumbnail: Mapped[bytes] = mapped_column(LargeBinary)
-    is_deleted: Mapped[bool]
-
-    __table_args__ = (Index("ix_captures_session_id", "session_id", "number"),)
-
-
-class CorrectionRecord(Record):
-    """One correction; `position` in the undo stack, None once another one took its place."""
-
-    __tablename__ = "corrections"
-
-    correction_id: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
-    capture_id: Mapped[str] = mapped_column(
-        ForeignKey("captures.capture_id", ondelete="CASCADE"), index=True
-    )
-    position: Mapped[int | None]
-    content: Mapped[str]
-    made_utc: Mapped[str]
-    operator: Mapped[str]
-
-
-class AuditRecord(Record):
-    """One line of the audit log; the database refuses to change or delete one."""
-
-    __tablename__ = "audit"
-
-    sequence: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
-    time_utc: Mapped[str]
-    operator: Mapped[str]
-    action: Mapped[str]
-    subject: Mapped[str]
-    detail: Mapped[str]
-    previous_hash: Mapped[str]
-    hash: Mapped[str]
-
-
-class AuditHead(Record):
-    """The last line's number and hash, so that lines missing at the end are noticed."""
-
-    __tablename__ = "audit_head"
-
-    only: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
-    sequence: Mapped[int]
-    hash: Mapped[str]
+AUDIT_HEAD = Table(
+    "audit_head",
+    METADATA,
+    _whole("only", primary_key=True, autoincrement=False),
+    _whole("sequence"),
+    _text("hash"),
+)
+"""The last line's number and hash, so that lines missing at the end are noticed."""

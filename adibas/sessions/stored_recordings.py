@@ -3,13 +3,12 @@
 import logging
 import secrets
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 from sqlalchemy import select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, StoreError
@@ -17,7 +16,8 @@ from adibas.recordings.convert import ConversionSummary
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
-from adibas.sessions.schema import RecordingRecord
+from adibas.sessions.rows import Row, Transaction, add_row, change_row, remove_row, row_of
+from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_recordings import SealedRecordings, SealedRecordingWriter
 from adibas.sessions.sealing import KEY_SIZE
 from adibas.sessions.visits import found_session
@@ -144,7 +144,9 @@ class Recordings:
         recording_id, key = uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)
         with self._database.changing() as transaction:
             found_session(transaction, session_id)
-            record = RecordingRecord(
+            add_row(
+                transaction,
+                RECORDINGS,
                 recording_id=recording_id,
                 session_id=session_id,
                 is_closed=False,
@@ -157,7 +159,6 @@ class Recordings:
                 sha256="",
                 notice="",
             )
-            transaction.add(record)
             self.in_the_making.add(recording_id)
         try:
             sealed = self.sealed.create(recording_id, key, info, options or RecordingOptions())
@@ -177,9 +178,9 @@ class Recordings:
             It cannot be read.
         """
         with self._database.reading() as transaction:
-            record = _found(transaction, recording_id)
-        self._audit.saw(record.session_id)
-        return self.sealed.open(recording_id, record.key)
+            row = _found(transaction, recording_id)
+        self._audit.saw(row.session_id)
+        return self.sealed.open(recording_id, row.key)
 
     def facts(self, recording_id: str) -> RecordingFacts:
         """Return what is known of a recording.
@@ -195,12 +196,12 @@ class Recordings:
     def of_session(self, session_id: str) -> tuple[RecordingFacts, ...]:
         """Return the finished recordings of a session, oldest first."""
         theirs = (
-            select(RecordingRecord)
-            .where(RecordingRecord.session_id == session_id, RecordingRecord.is_closed)
-            .order_by(RecordingRecord.created_utc)
+            select(RECORDINGS)
+            .where(RECORDINGS.c.session_id == session_id, RECORDINGS.c.is_closed)
+            .order_by(RECORDINGS.c.created_utc)
         )
         with self._database.reading() as transaction:
-            return tuple(_facts(record) for record in transaction.scalars(theirs))
+            return tuple(_facts(row) for row in transaction.execute(theirs))
 
     def export(
         self, recording_id: str, path: Path, progress: Callable[[int, int], None] | None = None
@@ -222,95 +223,104 @@ class Recordings:
             A frame is damaged, or `path` cannot be written. Nothing is left there.
         """
         with self._database.logging() as transaction:
-            record = _found(transaction, recording_id)
+            row = _found(transaction, recording_id)
             self._audit.write(
-                transaction, "export", recording_id, kind="recording", session=record.session_id
+                transaction, "export", recording_id, kind="recording", session=row.session_id
             )
-            key = record.key
-        return self.sealed.export(recording_id, key, path, progress)
+        return self.sealed.export(recording_id, row.key, path, progress)
 
     def register(self, writer: StoredRecordingWriter) -> None:
         """List a recording whose file is whole."""
         recording_id = writer.recording_id
-        sha256, size_bytes = self.sealed.sha256(recording_id), self.sealed.size(recording_id)
+        facts = {
+            "n_frames": writer.n_frames,
+            "n_dropped": writer.n_dropped,
+            "duration_ns": writer.duration_ns,
+            **self._on_disk(recording_id),
+        }
         with self._database.changing() as transaction:
-            record = transaction.get_one(RecordingRecord, recording_id)
-            record.is_closed = True
-            record.n_frames, record.n_dropped = writer.n_frames, writer.n_dropped
-            record.duration_ns = writer.duration_ns
-            record.sha256, record.size_bytes = sha256, size_bytes
-            self._audit.write(transaction, "create", recording_id, session=record.session_id)
+            session_id = _finish(transaction, recording_id, facts)
+            self._audit.write(transaction, "create", recording_id, session=session_id)
         self.in_the_making.discard(recording_id)
 
     def forget(self, recording_id: str) -> None:
         """Take a recording without a file off the list."""
         with self._database.changing() as transaction:
-            record = transaction.get(RecordingRecord, recording_id)
-            if record is not None:
-                transaction.delete(record)
+            remove_row(transaction, RECORDINGS, recording_id)
         self.in_the_making.discard(recording_id)
 
     def recover(self) -> None:
         """List what a crash left unfinished, with the frames that are whole."""
         with self._database.reading() as transaction:
-            left = list(
-                transaction.scalars(
-                    select(RecordingRecord).where(RecordingRecord.is_closed.is_(False))
-                )
-            )
-        for record in left:
+            unfinished = select(RECORDINGS).where(RECORDINGS.c.is_closed.is_(False))
+            left = transaction.execute(unfinished).all()
+        for row in left:
             try:
-                self._recover(record)
+                self._recover(row)
             except AdibasError as error:
                 # The other recordings and the store are well; `verify` tells the user of this one.
-                logger.warning("recording %s is not recovered: %s", record.recording_id, error)
+                logger.warning("recording %s is not recovered: %s", row.recording_id, error)
 
-    def _recover(self, record: RecordingRecord) -> None:
-        recording_id = record.recording_id
-        self.sealed.recover(recording_id, record.key)
+    def _recover(self, row: Row) -> None:
+        recording_id = row.recording_id
+        self.sealed.recover(recording_id, row.key)
         if recording_id not in self.sealed.ids():
             self.forget(recording_id)
             return
-        with self.sealed.open(recording_id, record.key) as reader:
-            times_ns, n_dropped = reader.timestamps_ns, reader.info.n_dropped
-            notice = reader.notice or ""
-        sha256, size_bytes = self.sealed.sha256(recording_id), self.sealed.size(recording_id)
+        with self.sealed.open(recording_id, row.key) as reader:
+            times_ns = reader.timestamps_ns
+            facts = {
+                "n_frames": len(times_ns),
+                "n_dropped": reader.info.n_dropped,
+                "duration_ns": int(times_ns.max() - times_ns.min()) if len(times_ns) else 0,
+                "notice": reader.notice or "",
+            }
+        facts |= self._on_disk(recording_id)
         with self._database.changing() as transaction:
-            found = transaction.get_one(RecordingRecord, recording_id)
-            found.is_closed = True
-            found.n_frames, found.n_dropped = len(times_ns), n_dropped
-            found.duration_ns = int(times_ns.max() - times_ns.min()) if len(times_ns) else 0
-            found.sha256, found.size_bytes, found.notice = sha256, size_bytes, notice
+            session_id = _finish(transaction, recording_id, facts)
             self._audit.write(
-                transaction, "recover", recording_id, session=found.session_id, frames=len(times_ns)
+                transaction, "recover", recording_id, session=session_id, frames=len(times_ns)
             )
 
+    def _on_disk(self, recording_id: str) -> dict[str, object]:
+        return {
+            "sha256": self.sealed.sha256(recording_id),
+            "size_bytes": self.sealed.size(recording_id),
+        }
 
-def _found(transaction: Transaction, recording_id: str) -> RecordingRecord:
-    record = transaction.get(RecordingRecord, recording_id)
-    if record is None:
+
+def _finish(transaction: Transaction, recording_id: str, facts: Mapping[str, object]) -> str:
+    """List a recording with what is known of it; return its session."""
+    change_row(transaction, RECORDINGS, recording_id, is_closed=True, **facts)
+    whose = select(RECORDINGS.c.session_id).where(RECORDINGS.c.recording_id == recording_id)
+    return str(transaction.scalars(whose).one())
+
+
+def _found(transaction: Transaction, recording_id: str) -> Row:
+    row = row_of(transaction, RECORDINGS, recording_id)
+    if row is None:
         raise StoreError(
             "There is no recording {recording_id} in this store; perhaps it was purged. Choose "
             "another one.",
             recording_id=recording_id,
         )
-    if not record.is_closed:
+    if not row.is_closed:
         raise StoreError(
             "The recording {recording_id} is not finished. Stop it; after a crash, close the store "
             "and open it again.",
             recording_id=recording_id,
         )
-    return record
+    return row
 
 
-def _facts(record: RecordingRecord) -> RecordingFacts:
+def _facts(row: Row) -> RecordingFacts:
     return RecordingFacts(
-        recording_id=record.recording_id,
-        session_id=record.session_id,
-        created_utc=datetime.fromisoformat(record.created_utc),
-        n_frames=record.n_frames,
-        n_dropped=record.n_dropped,
-        duration_ns=record.duration_ns,
-        size_bytes=record.size_bytes,
-        notice=record.notice,
+        recording_id=row.recording_id,
+        session_id=row.session_id,
+        created_utc=datetime.fromisoformat(row.created_utc),
+        n_frames=row.n_frames,
+        n_dropped=row.n_dropped,
+        duration_ns=row.duration_ns,
+        size_bytes=row.size_bytes,
+        notice=row.notice,
     )

@@ -4,18 +4,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from sqlalchemy import select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.errors import StoreError
-from adibas.sessions.audit import BEGINNING, THE_HEAD, AuditLog, hash_of
+from adibas.sessions.audit import BEGINNING, THE_HEAD, AuditLine, AuditLog, hash_of
 from adibas.sessions.database import Database
-from adibas.sessions.schema import (
-    AuditHead,
-    AuditRecord,
-    FileRecord,
-    LeftoverRecord,
-    RecordingRecord,
-)
+from adibas.sessions.rows import Row, Transaction, row_of
+from adibas.sessions.schema import AUDIT, AUDIT_HEAD, FILES, LEFTOVERS, RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
 from adibas.sessions.stored_recordings import Recordings
@@ -82,10 +76,10 @@ class Verification:
         unfinished = self._recordings.sealed.unfinished()
         with self._database.reading() as transaction:
             findings = [*_database_findings(transaction), *_audit_findings(transaction)]
-            n_lines = len(transaction.scalars(select(AuditRecord.sequence)).all())
+            n_lines = len(transaction.scalars(select(AUDIT.c.sequence)).all())
             files = _checksums(transaction)
-            recordings = list(transaction.scalars(select(RecordingRecord)))
-            leaving = set(transaction.scalars(select(LeftoverRecord.file_id)))
+            recordings = list(transaction.execute(select(RECORDINGS)))
+            leaving = set(transaction.scalars(select(LEFTOVERS.c.file_id)))
         closed = {r.recording_id: r.sha256 for r in recordings if r.is_closed}
         known = {r.recording_id for r in recordings} | leaving
         kept = {file_id: sha256 for file_id, sha256 in files.items() if sha256 is not None}
@@ -103,7 +97,7 @@ class Verification:
         findings += self._unfinished(recordings)
         return VerifyReport(n_lines, len(kept), len(closed), tuple(findings))
 
-    def _unfinished(self, recordings: list[RecordingRecord]) -> Iterator[Finding]:
+    def _unfinished(self, recordings: list[Row]) -> Iterator[Finding]:
         """Give recordings that nobody makes and that recovery could not read."""
         if self._database.is_read_only:
             return
@@ -120,10 +114,9 @@ class Verification:
 
 
 def _database_findings(transaction: Transaction) -> Iterator[Finding]:
-    connection = transaction.connection()
-    pages = connection.exec_driver_sql("PRAGMA cipher_integrity_check").scalars().all()
-    rows = connection.exec_driver_sql("PRAGMA integrity_check").scalars().all()
-    links = connection.exec_driver_sql("PRAGMA foreign_key_check").all()
+    pages = transaction.exec_driver_sql("PRAGMA cipher_integrity_check").scalars().all()
+    rows = transaction.exec_driver_sql("PRAGMA integrity_check").scalars().all()
+    links = transaction.exec_driver_sql("PRAGMA foreign_key_check").all()
     if pages or rows != ["ok"] or links:
         yield Finding(
             "database",
@@ -138,14 +131,14 @@ def _database_findings(transaction: Transaction) -> Iterator[Finding]:
 def _audit_findings(transaction: Transaction) -> Iterator[Finding]:
     """Follow the chain to its head."""
     previous, expected = BEGINNING, 1
-    in_order = select(AuditRecord).order_by(AuditRecord.sequence)
-    for line in transaction.scalars(in_order):
+    in_order = select(AUDIT).order_by(AUDIT.c.sequence)
+    for line in (AuditLine(*row) for row in transaction.execute(in_order)):
         if line.sequence != expected:
             yield _chain_broken(expected, _("Line {number} of the audit log is missing."))
         elif line.previous_hash != previous or line.hash != hash_of(line):
             yield _chain_broken(line.sequence, _("Line {number} of the audit log was changed."))
         previous, expected = line.hash, line.sequence + 1
-    head = transaction.get(AuditHead, THE_HEAD)
+    head = row_of(transaction, AUDIT_HEAD, THE_HEAD)
     if head is None or (head.sequence, head.hash) != (expected - 1, previous):
         yield _chain_broken(
             expected, _("The end of the audit log, from line {number}, is missing.")
@@ -161,7 +154,7 @@ def _chain_broken(number: int, text: str) -> Finding:
 
 
 def _checksums(transaction: Transaction) -> dict[str, str | None]:
-    return {file.file_id: file.sha256 for file in transaction.scalars(select(FileRecord))}
+    return {row.file_id: row.sha256 for row in transaction.execute(select(FILES))}
 
 
 def _file_findings(folder: SealedFolder, file_id: str, sha256: str) -> Iterator[Finding]:

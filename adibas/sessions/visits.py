@@ -5,7 +5,6 @@ from collections.abc import Callable
 from datetime import datetime
 
 from sqlalchemy import select
-from sqlalchemy.orm import Session as Transaction
 
 from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import StoreError
@@ -13,7 +12,8 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
 from adibas.sessions.documents import setup_from_json, setup_to_json
 from adibas.sessions.patients import found_patient
-from adibas.sessions.schema import CaptureRecord, PatientRecord, SessionRecord
+from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
+from adibas.sessions.schema import CAPTURES, PATIENTS, SESSIONS
 
 
 class Sessions:
@@ -32,10 +32,13 @@ class Sessions:
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
+        session_id = uuid.uuid4().hex
         with self._database.changing() as transaction:
             found_patient(transaction, pseudonym)
-            record = SessionRecord(
-                session_id=uuid.uuid4().hex,
+            add_row(
+                transaction,
+                SESSIONS,
+                session_id=session_id,
                 pseudonym=pseudonym,
                 started_utc=self._audit.now(),
                 operator=self._audit.operator,
@@ -43,9 +46,8 @@ class Sessions:
                 notes="",
                 is_deleted=False,
             )
-            transaction.add(record)
-            self._audit.write(transaction, "create", record.session_id, patient=pseudonym)
-            return _session(transaction, record)
+            self._audit.write(transaction, "create", session_id, patient=pseudonym)
+            return _session(transaction, found_session(transaction, session_id))
 
     def get(self, session_id: str) -> Session:
         """Return a session, a hidden one too.
@@ -62,24 +64,25 @@ class Sessions:
 
     def of_patient(self, pseudonym: str, *, with_deleted: bool = False) -> tuple[Session, ...]:
         """Return a patient's sessions, newest first."""
-        theirs = select(SessionRecord).where(SessionRecord.pseudonym == pseudonym)
+        theirs = select(SESSIONS).where(SESSIONS.c.pseudonym == pseudonym)
         if not with_deleted:
-            theirs = theirs.where(SessionRecord.is_deleted.is_(False))
+            theirs = theirs.where(SESSIONS.c.is_deleted.is_(False))
         with self._database.reading() as transaction:
-            found = transaction.scalars(theirs.order_by(SessionRecord.started_utc.desc()))
-            return tuple(_session(transaction, record) for record in found)
+            found = transaction.execute(theirs.order_by(SESSIONS.c.started_utc.desc())).all()
+            return tuple(_session(transaction, row) for row in found)
 
     def recent(self, limit: int = 20) -> tuple[Session, ...]:
         """Return the last sessions of all patients, newest first, without hidden ones."""
         newest = (
-            select(SessionRecord)
-            .join(PatientRecord, PatientRecord.pseudonym == SessionRecord.pseudonym)
-            .where(SessionRecord.is_deleted.is_(False), PatientRecord.is_deleted.is_(False))
-            .order_by(SessionRecord.started_utc.desc())
+            select(SESSIONS)
+            .join(PATIENTS, PATIENTS.c.pseudonym == SESSIONS.c.pseudonym)
+            .where(SESSIONS.c.is_deleted.is_(False), PATIENTS.c.is_deleted.is_(False))
+            .order_by(SESSIONS.c.started_utc.desc())
             .limit(limit)
         )
         with self._database.reading() as transaction:
-            return tuple(_session(transaction, r) for r in transaction.scalars(newest))
+            found = transaction.execute(newest).all()
+            return tuple(_session(transaction, row) for row in found)
 
     def change(
         self, session_id: str, *, notes: str | None = None, setup: SessionSetup | None = None
@@ -91,17 +94,15 @@ class Sessions:
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
-        given = {"notes": notes, "setup": setup}
-        fields = [name for name, value in given.items() if value is not None]
+        given = {} if notes is None else {"notes": notes}
+        if setup is not None:
+            given["setup"] = setup_to_json(setup)
         with self._database.changing() as transaction:
-            record = found_session(transaction, session_id)
-            if notes is not None:
-                record.notes = notes
-            if setup is not None:
-                record.setup = setup_to_json(setup)
-            if fields:
-                self._audit.write(transaction, "change", session_id, fields=fields)
-            return _session(transaction, record)
+            found_session(transaction, session_id)
+            if given:
+                change_row(transaction, SESSIONS, session_id, **given)
+                self._audit.write(transaction, "change", session_id, fields=list(given))
+            return _session(transaction, found_session(transaction, session_id))
 
     def delete(self, session_id: str) -> None:
         """Hide a session, until `restore` or a purge.
@@ -135,37 +136,36 @@ class Sessions:
 
     def _hide(self, session_id: str, *, is_deleted: bool) -> None:
         with self._database.changing() as transaction:
-            record = found_session(transaction, session_id)
-            if record.is_deleted != is_deleted:
-                record.is_deleted = is_deleted
+            if found_session(transaction, session_id).is_deleted != is_deleted:
+                change_row(transaction, SESSIONS, session_id, is_deleted=is_deleted)
                 self._audit.write(transaction, "delete" if is_deleted else "restore", session_id)
 
 
-def found_session(transaction: Transaction, session_id: str) -> SessionRecord:
-    """Return the record, or raise StoreError."""
-    record = transaction.get(SessionRecord, session_id)
-    if record is None:
+def found_session(transaction: Transaction, session_id: str) -> Row:
+    """Return the row, or raise StoreError."""
+    row = row_of(transaction, SESSIONS, session_id)
+    if row is None:
         raise StoreError(
             "There is no session {session_id} in this store; perhaps it was purged. Choose another "
             "one.",
             session_id=session_id,
         )
-    return record
+    return row
 
 
-def _session(transaction: Transaction, record: SessionRecord) -> Session:
+def _session(transaction: Transaction, row: Row) -> Session:
     captures = (
-        select(CaptureRecord.capture_id)
-        .where(CaptureRecord.session_id == record.session_id, CaptureRecord.is_deleted.is_(False))
-        .order_by(CaptureRecord.number)
+        select(CAPTURES.c.capture_id)
+        .where(CAPTURES.c.session_id == row.session_id, CAPTURES.c.is_deleted.is_(False))
+        .order_by(CAPTURES.c.number)
     )
     return Session(
-        session_id=record.session_id,
-        patient=record.pseudonym,
-        started_utc=datetime.fromisoformat(record.started_utc),
-        operator=record.operator,
-        setup=setup_from_json(record.setup),
-        notes=record.notes,
+        session_id=row.session_id,
+        patient=row.pseudonym,
+        started_utc=datetime.fromisoformat(row.started_utc),
+        operator=row.operator,
+        setup=setup_from_json(row.setup),
+        notes=row.notes,
         capture_ids=tuple(transaction.scalars(captures)),
-        is_deleted=record.is_deleted,
+        is_deleted=row.is_deleted,
     )

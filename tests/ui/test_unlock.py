@@ -162,7 +162,7 @@ def test_a_key_file_of_a_later_version_asks_for_an_update(presenter, view, folde
 @pytest.mark.usefixtures("behind_passphrase")
 def test_a_database_of_a_later_version_asks_for_an_update(presenter, view, folder, opened):
     with open_store(folder, PASSPHRASE) as store, store._database.changing() as transaction:
-        transaction.connection().exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
+        transaction.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
     presenter.give_passphrase(PASSPHRASE)
     assert "later version of ADiBAS" in told(view)
     assert not opened

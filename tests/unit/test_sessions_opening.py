@@ -17,7 +17,7 @@ from adibas.recordings.seal import SealError
 from adibas.sessions import default_store_folder, key_state, migrating, open_store
 from adibas.sessions.database import Database
 from adibas.sessions.keys import load_key
-from adibas.sessions.schema import Record
+from adibas.sessions.schema import METADATA
 from tests.unit.recorded_frames import INFO
 from tests.unit.store_samples import (
     IDENTITY,
@@ -84,8 +84,8 @@ def test_the_revisions_lead_to_the_tables_of_the_program(folder, pseudonym):
     assert pseudonym
     database = Database(folder, load_key(folder, PASSPHRASE), is_read_only=True)
     with database.reading() as transaction:
-        context = MigrationContext.configure(transaction.connection())
-        assert compare_metadata(context, Record.metadata) == []
+        context = MigrationContext.configure(transaction)
+        assert compare_metadata(context, METADATA) == []
     database.close()
 
 
@@ -296,7 +296,8 @@ def test_what_is_written_is_on_the_disk_before_the_call_returns(folder):
     }
 
 
-def test_the_store_of_a_user_is_in_the_users_own_folder():
+def test_the_store_of_a_user_is_in_the_users_own_folder(monkeypatch):
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     assert Path.home() in default_store_folder().parents
 
 

@@ -2,11 +2,11 @@
 
 from alembic import context
 
-from adibas.sessions.schema import Record
+from adibas.sessions.schema import METADATA
 
 context.configure(
     connection=context.config.attributes["connection"],
-    target_metadata=Record.metadata,
+    target_metadata=METADATA,
     render_as_batch=True,
     transaction_per_migration=False,
 )
