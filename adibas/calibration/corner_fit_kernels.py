@@ -1,9 +1,11 @@
 """The last hundredths of a pixel: a blurred crossing of two edges fitted to the grey levels.
 
 With d1, d2 the signed distances from the edges, E = erf(d / (sigma sqrt 2)) and D the way from
-the corner, the model is ``(a + b E1 E2) (1 + g . D)``: the crossing seen through a Gaussian point
-spread of its own width across each edge, under a light that changes linearly. An edge is an arc
-whose curvature the neighbouring corners give, so that the lens does not move the crossing.
+the corner, the model is ``(a + b T(E1 E2)) (1 + g . D)``: the crossing seen through a Gaussian
+point spread of its own width across each edge, under a light that changes linearly, by a camera
+whose tone curve ``T(E) = E + q (1 - E^2)`` makes white larger than black. An edge is an arc whose
+curvature the neighbouring corners give, so that the lens does not move the crossing; the next
+parallel edges stand where those corners are, so that small squares do not blur into it.
 Any blur that is its own point reflection leaves the corner where it is.
 Source: the saddle of thesis 4.18 with the point spread in place of the quadratic; the statistics
 are those of least squares (Bjorck, Numerical Methods for Least Squares Problems, section 9.2).
@@ -17,11 +19,15 @@ from adibas.arrays import FloatArray, UInt8Array
 from adibas.calibration.corner_normal_kernels import factorise, solve_factorised
 from adibas.kernels import compiled
 
-N_UNKNOWNS = 10
-P_U, P_V, P_FIRST, P_SECOND, P_BLUR1, P_BLUR2, P_MEAN, P_SWING, P_LIGHT_U, P_LIGHT_V = range(10)
-N_SHAPE = 6
+N_UNKNOWNS = 11
+P_U, P_V, P_FIRST, P_SECOND, P_BLUR1, P_BLUR2 = range(6)
+P_MEAN, P_SWING, P_LIGHT_U, P_LIGHT_V, P_TONE = range(6, N_UNKNOWNS)
+N_SHAPE = 10
 """Of a window: change of the pixel per column (u, v) and per row (u, v), curvature per pixel of the
-edge along the columns and of the one along the rows."""
+edge along the row and of the one down the column, and the distances in pixels to the next edges
+parallel to the first (after, before) and to the second."""
+BENDS, GAPS = 4, 6
+FAR_BLURS = 4.0
 LEAST_PIXELS = 16
 LEAST_BLUR_PX, MOST_BLUR = 0.25, 0.5
 MOST_ROUNDS = 12
@@ -87,37 +93,59 @@ def _is_near(
 
 
 @compiled
+def edges(distance: float, blur: float, after: float, before: float) -> tuple[float, float, float]:
+    """Return E of an edge and the next ones beside it, and its derivatives by d and blur."""
+    value, slope = edge(distance, blur)
+    by_blur = slope * distance
+    if after - distance < FAR_BLURS * blur:
+        other, other_slope = edge(distance - after, blur)
+        value, slope = value - 1.0 - other, slope - other_slope
+        by_blur -= other_slope * (distance - after)
+    if distance + before < FAR_BLURS * blur:
+        other, other_slope = edge(distance + before, blur)
+        value, slope = value + 1.0 - other, slope - other_slope
+        by_blur -= other_slope * (distance + before)
+    return value, slope, -by_blur / blur
+
+
+@compiled
 def _row(
     pixel: FloatArray,
     unknowns: FloatArray,
     trigonometry: FloatArray,
-    bends: FloatArray,
+    shape: FloatArray,
     row: FloatArray,
 ) -> float:
-    """Fill `row` (10,) with the model's derivatives at `pixel`; return measured minus model."""
+    """Fill `row` (11,) with the model's derivatives at `pixel`; return measured minus model."""
     right, down = pixel[0] - unknowns[P_U], pixel[1] - unknowns[P_V]
     light = 1.0 + unknowns[P_LIGHT_U] * right + unknowns[P_LIGHT_V] * down
     values = np.empty(2)
     slopes = np.empty((2, 2))
     turns = np.empty(2)
     for k in range(2):
-        cosine, sine = trigonometry[2 * k], trigonometry[2 * k + 1]
+        cosine, sine, bend = trigonometry[2 * k], trigonometry[2 * k + 1], shape[BENDS + k]
         along, across = cosine * right + sine * down, cosine * down - sine * right
-        distance = across - 0.5 * bends[k] * along * along
-        values[k], slope = edge(distance, unknowns[P_BLUR1 + k])
-        slopes[k, 0] = slope * (sine + bends[k] * along * cosine)
-        slopes[k, 1] = slope * (-cosine + bends[k] * along * sine)
-        turns[k] = -slope * along * (1.0 + bends[k] * across)
-        row[P_BLUR1 + k] = -slope * distance / unknowns[P_BLUR1 + k]
-    shade = unknowns[P_MEAN] + unknowns[P_SWING] * values[0] * values[1]
-    swing = light * unknowns[P_SWING]
+        after, before = shape[GAPS + 2 * k], shape[GAPS + 2 * k + 1]
+        values[k], slope, row[P_BLUR1 + k] = edges(
+            across - 0.5 * bend * along * along, unknowns[P_BLUR1 + k], after, before
+        )
+        slopes[k, 0] = slope * (sine + bend * along * cosine)
+        slopes[k, 1] = slope * (-cosine + bend * along * sine)
+        turns[k] = -slope * along * (1.0 + bend * across)
+    both = values[0] * values[1]
+    # The swing is negative where E is that of the dark squares: white grows either way.
+    tone = unknowns[P_TONE] if unknowns[P_SWING] > 0.0 else -unknowns[P_TONE]
+    toned = both + tone * (1.0 - both * both)
+    shade = unknowns[P_MEAN] + unknowns[P_SWING] * toned
+    row[P_TONE] = abs(light * unknowns[P_SWING]) * (1.0 - both * both)
+    swing = light * unknowns[P_SWING] * (1.0 - 2.0 * tone * both)
     for axis in range(2):
         slope = slopes[0, axis] * values[1] + slopes[1, axis] * values[0]
         row[P_U + axis] = swing * slope - shade * unknowns[P_LIGHT_U + axis]
     for k in range(2):
         row[P_FIRST + k] = swing * values[1 - k] * turns[k]
         row[P_BLUR1 + k] *= swing * values[1 - k]
-    row[P_MEAN], row[P_SWING] = light, light * values[0] * values[1]
+    row[P_MEAN], row[P_SWING] = light, light * toned
     row[P_LIGHT_U], row[P_LIGHT_V] = shade * right, shade * down
     return float(pixel[2] - shade * light)
 
@@ -144,7 +172,7 @@ def _normal_equations(
     total = 0.0
     row = np.empty(N_UNKNOWNS)
     for n in range(len(pixels)):
-        left = _row(pixels[n], unknowns, trigonometry, shape[4:], row)
+        left = _row(pixels[n], unknowns, trigonometry, shape, row)
         total += left * left
         for i in range(N_UNKNOWNS):
             right[i] += row[i] * left
@@ -173,7 +201,7 @@ def _step(
 
 @compiled
 def fit_crossing(pixels: FloatArray, shape: FloatArray, unknowns: FloatArray) -> float:
-    """Improve `unknowns` (10,) by Levenberg's method; return the sum of squares left, NaN if lost.
+    """Improve `unknowns` (11,) by Levenberg's method; return the sum of squares left, NaN if lost.
 
     Source: Nocedal and Wright, Numerical Optimization, section 10.3.
     """
@@ -225,9 +253,9 @@ def deviation_px(
 def fit_all(
     grey: UInt8Array, starts: FloatArray, shapes: FloatArray, limits: FloatArray
 ) -> FloatArray:
-    """Fit N corners from `starts` (N, 10) in windows `shapes` (N, 6).
+    """Fit N corners from `starts` (N, 11) in windows `shapes` (N, 10).
 
-    Returns (N, 13): the unknowns, their standard deviation in pixels, the residual as a share of
+    Returns (N, 14): the unknowns, their standard deviation in pixels, the residual as a share of
     the swing, and the number of pixels; NaN where there is no fit. `limits`: share of a square,
     pixels, the band in blurs, the band in squares.
     """
@@ -247,7 +275,7 @@ def fit_all(
         if np.isnan(total):
             continue
         result[n, :N_UNKNOWNS] = unknowns
-        result[n, 10] = deviation_px(pixels[:n_pixels], shape, unknowns, total)
-        result[n, 11] = math.sqrt(total / n_pixels) / max(abs(unknowns[P_SWING]), 1e-9)
-        result[n, 12] = n_pixels
+        result[n, N_UNKNOWNS] = deviation_px(pixels[:n_pixels], shape, unknowns, total)
+        result[n, N_UNKNOWNS + 1] = math.sqrt(total / n_pixels) / max(abs(unknowns[P_SWING]), 1e-9)
+        result[n, N_UNKNOWNS + 2] = n_pixels
     return result

@@ -68,6 +68,8 @@ class FitParams:
     band_blurs, band_squares : float
         Pixels farther from both edges than so many standard deviations of the blur, or such a
         share of a square, say nothing of the place; a dot begins at 0.3.
+    model_error_px : float
+        Added to the standard deviation in squares: what the model of the edge lacks.
     most_residual : float
         Left over, as a share of half the contrast: a finger's edge crosses the window.
     """
@@ -76,6 +78,7 @@ class FitParams:
     longest_px: float = 11.0
     band_blurs: float = 3.0
     band_squares: float = 0.25
+    model_error_px: float = 0.01
     most_residual: float = 0.35
 
     def limits(self) -> FloatArray:
@@ -129,10 +132,10 @@ def seek_corners(
 
 def fit_corners(
     gray: UInt8Array, starts: FloatArray, shapes: FloatArray, params: FitParams
-) -> tuple[FloatArray, FloatArray]:
-    """Return (N, 2) pixels and (N,) standard deviations; NaN where the image shows no corner.
+) -> FloatArray:
+    """Return (N, 14) what `fit_all` finds; NaN where the image shows no such corner.
 
-    `starts` (N, 10) and `shapes` (N, 6) are those of `corner_fit_kernels`.
+    `starts` (N, 11) and `shapes` (N, 10) are those of `corner_fit_kernels`.
     """
     fitted = fit_all(
         np.ascontiguousarray(gray),
@@ -148,4 +151,5 @@ def fit_corners(
         & (fitted[:, N_UNKNOWNS] <= 0.2 * squares_px)
     )
     fitted[~is_good] = np.nan
-    return fitted[:, :2].copy(), fitted[:, N_UNKNOWNS].copy()
+    fitted[:, N_UNKNOWNS] = np.hypot(fitted[:, N_UNKNOWNS], params.model_error_px)
+    return fitted

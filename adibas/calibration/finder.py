@@ -14,25 +14,31 @@ from adibas.calibration.corners import (
     as_gray,
     build_pyramid,
     find_corners,
-    fit_corners,
 )
 from adibas.calibration.grid import Grid
 from adibas.calibration.grid_dots import find_dots
+from adibas.calibration.grid_fit import fit_lattice
 from adibas.calibration.grid_growth import (
     GrowthParams,
     Lattice,
     grown,
     lattices,
     tidied,
-    windows,
 )
 from adibas.calibration.grid_link_kernels import label_grids, link_all
 from adibas.calibration.grid_placement import Placement, place, without_weak_edges
 from adibas.data.board import SMALLEST_SIDE, Board, BoardCorners
 from adibas.texts import Message, message
 
-__all__ = ["BoardProblem", "BoardSearch", "FinderParams", "as_gray", "find_board", "find_boards",
-           "search_board"]
+__all__ = [
+    "BoardProblem",
+    "BoardSearch",
+    "FinderParams",
+    "as_gray",
+    "find_board",
+    "find_boards",
+    "search_board",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,11 +218,7 @@ def _grid(
     lattice: Lattice, gray: UInt8Array, pyramid: Pyramid, params: FinderParams
 ) -> Grid | None:
     """Return the grid with fitted corners, None if too few are left."""
-    starts, shapes = windows(lattice)
-    fitted, sigma = fit_corners(gray, starts, shapes, params.fit)
-    known = ~np.isnan(lattice.fields[..., 0])
-    precise = np.full((*known.shape, 3), np.nan)
-    precise[known] = np.column_stack([fitted, sigma])
+    precise = fit_lattice(lattice, gray, params.fit)
     contrast = float(np.nanmedian(lattice.fields[..., CONTRAST]))
     lattice.fields[np.isnan(precise[..., 0])] = np.nan
     lattice.fields[..., :2] = precise[..., :2]
@@ -277,8 +279,12 @@ def _is_complete(grid: Grid, size: tuple[int, ...]) -> bool:
         return False
     pixels = grid.pixels
     beyond = np.concatenate(
-        [2 * pixels[0] - pixels[1], 2 * pixels[-1] - pixels[-2],
-         2 * pixels[:, 0] - pixels[:, 1], 2 * pixels[:, -1] - pixels[:, -2]]
+        [
+            2 * pixels[0] - pixels[1],
+            2 * pixels[-1] - pixels[-2],
+            2 * pixels[:, 0] - pixels[:, 1],
+            2 * pixels[:, -1] - pixels[:, -2],
+        ]
     )
     beyond = beyond[~np.isnan(beyond[:, 0])]
     limit = np.array([size[1], size[0]]) - 1

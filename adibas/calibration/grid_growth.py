@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray, Int32Array
-from adibas.calibration.corner_saddle_kernels import CONTRAST, MEAN, SCALE, U, V
+from adibas.calibration.corner_saddle_kernels import CONTRAST, SCALE, U, V
 from adibas.calibration.corners import CornerParams, Pyramid, seek_corners
 from adibas.calibration.grid_growth_kernels import choose, frontier, step_px, strays
 
@@ -180,65 +180,3 @@ def _own(
         if chosen[0] >= 0:
             result[i] = sought[i]
     return result
-
-
-def windows(lattice: Lattice) -> tuple[FloatArray, FloatArray]:
-    """Return starts (N, 10) and shapes (N, 6) for the fit of the known corners, row by row."""
-    pixels = lattice.pixels
-    along, along_bend = _change(pixels, axis=1)
-    down, down_bend = _change(pixels, axis=0)
-    known = ~np.isnan(pixels[..., 0])
-    along, down = _filled(along, known), _filled(down, known)
-    shapes = np.concatenate(
-        [
-            along,
-            down,
-            _curvature(along, along_bend)[..., None],
-            _curvature(down, down_bend)[..., None],
-        ],
-        axis=-1,
-    )[known]
-    fields = lattice.fields[known]
-    cells = np.argwhere(known).astype(np.int32)
-    sign = 1.0 - 2.0 * lattice.is_first_along(cells)
-    blur_px = 0.9 * fields[:, SCALE]
-    starts = np.column_stack(
-        [
-            fields[:, [U, V]],
-            np.arctan2(shapes[:, 1], shapes[:, 0]),
-            np.arctan2(shapes[:, 3], shapes[:, 2]),
-            blur_px,
-            blur_px,
-            fields[:, MEAN],
-            0.5 * sign * fields[:, CONTRAST],
-            np.zeros((len(fields), 2)),
-        ]
-    )
-    return starts, shapes
-
-
-def _change(pixels: FloatArray, *, axis: int) -> tuple[FloatArray, FloatArray]:
-    """Return first and second differences along an axis, NaN where no neighbour tells."""
-    widths = [(1, 1) if axis == n else (0, 0) for n in range(3)]
-    wide = np.moveaxis(np.pad(pixels, widths, constant_values=np.nan), axis, 0)
-    before, here, after = wide[:-2], wide[1:-1], wide[2:]
-    first = 0.5 * (after - before)
-    for one_sided in (after - here, here - before):
-        first = np.where(np.isnan(first), one_sided, first)
-    second = after - 2.0 * here + before
-    return np.moveaxis(first, 0, axis), np.moveaxis(second, 0, axis)
-
-
-def _filled(change: FloatArray, known: FloatArray) -> FloatArray:
-    """Give a corner without a neighbour along an axis the mean change of the grid."""
-    has_none = np.isnan(change[..., 0])
-    if (has_none & known).any():
-        change[has_none] = np.nanmean(change.reshape(-1, 2), axis=0)
-    return change
-
-
-def _curvature(change: FloatArray, bend: FloatArray) -> FloatArray:
-    """Return how fast an edge turns per pixel; 0 where only one neighbour is seen."""
-    length = np.linalg.norm(change, axis=-1)
-    across = change[..., 0] * bend[..., 1] - change[..., 1] * bend[..., 0]
-    return np.nan_to_num(across / length**3)

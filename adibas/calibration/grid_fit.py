@@ -1,0 +1,117 @@
+"""The last hundredths of a pixel of a grid's corners, each in a window shaped by its neighbours."""
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray, UInt8Array
+from adibas.calibration.corner_fit_kernels import BENDS, GAPS, N_UNKNOWNS, P_BLUR1, P_BLUR2
+from adibas.calibration.corner_saddle_kernels import CONTRAST, MEAN, SCALE, U, V
+from adibas.calibration.corners import FitParams, fit_corners
+from adibas.calibration.grid_growth import Lattice
+
+FIRST_BLUR = 0.9
+"""Of a crossing, in pixels of the level that shows it best; the fit finds the rest."""
+NOTICEABLE_PX = 0.003
+"""A curved edge moves the corner less than that: no second fit."""
+BLURRED_SHARE = 0.15
+"""A blur of so much of a square makes the places of the neighbours matter: a second fit."""
+
+
+def fit_lattice(lattice: Lattice, gray: UInt8Array, params: FitParams) -> FloatArray:
+    """Return (R, C, 3) u, v and standard deviation of the corners; NaN where none is sure.
+
+    Curvature from unfitted corners would carry their error into the fit: straight edges first.
+    """
+    known = ~np.isnan(lattice.fields[..., U])
+    shapes = _shapes(lattice.pixels, known)
+    bends = slice(BENDS, BENDS + 2)
+    shapes[:, bends] = 0.0
+    fitted = fit_corners(gray, _starts(lattice, known, shapes), shapes, params)
+    pixels = np.full((*known.shape, 2), np.nan)
+    pixels[known] = fitted[:, [U, V]]
+    better = _shapes(pixels, known)
+    reach_px = np.minimum(params.longest_px, params.square_share * _lengths(better))
+    needs_more = np.abs(better[:, bends]).max(axis=1) * reach_px**2 / 6.0 > NOTICEABLE_PX
+    blur_px = fitted[:, [P_BLUR1, P_BLUR2]].max(axis=1)
+    needs_more |= blur_px > BLURRED_SHARE * better[:, GAPS:].min(axis=1)
+    needs_more &= ~np.isnan(fitted[:, U])
+    again = fit_corners(gray, fitted[needs_more, :N_UNKNOWNS], better[needs_more], params)
+    fitted[needs_more] = again
+    result = np.full((*known.shape, 3), np.nan)
+    result[known] = fitted[:, [U, V, N_UNKNOWNS]]
+    return result
+
+
+def _starts(lattice: Lattice, known: BoolArray, shapes: FloatArray) -> FloatArray:
+    """Return (N, 11) what `corner_fit_kernels` begins with."""
+    fields = lattice.fields[known]
+    sign = 1.0 - 2.0 * lattice.is_first_along(np.argwhere(known).astype(np.int32))
+    blur_px = FIRST_BLUR * fields[:, SCALE]
+    return np.column_stack(
+        [
+            fields[:, [U, V]],
+            np.arctan2(shapes[:, 1], shapes[:, 0]),
+            np.arctan2(shapes[:, 3], shapes[:, 2]),
+            blur_px,
+            blur_px,
+            fields[:, MEAN],
+            0.5 * sign * fields[:, CONTRAST],
+            np.zeros((len(fields), 3)),
+        ]
+    )
+
+
+def _shapes(pixels: FloatArray, known: BoolArray) -> FloatArray:
+    """Return (N, 10) the windows of the known corners by where their neighbours are."""
+    (along, along_bend, *along_sides) = _change(pixels, known, axis=1)
+    (down, down_bend, *down_sides) = _change(pixels, known, axis=0)
+    bends = np.stack([_curvature(along, along_bend), _curvature(down, down_bend)], axis=-1)
+    gaps = [_height(side, along) for side in down_sides]
+    gaps += [_height(side, down) for side in along_sides]
+    return np.concatenate([along, down, bends, np.stack(gaps, axis=-1)], axis=-1)[known]
+
+
+def _height(side: FloatArray, edge: FloatArray) -> FloatArray:
+    """Return how far the end of `side` lies from a line along `edge`."""
+    area = np.abs(side[..., 0] * edge[..., 1] - side[..., 1] * edge[..., 0])
+    height: FloatArray = area / np.linalg.norm(edge, axis=-1)
+    return height
+
+
+def _lengths(shapes: FloatArray) -> FloatArray:
+    """Return (N,) the longer side of a square."""
+    lengths: FloatArray = np.maximum(
+        np.hypot(shapes[:, 0], shapes[:, 1]), np.hypot(shapes[:, 2], shapes[:, 3])
+    )
+    return lengths
+
+
+def _change(
+    pixels: FloatArray, known: BoolArray, *, axis: int
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the first and second difference along an axis, and the ways to the next and from the
+    previous corner.
+
+    Without a neighbour the first difference is that of the other side, else the grid's mean, and
+    the second is NaN.
+    """
+    widths = [(1, 1) if axis == n else (0, 0) for n in range(3)]
+    wide = np.moveaxis(np.pad(pixels, widths, constant_values=np.nan), axis, 0)
+    before, here, after = wide[:-2], wide[1:-1], wide[2:]
+    to_next, from_previous = after - here, here - before
+    first = 0.5 * (after - before)
+    for one_sided in (to_next, from_previous):
+        first = np.where(np.isnan(first), one_sided, first)
+    has_none = np.isnan(first[..., 0]) & np.moveaxis(known, axis, 0)
+    if has_none.any():
+        first[has_none] = np.nanmean(first.reshape(-1, 2), axis=0)
+    sides = [np.where(np.isnan(side), first, side) for side in (to_next, from_previous)]
+    second = to_next - from_previous
+    changes = [np.moveaxis(change, 0, axis) for change in (first, second, *sides)]
+    return changes[0], changes[1], changes[2], changes[3]
+
+
+def _curvature(change: FloatArray, bend: FloatArray) -> FloatArray:
+    """Return how fast an edge turns per pixel; 0 where only one neighbour is seen."""
+    length = np.linalg.norm(change, axis=-1)
+    across = change[..., 0] * bend[..., 1] - change[..., 1] * bend[..., 0]
+    return np.nan_to_num(across / length**3)

@@ -1,0 +1,140 @@
+"""Corners of chessboards: simulated ones beside the truth, real ones beside others' finders."""
+
+import os
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from adibas.arrays import FloatArray, UInt8Array
+from adibas.calibration.finder import find_boards, search_board
+from adibas.data.board import Board, BoardCorners
+from adibas.data.calibration import CameraCalibration
+from adibas.data.printed_boards import PRINTED_BOARDS
+from adibas.geometry.pinhole import Intrinsics
+from adibas.simulation.boards import BoardPicture, render_board, render_boards
+from adibas.simulation.boards_background import Background
+from adibas.simulation.boards_look import BoardLook
+from adibas.simulation.boards_poses import Holding, random_board_poses
+from adibas.simulation.color_noise import ColorNoise
+from benchmarks.table import Row
+
+REAL_DATA = "ADIBAS_REAL_DATA"
+CAMERA = CameraCalibration(
+    1280,
+    1024,
+    Intrinsics(1050.0, 1050.0, 640.0, 512.0),
+    (0.12, -0.25, 0.001, -0.001),
+)
+GOOD = BoardLook()
+CLUTTERED = Background(is_cluttered=True, seed=3)
+LOOKS = {
+    "good": GOOD,
+    "blurred 1.5 px": replace(GOOD, camera=ColorNoise(blur_px=1.5)),
+    "blurred 3 px": replace(GOOD, camera=ColorNoise(blur_px=3.0)),
+    "noisy (SNR 20)": replace(GOOD, camera=ColorNoise(full_well=400.0)),
+    "dark (1/5), uneven": replace(GOOD, exposure=0.16, light_gradient=0.5),
+    "moving 4 px": replace(GOOD, motion_px=(4.0, 1.0)),
+    "cluttered room": replace(GOOD, background=CLUTTERED),
+}
+HOLDINGS = {
+    "": Holding(),
+    ", tilted 45-65 degrees": Holding(tilt_rad=(0.785, 1.13), frontal_share=0.0),
+    ", small squares 6-12 px": Holding(smallest_square_px=6.0, fill=(0.05, 0.12)),
+}
+
+
+@dataclass(slots=True)
+class Tally:
+    """What a finder did with pictures of one kind."""
+
+    squared_px: list[FloatArray]
+    normalised: list[FloatArray]
+    n_found: int = 0
+    n_wrong: int = 0
+    n_pictures: int = 0
+    spent_s: float = 0.0
+
+    def add(self, found: BoardCorners | FloatArray | None, truth: FloatArray) -> None:
+        """Count one picture."""
+        self.n_pictures += 1
+        if found is None:
+            return
+        pixels = found.pixels if isinstance(found, BoardCorners) else found
+        error = pixels - truth
+        seen = ~np.isnan(error[:, 0])
+        if np.median(np.abs(error[seen])) > 2.0:
+            self.n_wrong += 1
+            return
+        self.n_found += 1
+        self.squared_px.append((error[seen] ** 2).sum(axis=1))
+        if isinstance(found, BoardCorners):
+            self.normalised.append((error[seen] / found.sigma_px[seen, None]).ravel())
+
+    @property
+    def rms_px(self) -> float:
+        """Root mean square distance from the truth, over corners."""
+        return float(np.sqrt(np.concatenate(self.squared_px).mean())) if self.n_found else np.nan
+
+    @property
+    def spread(self) -> float:
+        """Root mean square of error by its own standard deviation."""
+        return float(np.sqrt((np.concatenate(self.normalised) ** 2).mean()))
+
+    @property
+    def time_ms(self) -> float:
+        """Mean time of a picture."""
+        return 1e3 * self.spent_s / max(self.n_pictures, 1)
+
+
+def sb_corners(gray: UInt8Array, board: Board, flags: int) -> FloatArray | None:
+    """Return what OpenCV's sector-based finder says."""
+    is_found, corners = cv2.findChessboardCornersSB(gray, (board.columns, board.rows), flags=flags)
+    return corners.reshape(-1, 2).astype(float) if is_found else None
+
+
+def _turned_alike(corners: FloatArray | None, truth: FloatArray) -> FloatArray | None:
+    """Count OpenCV's corners from the other end where that is nearer the truth."""
+    if corners is None:
+        return None
+    known = ~np.isnan(truth[:, 0])
+    both = corners, corners[::-1]
+    return min(both, key=lambda c: float(np.abs(c[known] - truth[known]).sum()))
+
+
+def pictures(
+    board: Board, look: BoardLook, holding: Holding, n: int, seed: int
+) -> Iterator[BoardPicture]:
+    """Render `n` boards held at different places."""
+    rng = np.random.default_rng(seed)
+    poses = random_board_poses(rng, board, CAMERA, n, holding)
+    for pose in poses:
+        yield render_board(board, pose, CAMERA, rng, look)
+
+
+def measure(
+    board: Board, look: BoardLook, holding: Holding, n: int, *, with_opencv: bool = True
+) -> dict[str, Tally]:
+    """Let the finders look at the same pictures, one after the other, each on one thread."""
+    exact = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
+    finders = {
+        "ours": lambda gray: search_board(gray, board, "simulated").corners,
+        "OpenCV SB": lambda gray: sb_corners(gray, board, 0),
+        "OpenCV SB exhaustive": lambda gray: sb_corners(gray, board, exact),
+    }
+    if not with_opencv:
+        finders = {"ours": finders["ours"]}
+    tallies = {name: Tally([], []) for name in finders}
+    for picture in pictures(board, look, holding, n, seed=11):
+        truth = picture.corners_px[0]
+        for name, finder in finders.items():
+            start = time.perf_counter()
+            found = finder(picture.image)
+            tallies[name].spent_s += time.perf_counter() - start
+            if not isinstance(found, BoardCorners):
+                found = _turned_alike(found, truth)
+            tallies[name].add(found, truth)
+    return tallies
