@@ -252,6 +252,7 @@ def _result(
         implied_moves=known.implied_moves,
         views=_views(board, images, is_kept, refined, known),
         sigma_px=known.sigma_px,
+        birge_ratio=known.birge_ratio,
         is_settled=refined.has_converged and found is not None,
     )
 

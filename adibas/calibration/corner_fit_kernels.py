@@ -5,7 +5,8 @@ the corner, the model is ``(a + b T(E1 E2)) (1 + g . D)``: the crossing seen thr
 point spread of its own width across each edge, under a light that changes linearly, by a camera
 whose tone curve ``T(E) = E + q (1 - E^2)`` makes white larger than black. An edge is an arc whose
 curvature the neighbouring corners give, so that the lens does not move the crossing; the next
-parallel edges stand where those corners are, so that small squares do not blur into it.
+parallel edges stand where those corners are, so that small squares do not blur into it, nor does
+a dot, a square of the same area in the model.
 Any blur that is its own point reflection leaves the corner where it is.
 Source: the saddle of thesis 4.18 with the point spread in place of the quadratic; the statistics
 are those of least squares (Bjorck, Numerical Methods for Least Squares Problems, section 9.2).
@@ -17,16 +18,19 @@ import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
 from adibas.calibration.corner_normal_kernels import factorise, solve_factorised
+from adibas.data.board import MARK_RADIUS
 from adibas.kernels import compiled
 
 N_UNKNOWNS = 11
 P_U, P_V, P_FIRST, P_SECOND, P_BLUR1, P_BLUR2 = range(6)
 P_MEAN, P_SWING, P_LIGHT_U, P_LIGHT_V, P_TONE = range(6, N_UNKNOWNS)
-N_SHAPE = 10
+N_SHAPE = 14
 """Of a window: change of the pixel per column (u, v) and per row (u, v), curvature per pixel of the
 edge along the row and of the one down the column, and the distances in pixels to the next edges
-parallel to the first (after, before) and to the second."""
-BENDS, GAPS = 4, 6
+parallel to the first (below it, above it) and to the second (left, right), and 1 for each square
+with a dot: above left, above right, below left, below right."""
+BENDS, GAPS, DOTS = 4, 6, 10
+HALF_DOT = 0.5 * math.sqrt(math.pi) * MARK_RADIUS
 FAR_BLURS = 4.0
 LEAST_PIXELS = 16
 LEAST_BLUR_PX, MOST_BLUR = 0.25, 0.5
@@ -109,6 +113,25 @@ def edges(distance: float, blur: float, after: float, before: float) -> tuple[fl
 
 
 @compiled
+def dot_cover(
+    shape: FloatArray, distances: tuple[float, float], blurs: tuple[float, float]
+) -> float:
+    """Return how much of a dot a pixel sees (0-1) that lies so far below and left of the edges."""
+    below, left = distances
+    quadrant = (2 if below > 0.0 else 0) + (0 if left > 0.0 else 1)
+    if shape[DOTS + quadrant] == 0.0:
+        return 0.0
+    cover = 0.25
+    for k in range(2):
+        gap = shape[GAPS + 2 * k + (0 if distances[k] > 0.0 else 1)]
+        aside = abs(distances[k]) - 0.5 * gap
+        first, _ = edge(HALF_DOT * gap + aside, blurs[k])
+        second, _ = edge(HALF_DOT * gap - aside, blurs[k])
+        cover *= first + second
+    return cover
+
+
+@compiled
 def _row(
     pixel: FloatArray,
     unknowns: FloatArray,
@@ -122,23 +145,28 @@ def _row(
     values = np.empty(2)
     slopes = np.empty((2, 2))
     turns = np.empty(2)
+    distances = np.empty(2)
     for k in range(2):
         cosine, sine, bend = trigonometry[2 * k], trigonometry[2 * k + 1], shape[BENDS + k]
         along, across = cosine * right + sine * down, cosine * down - sine * right
         after, before = shape[GAPS + 2 * k], shape[GAPS + 2 * k + 1]
+        distances[k] = across - 0.5 * bend * along * along
         values[k], slope, row[P_BLUR1 + k] = edges(
-            across - 0.5 * bend * along * along, unknowns[P_BLUR1 + k], after, before
+            distances[k], unknowns[P_BLUR1 + k], after, before
         )
         slopes[k, 0] = slope * (sine + bend * along * cosine)
         slopes[k, 1] = slope * (-cosine + bend * along * sine)
         turns[k] = -slope * along * (1.0 + bend * across)
-    both = values[0] * values[1]
+    # The dot inverts what it covers; it stays where the neighbours put it.
+    blurs = unknowns[P_BLUR1], unknowns[P_BLUR2]
+    ground = 1.0 - 2.0 * dot_cover(shape, (distances[0], distances[1]), blurs)
+    both = values[0] * values[1] * ground
     # The swing is negative where E is that of the dark squares: white grows either way.
     tone = unknowns[P_TONE] if unknowns[P_SWING] > 0.0 else -unknowns[P_TONE]
     toned = both + tone * (1.0 - both * both)
     shade = unknowns[P_MEAN] + unknowns[P_SWING] * toned
     row[P_TONE] = abs(light * unknowns[P_SWING]) * (1.0 - both * both)
-    swing = light * unknowns[P_SWING] * (1.0 - 2.0 * tone * both)
+    swing = light * unknowns[P_SWING] * (1.0 - 2.0 * tone * both) * ground
     for axis in range(2):
         slope = slopes[0, axis] * values[1] + slopes[1, axis] * values[0]
         row[P_U + axis] = swing * slope - shade * unknowns[P_LIGHT_U + axis]
@@ -253,7 +281,7 @@ def deviation_px(
 def fit_all(
     grey: UInt8Array, starts: FloatArray, shapes: FloatArray, limits: FloatArray
 ) -> FloatArray:
-    """Fit N corners from `starts` (N, 11) in windows `shapes` (N, 10).
+    """Fit N corners from `starts` (N, 11) in windows `shapes` (N, 14).
 
     Returns (N, 14): the unknowns, their standard deviation in pixels, the residual as a share of
     the swing, and the number of pixels; NaN where there is no fit. `limits`: share of a square,

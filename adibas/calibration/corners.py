@@ -67,7 +67,7 @@ class FitParams:
         From the corner; more costs time and leaves the straight part of an edge.
     band_blurs, band_squares : float
         Pixels farther from both edges than so many standard deviations of the blur, or such a
-        share of a square, say nothing of the place; a dot begins at 0.3.
+        share of a square, say nothing of the place.
     model_error_px : float
         Added to the standard deviation in squares: what the model of the edge lacks.
     most_residual : float
@@ -135,7 +135,7 @@ def fit_corners(
 ) -> FloatArray:
     """Return (N, 14) what `fit_all` finds; NaN where the image shows no such corner.
 
-    `starts` (N, 11) and `shapes` (N, 10) are those of `corner_fit_kernels`.
+    `starts` (N, 11) and `shapes` (N, 14) are those of `corner_fit_kernels`.
     """
     fitted = fit_all(
         np.ascontiguousarray(gray),

@@ -218,8 +218,10 @@ def _grid(
     lattice: Lattice, gray: UInt8Array, pyramid: Pyramid, params: FinderParams
 ) -> Grid | None:
     """Return the grid with fitted corners, None if too few are left."""
-    precise = fit_lattice(lattice, gray, params.fit)
     contrast = float(np.nanmedian(lattice.fields[..., CONTRAST]))
+    is_dark = lattice.parity == 1
+    dots = find_dots(pyramid[0], lattice.pixels, contrast, is_origin_dark=is_dark)
+    precise = fit_lattice(lattice, gray, dots, params.fit)
     lattice.fields[np.isnan(precise[..., 0])] = np.nan
     lattice.fields[..., :2] = precise[..., :2]
     dropped = tidied(Lattice(lattice.fields, lattice.parity), params.growth)
@@ -232,9 +234,9 @@ def _grid(
         return None
     cut = slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
     precise = precise[cut]
-    is_dark = (lattice.parity + rows.min() + columns.min()) % 2 == 1
-    dots = find_dots(pyramid[0], precise[..., :2], contrast)
-    return _upright(Grid(precise[..., :2].copy(), precise[..., 2].copy(), bool(is_dark), dots))
+    is_dark = bool((lattice.parity + rows.min() + columns.min()) % 2 == 1)
+    dots = find_dots(pyramid[0], precise[..., :2], contrast, is_origin_dark=is_dark)
+    return _upright(Grid(precise[..., :2].copy(), precise[..., 2].copy(), is_dark, dots))
 
 
 def _upright(grid: Grid) -> Grid:

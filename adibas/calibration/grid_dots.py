@@ -11,18 +11,21 @@ LEAST_SHARE = 0.25
 """Of the contrast of the board; a blurred dot of few pixels has that."""
 
 
-def find_dots(level: Float32Array, pixels: FloatArray, contrast: float) -> BoolArray:
+def find_dots(
+    level: Float32Array, pixels: FloatArray, contrast: float, *, is_origin_dark: bool
+) -> BoolArray:
     """Return (R - 1, C - 1) squares with a dot, False where a corner is not known.
 
-    `pixels` (R, C, 2) are corners on `level`, the smoothed image; `contrast` is the board's.
+    `pixels` (R, C, 2) are corners on `level`, the smoothed image; `contrast` is the board's;
+    `is_origin_dark` tells the colour of the square outside the first corner.
     """
     inner = np.stack([_values(level, _at(pixels, place)) for place in CENTRE]).mean(axis=0)
     around = np.stack([_values(level, _at(pixels, place)) for place in AROUND])
     # A dot stands out on every side; an edge or a shadow through the square does not.
-    above = inner - around
-    has_dot: BoolArray = (above.min(axis=0) > LEAST_SHARE * contrast) | (
-        above.max(axis=0) < -LEAST_SHARE * contrast
-    )
+    # The square has the colour of the one outside the first corner where row + column is even.
+    turn = np.add(*np.indices(inner.shape)) % 2
+    to_other_color = np.where(turn == (0 if is_origin_dark else 1), 1.0, -1.0)
+    has_dot: BoolArray = (to_other_color * (inner - around)).min(axis=0) > LEAST_SHARE * contrast
     return has_dot
 
 

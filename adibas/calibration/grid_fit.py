@@ -3,7 +3,7 @@
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, UInt8Array
-from adibas.calibration.corner_fit_kernels import BENDS, GAPS, N_UNKNOWNS, P_BLUR1, P_BLUR2
+from adibas.calibration.corner_fit_kernels import BENDS, DOTS, GAPS, N_UNKNOWNS, P_BLUR1, P_BLUR2
 from adibas.calibration.corner_saddle_kernels import CONTRAST, MEAN, SCALE, U, V
 from adibas.calibration.corners import FitParams, fit_corners
 from adibas.calibration.grid_growth import Lattice
@@ -16,23 +16,26 @@ BLURRED_SHARE = 0.15
 """A blur of so much of a square makes the places of the neighbours matter: a second fit."""
 
 
-def fit_lattice(lattice: Lattice, gray: UInt8Array, params: FitParams) -> FloatArray:
+def fit_lattice(
+    lattice: Lattice, gray: UInt8Array, dots: BoolArray, params: FitParams
+) -> FloatArray:
     """Return (R, C, 3) u, v and standard deviation of the corners; NaN where none is sure.
 
+    `dots` (R - 1, C - 1) are the squares with a dot.
     Curvature from unfitted corners would carry their error into the fit: straight edges first.
     """
     known = ~np.isnan(lattice.fields[..., U])
-    shapes = _shapes(lattice.pixels, known)
+    shapes = _shapes(lattice.pixels, known, dots)
     bends = slice(BENDS, BENDS + 2)
     shapes[:, bends] = 0.0
     fitted = fit_corners(gray, _starts(lattice, known, shapes), shapes, params)
     pixels = np.full((*known.shape, 2), np.nan)
     pixels[known] = fitted[:, [U, V]]
-    better = _shapes(pixels, known)
+    better = _shapes(pixels, known, dots)
     reach_px = np.minimum(params.longest_px, params.square_share * _lengths(better))
     needs_more = np.abs(better[:, bends]).max(axis=1) * reach_px**2 / 6.0 > NOTICEABLE_PX
     blur_px = fitted[:, [P_BLUR1, P_BLUR2]].max(axis=1)
-    needs_more |= blur_px > BLURRED_SHARE * better[:, GAPS:].min(axis=1)
+    needs_more |= blur_px > BLURRED_SHARE * better[:, GAPS:DOTS].min(axis=1)
     needs_more &= ~np.isnan(fitted[:, U])
     again = fit_corners(gray, fitted[needs_more, :N_UNKNOWNS], better[needs_more], params)
     fitted[needs_more] = again
@@ -60,14 +63,17 @@ def _starts(lattice: Lattice, known: BoolArray, shapes: FloatArray) -> FloatArra
     )
 
 
-def _shapes(pixels: FloatArray, known: BoolArray) -> FloatArray:
-    """Return (N, 10) the windows of the known corners by where their neighbours are."""
+def _shapes(pixels: FloatArray, known: BoolArray, dots: BoolArray) -> FloatArray:
+    """Return (N, 14) the windows of the known corners by where their neighbours are."""
     (along, along_bend, *along_sides) = _change(pixels, known, axis=1)
     (down, down_bend, *down_sides) = _change(pixels, known, axis=0)
     bends = np.stack([_curvature(along, along_bend), _curvature(down, down_bend)], axis=-1)
     gaps = [_height(side, along) for side in down_sides]
-    gaps += [_height(side, down) for side in along_sides]
-    return np.concatenate([along, down, bends, np.stack(gaps, axis=-1)], axis=-1)[known]
+    # Left of an edge that runs down is the previous column.
+    gaps += [_height(side, down) for side in reversed(along_sides)]
+    wide = np.pad(dots, 1).astype(float)
+    around = [wide[:-1, :-1], wide[:-1, 1:], wide[1:, :-1], wide[1:, 1:]]
+    return np.concatenate([along, down, bends, np.stack(gaps + around, axis=-1)], axis=-1)[known]
 
 
 def _height(side: FloatArray, edge: FloatArray) -> FloatArray:

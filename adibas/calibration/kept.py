@@ -112,6 +112,19 @@ class KeptCalibrations:
         fitting = (one for one in kept if sizes is None or sizes_of(one.calibration) == sizes)
         return next(fitting, None)
 
+    def pictures_folder(self, sensor: str, color_size: tuple[int, int]) -> Path:
+        """Return where the pictures of a calibration in the making lie; it need not be there.
+
+        Parameters
+        ----------
+        sensor : str
+            As `sensor_key` tells it; '' for pictures of a sensor that nobody knows.
+        color_size : (width, height)
+            Of the pictures.
+        """
+        width, height = color_size
+        return self._folder_of(sensor) / f"pictures-{width}x{height}"
+
     def _folder_of(self, sensor: str) -> Path:
         """Return a folder that no other sensor has, whatever characters its number is made of."""
         digest = hashlib.sha256(sensor.encode()).hexdigest()[:12]
