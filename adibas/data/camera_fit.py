@@ -95,6 +95,9 @@ class CameraFit:
         One for each image with a board.
     sigma_px : float
         Standard deviation of one coordinate of one corner.
+    birge_ratio : float
+        How much more the views contradict one another than the corners' noise explains, as a
+        ratio of variances; where it is clearly above 1 it is a factor of `covariance`.
     is_settled : bool
         False where the search for the parameters did not end: they mean nothing then.
     """
@@ -109,6 +112,7 @@ class CameraFit:
     implied_moves: FloatArray
     views: tuple[ViewFit, ...]
     sigma_px: float
+    birge_ratio: float = 1.0
     is_settled: bool = True
 
     def __post_init__(self) -> None:
