@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QLocale, QTimer
 from PySide6.QtWidgets import QApplication, QToolTip
 
-from adibas.calibration.kept import KeptCalibrations
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
-from adibas.pipeline.warming import start_warming
-from adibas.sensors.calibrated import CalibratedOpener
 from adibas.sessions import default_store_folder
 from adibas.texts import translate as _
 from adibas.texts import use_language
@@ -35,7 +32,8 @@ from ui.unlock_presenter import UnlockPresenter
 from ui.window import MainWindow
 from ui.workspace import Place, Workspace
 
-if TYPE_CHECKING:  # the database comes in the job that opens it
+if TYPE_CHECKING:  # what they bring along is needed after the patients are listed
+    from adibas.sensors.ports import DepthCamera, SensorOptions
     from adibas.sessions import SessionStore
 
 logger = logging.getLogger(__name__)
@@ -154,7 +152,7 @@ class Application:
     def _on_opened(self, store: "SessionStore", is_new: bool) -> None:
         from adibas.sessions.demo_patient import demo_patient
 
-        live = QtLiveSource(self.window, CalibratedOpener(KeptCalibrations()))
+        live = QtLiveSource(self.window, _open_calibrated)
         workspace = Workspace(store, self.jobs, self.preferences, live)
         if is_new:
             workspace.attempt(lambda: _want_nothing(demo_patient(store)))
@@ -255,6 +253,14 @@ class Application:
             self.workspace.store.operator = now.operator
 
 
+def _open_calibrated(text: str, options: "SensorOptions") -> "DepthCamera":
+    """Open a source with the calibration that was kept of it; called by the thread that reads."""
+    from adibas.calibration.kept import KeptCalibrations
+    from adibas.sensors.calibrated import CalibratedOpener
+
+    return CalibratedOpener(KeptCalibrations())(text, options)
+
+
 def _preload() -> None:
     """Import what other screens need."""
     preload()
@@ -266,6 +272,8 @@ def _want_nothing(_patient: Patient) -> None:
 
 def run(arguments: list[str]) -> int:
     """Open the window and return when it is closed."""
+    from adibas.pipeline.warming import start_warming
+
     end_log = start_log(log_folder())
     app = QApplication([sys.argv[0], *arguments])
     app.setApplicationName("ADiBAS")

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
-from adibas.pipeline.acquisition import Opener
 from adibas.pipeline.live_frames import LiveFrame, SensorState
 from adibas.sensors.ports import SensorOptions
 from adibas.sensors.sources import open_source
@@ -16,6 +15,7 @@ from ui.frame_bridge import CallBridge, NewestBridge
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
     from adibas.data.board import Board
+    from adibas.pipeline.acquisition import Opener
     from adibas.pipeline.live import LiveView
     from adibas.pipeline.posture import MarkerTarget
 
@@ -32,7 +32,7 @@ class QtLiveSource(QObject):
         Opens a source; another one in tests.
     """
 
-    def __init__(self, parent: QObject | None = None, opener: Opener = open_source) -> None:
+    def __init__(self, parent: QObject | None = None, opener: "Opener" = open_source) -> None:
         super().__init__(parent)
         self.frame_arrived: Event[[LiveFrame]] = Event()
         self.state_changed: Event[[SensorState]] = Event()

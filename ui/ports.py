@@ -4,14 +4,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from adibas.errors import AdibasError
-from adibas.pipeline.live_frames import LiveFrame, SensorState
-from adibas.sensors.ports import SensorOptions
 from ui.events import Event
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
     from adibas.data.board import Board
     from adibas.pipeline.live import LiveView
+    from adibas.pipeline.live_frames import LiveFrame, SensorState
     from adibas.pipeline.posture import MarkerTarget
+    from adibas.sensors.ports import SensorOptions
 
 Result = TypeVar("Result")
 
@@ -77,26 +77,26 @@ class LiveSource(Protocol):
     What still comes of a source that was left is not told.
     """
 
-    frame_arrived: Event[[LiveFrame]]
-    state_changed: Event[[SensorState]]
+    frame_arrived: "Event[[LiveFrame]]"
+    state_changed: "Event[[SensorState]]"
 
     @property
-    def newest(self) -> LiveFrame | None:
+    def newest(self) -> "LiveFrame | None":
         """The newest frame; None before the first and after the last."""
 
     @property
-    def state(self) -> SensorState:
+    def state(self) -> "SensorState":
         """What the source fares that was ordered last: ``opening`` from the order on."""
 
     @property
-    def opened(self) -> tuple[str, SensorOptions] | None:
+    def opened(self) -> "tuple[str, SensorOptions] | None":
         """What was opened last, also where it was closed since; None before the first."""
 
     @property
     def view(self) -> "LiveView":
         """The core behind it, for a job that captures from it."""
 
-    def open(self, source: str, options: SensorOptions) -> None: ...
+    def open(self, source: str, options: "SensorOptions") -> None: ...
 
     def set_target(self, target: "MarkerTarget | None") -> None: ...
 

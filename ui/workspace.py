@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from adibas.data.patients import Patient
-from adibas.data.sessions import Session
 from adibas.errors import AdibasError
 from adibas.texts import describe
 from ui.events import Event
@@ -13,6 +12,7 @@ from ui.ports import Jobs, LiveSource
 from ui.preferences import PreferencesFile
 
 if TYPE_CHECKING:  # compiler and database come later: the window is usable before
+    from adibas.data.sessions import Session
     from adibas.pipeline.posture import MarkerTarget
     from adibas.sessions import SessionStore
 
@@ -94,7 +94,7 @@ class Workspace:
             self.choose_session(None)
         self.patient_changed.emit()
 
-    def choose_session(self, session: Session | None) -> None:
+    def choose_session(self, session: "Session | None") -> None:
         """Look at a session (the same one with new content, too)."""
         is_other = (
             session is None or self.session is None or session.session_id != self.session.session_id

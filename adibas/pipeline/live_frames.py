@@ -4,14 +4,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
-from adibas.data.frames import SourceInfo
 from adibas.errors import AdibasError
-from adibas.pipeline.plumb import PlumbLine
 from adibas.texts import Message
 
 if TYPE_CHECKING:  # the window knows these types before anything is compiled
     from adibas.calibration.finder import BoardSearch
+    from adibas.data.frames import SourceInfo
     from adibas.markers.detection import Detections
+    from adibas.pipeline.plumb import PlumbLine
 
 SensorKind: TypeAlias = Literal["closed", "opening", "live", "lost", "ended"]
 
@@ -56,7 +56,7 @@ class LiveFrame:
     outline: BoolArray | None = None
     detections: "Detections | None" = None
     board: "BoardSearch | None" = None
-    plumb: PlumbLine | None = None
+    plumb: "PlumbLine | None" = None
     hints: tuple[Message, ...] = ()
     frame_rate_hz: float = 0.0
     n_dropped: int = 0
@@ -79,7 +79,7 @@ class SensorState:
 
     kind: SensorKind
     error: AdibasError | None = None
-    info: SourceInfo | None = None
+    info: "SourceInfo | None" = None
 
 
 class LiveListener(Protocol):

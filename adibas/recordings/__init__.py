@@ -4,12 +4,15 @@ The functions load the format that they need when they are called.
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from adibas.data.frames import SourceInfo
 from adibas.errors import RecordingError
 from adibas.recordings.part_file import part_path_of
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.recordings.reading import cannot_read
+
+if TYPE_CHECKING:  # the store needs no array before it opens a recording
+    from adibas.data.frames import SourceInfo
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 ONI_MAGIC = b"NI10"
@@ -69,7 +72,7 @@ def _first_bytes(path: Path) -> bytes:
 
 
 def create_recording(
-    path: Path, info: SourceInfo, options: RecordingOptions | None = None
+    path: Path, info: "SourceInfo", options: RecordingOptions | None = None
 ) -> RecordingWriter:
     """Begin a recording; the end of its name chooses the format, none means a TUM folder.
 

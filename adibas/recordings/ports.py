@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Protocol, Self
-
-import numpy as np
+from typing import TYPE_CHECKING, Literal, Protocol, Self
 
 from adibas.arrays import IntArray
-from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, RecordingError
 from adibas.recordings.part_file import nothing_kept
+
+if TYPE_CHECKING:  # the store needs no array before it opens a recording
+    from adibas.data.frames import SensorFrame, SourceInfo
 
 
 class RecordingReader(Protocol):
@@ -28,12 +28,12 @@ class RecordingReader(Protocol):
         A sentence for the user about what was lost of a cut file.
     """
 
-    info: SourceInfo
+    info: "SourceInfo"
     timestamps_ns: IntArray
     notice: str | None
 
     @abstractmethod
-    def read(self, index: int) -> SensorFrame:
+    def read(self, index: int) -> "SensorFrame":
         """Return frame `index`, counted from 0.
 
         Raises
@@ -48,18 +48,18 @@ class RecordingReader(Protocol):
     def close(self) -> None:
         """Let go of the file."""
 
-    def read_at(self, timestamp_ns: int) -> SensorFrame:
+    def read_at(self, timestamp_ns: int) -> "SensorFrame":
         """Return the frame nearest to `timestamp_ns`; of two equally near the earlier one."""
         times_ns = self.timestamps_ns
         if len(times_ns) == 0:
             raise IndexError("the recording has no frames")
         wanted_ns = min(max(timestamp_ns, int(times_ns.min())), int(times_ns.max()))
-        return self.read(int(np.argmin(np.abs(times_ns - wanted_ns))))
+        return self.read(int(abs(times_ns - wanted_ns).argmin()))
 
     def __len__(self) -> int:
         return len(self.timestamps_ns)
 
-    def __iter__(self) -> Iterator[SensorFrame]:
+    def __iter__(self) -> "Iterator[SensorFrame]":
         return (self.read(index) for index in range(len(self)))
 
     def __enter__(self) -> Self:
@@ -113,7 +113,7 @@ class RecordingWriter(Protocol):
         """Frames that the sensor counted and that are not in the file, up to now."""
 
     @abstractmethod
-    def write(self, frame: SensorFrame) -> None:
+    def write(self, frame: "SensorFrame") -> None:
         """Append `frame`.
 
         Raises
@@ -199,7 +199,7 @@ class DropCount:
 
 def count_gaps(sequences: IntArray) -> int:
     """Return how many numbers are missing in the (N,) `sequences`."""
-    steps = np.diff(sequences)
+    steps = sequences[1:] - sequences[:-1]
     return int((steps[steps > 0] - 1).sum())
 
 
@@ -207,7 +207,7 @@ MAX_SEQUENCE = 2**32 - 1
 MAX_TIMESTAMP_NS = 2**63 - 1
 
 
-def check_frame(frame: SensorFrame, file: str) -> None:
+def check_frame(frame: "SensorFrame", file: str) -> None:
     """Refuse numbers that the formats cannot hold."""
     if frame.depth_raw is None and frame.color is None and frame.infrared_raw is None:
         raise ValueError("a frame needs an image")

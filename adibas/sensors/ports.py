@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Literal, Protocol, Self
+from typing import TYPE_CHECKING, Literal, Protocol, Self
 
-from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.texts import Message, message
+
+if TYPE_CHECKING:  # the window knows the options before it needs any array
+    from adibas.data.frames import SensorFrame, SourceInfo
 
 StreamName = Literal["depth", "color", "infrared"]
 STREAM_TEXTS: dict[StreamName, Message] = {
@@ -102,7 +104,7 @@ class DepthCamera(Protocol):
     """
 
     @property
-    def info(self) -> SourceInfo:
+    def info(self) -> "SourceInfo":
         """What holds for every frame."""
         ...
 
@@ -111,7 +113,7 @@ class DepthCamera(Protocol):
         """True where frames that are not fetched in time are lost."""
         ...
 
-    def read(self, timeout_s: float = READ_TIMEOUT_S) -> SensorFrame | None:
+    def read(self, timeout_s: float = READ_TIMEOUT_S) -> "SensorFrame | None":
         """Return the next frame; None where a finite source has ended.
 
         Raises

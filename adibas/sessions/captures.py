@@ -21,14 +21,12 @@ from adibas.sessions.database import Database
 from adibas.sessions.documents import (
     calibration_line,
     calibration_of_line,
-    from_json,
     markers_from_json,
     markers_to_json,
     provenance_from_json,
     provenance_to_json,
     rejected_from_json,
     rejected_to_json,
-    to_json,
 )
 from adibas.sessions.images import (
     decode_picture,
@@ -37,6 +35,7 @@ from adibas.sessions.images import (
     encode_surface,
     encode_thumbnail,
 )
+from adibas.sessions.json_line import from_json, to_json
 from adibas.sessions.kept_files import KeptFiles
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import CAPTURES, RECORDINGS

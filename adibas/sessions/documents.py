@@ -18,16 +18,7 @@ from adibas.data.corrections import (
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
-
-
-def to_json(value: object) -> str:
-    """Return `value` as one line; equal values give equal lines."""
-    return json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
-
-
-def from_json(text: str) -> Any:
-    """Return what a line holds."""
-    return json.loads(text)
+from adibas.sessions.json_line import to_json
 
 
 def markers_to_json(markers: tuple[Marker, ...]) -> str:

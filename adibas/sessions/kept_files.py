@@ -7,7 +7,7 @@ and removes the file then. What a crash leaves pending or left over goes at the 
 
 import secrets
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from sqlalchemy import delete, select
@@ -85,19 +85,24 @@ class KeptFiles:
         self._files.remove_unfinished()
 
 
-def remove_leftovers(database: Database, folders: Sequence[SealedFolder]) -> None:
+def remove_leftovers(database: Database, folders: Callable[[], tuple[SealedFolder, ...]]) -> None:
     """Remove purged files from the disk.
+
+    Parameters
+    ----------
+    folders : callable
+        Gives the folders of the files, and is asked only where a file is left.
 
     Raises
     ------
     StoreError
         One of them cannot be removed, or the disk is full. The others are gone; it stays noted.
     """
-    by_name = {folder.folder.name: folder for folder in folders}
     with database.reading() as transaction:
         left = list(transaction.execute(select(LEFTOVERS)))
     if not left:
         return
+    by_name = {folder.folder.name: folder for folder in folders()}
     gone, failure = [], None
     for leftover in left:
         try:

@@ -13,7 +13,7 @@ from adibas.data.patients import Consent, Identity, Patient
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
-from adibas.sessions.documents import from_json, to_json
+from adibas.sessions.json_line import from_json, to_json
 from adibas.sessions.rows import (
     Row,
     Transaction,

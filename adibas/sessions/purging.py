@@ -92,7 +92,7 @@ class Purge:
 
     def _clean(self) -> None:
         """Remove the files, and the data from the journal and from copies of the database."""
-        remove_leftovers(self._database, (self._pictures, self._recordings.sealed))
+        remove_leftovers(self._database, lambda: (self._pictures, self._recordings.sealed))
         self._database.empty_journal()
         try:
             for copy in copies(self._database.path.parent):

@@ -1,16 +1,21 @@
-"""The store of patients and sessions: opened once, used from any thread."""
+"""The store of patients and sessions: opened once, used from any thread.
+
+Its parts are imported when they are first used: patients are listed before anybody needs the rest.
+"""
 
 import logging
-from functools import partial
+import threading
+from functools import cached_property, partial
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
+
+from sqlalchemy import select
 
 from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
 from adibas.files import remove_unfinished
 from adibas.sessions.audit import AuditLog
-from adibas.sessions.captures import Captures
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.kept_files import KeptFiles, remove_leftovers
 from adibas.sessions.key_file import KEY_FILE
@@ -19,17 +24,21 @@ from adibas.sessions.keys import load_key, make_key
 from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
-from adibas.sessions.purging import Purge
+from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
-from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.sessions.sealing import AesSeal, key_for
-from adibas.sessions.stored_recordings import Recordings
-from adibas.sessions.verification import Progress, Verification, VerifyReport
-from adibas.sessions.visits import Sessions
+
+if TYPE_CHECKING:
+    from adibas.sessions.captures import Captures
+    from adibas.sessions.purging import Purge
+    from adibas.sessions.sealed_folder import SealedFolder
+    from adibas.sessions.stored_recordings import Recordings
+    from adibas.sessions.verification import Progress, VerifyReport
+    from adibas.sessions.visits import Sessions
 
 logger = logging.getLogger(__name__)
 
-PICTURES, RECORDINGS = "pictures", "recordings"
+PICTURES_FOLDER, RECORDINGS_FOLDER = "pictures", "recordings"
 DRAFTS = "adibas-drafts-1"
 STORE_AS_SUBJECT = "store"
 """The audit log's word for the whole store."""
@@ -67,17 +76,50 @@ class SessionStore:
         self.drafts = drafts
         self.is_read_only = database.is_read_only
         self.audit = audit
-        pictures = SealedFiles(folder / PICTURES)
-        self._files = KeptFiles(database, pictures)
-        self.recordings = Recordings(database, audit, SealedRecordings(folder / RECORDINGS))
-        purge = Purge(database, audit, pictures, self.recordings)
-        self.patients = Patients(database, audit, purge.patient)
-        self.sessions = Sessions(database, audit, purge.session)
-        self.captures = Captures(database, audit, self._files)
-        self._verification = Verification(database, audit, pictures, self.recordings)
-        self._sealed = (pictures, self.recordings.sealed)
         self._database = database
         self._lock = lock
+        self._pictures = SealedFiles(folder / PICTURES_FOLDER)
+        self._files = KeptFiles(database, self._pictures)
+        self.patients = Patients(database, audit, self._purge_patient)
+        self._recordings: Recordings | None = None
+        self._making_recordings = threading.Lock()
+
+    @cached_property
+    def sessions(self) -> "Sessions":
+        """The sessions of the patients."""
+        from adibas.sessions.visits import Sessions
+
+        return Sessions(self._database, self.audit, self._purge_session)
+
+    @cached_property
+    def captures(self) -> "Captures":
+        """The captures of the sessions."""
+        from adibas.sessions.captures import Captures
+
+        return Captures(self._database, self.audit, self._files)
+
+    @property
+    def recordings(self) -> "Recordings":
+        """The recordings of the sessions."""
+        from adibas.sessions.sealed_recordings import SealedRecordings
+        from adibas.sessions.stored_recordings import Recordings
+
+        with self._making_recordings:  # only one may know which recordings are being made
+            if self._recordings is None:
+                sealed = SealedRecordings(self.folder / RECORDINGS_FOLDER)
+                self._recordings = Recordings(self._database, self.audit, sealed)
+            return self._recordings
+
+    def _purge_patient(self, pseudonym: str) -> None:
+        self._purge().patient(pseudonym)
+
+    def _purge_session(self, session_id: str) -> None:
+        self._purge().session(session_id)
+
+    def _purge(self) -> "Purge":
+        from adibas.sessions.purging import Purge
+
+        return Purge(self._database, self.audit, self._pictures, self.recordings)
 
     def tidy(self) -> None:
         """Finish what a crash interrupted; for the one opener that may write."""
@@ -85,15 +127,25 @@ class SessionStore:
             remove_unfinished(self.folder)
         except OSError as error:
             raise cannot_use(self.folder, error) from error
-        for remove in (self._files.finish, partial(remove_leftovers, self._database, self._sealed)):
+        for remove in (
+            self._files.finish,
+            partial(remove_leftovers, self._database, self._sealed_folders),
+        ):
             try:
                 remove()
             except StoreError as error:
                 # What stays has no use and no reader; the next opening tries again.
                 logger.warning("a file that is not needed any more is not removed: %s", error)
-        self.recordings.recover()
+        unfinished = select(RECORDINGS.c.recording_id).where(RECORDINGS.c.is_closed.is_(False))
+        with self._database.reading() as transaction:
+            has_unfinished = transaction.execute(unfinished.limit(1)).first() is not None
+        if has_unfinished:
+            self.recordings.recover()
 
-    def verify(self, progress: Progress | None = None) -> VerifyReport:
+    def _sealed_folders(self) -> "tuple[SealedFolder, ...]":
+        return self._pictures, self.recordings.sealed
+
+    def verify(self, progress: "Progress | None" = None) -> "VerifyReport":
         """Check the database, the chain of the audit log, and every file against its checksum.
 
         Parameters
@@ -101,7 +153,10 @@ class SessionStore:
         progress : callable, optional
             Called with (things checked, things in all).
         """
-        return self._verification.run(progress)
+        from adibas.sessions.verification import Verification
+
+        parts = (self._database, self.audit, self._pictures, self.recordings)
+        return Verification(*parts).run(progress)
 
     @property
     def operator(self) -> str:
@@ -205,7 +260,7 @@ def open_store(
 def _mark_as_made(folder: Path) -> None:
     """Make the folders of the files, so that a database that vanishes later is missed."""
     try:
-        for name in (PICTURES, RECORDINGS):
+        for name in (PICTURES_FOLDER, RECORDINGS_FOLDER):
             (folder / name).mkdir(exist_ok=True)
     except OSError as error:
         raise cannot_use(folder, error) from error
@@ -214,7 +269,7 @@ def _mark_as_made(folder: Path) -> None:
 def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> bytes:
     """Return the key; one is made only where no trace of an older store is."""
     has_key = (folder / KEY_FILE).exists()
-    has_data = any((folder / name).exists() for name in (PICTURES, RECORDINGS))
+    has_data = any((folder / name).exists() for name in (PICTURES_FOLDER, RECORDINGS_FOLDER))
     database = folder / DATABASE_FILE
     has_database = database.exists() and database.stat().st_size > 0
     if has_key and has_data and not has_database:

@@ -4,13 +4,15 @@ import json
 import re
 from dataclasses import asdict, dataclass
 from datetime import date, datetime
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from adibas.arrays import UInt8Array
 from adibas.data.patients import Patient
-from adibas.data.sessions import Session
-from adibas.sessions import PatientRow
 from adibas.texts import translate as _
+
+if TYPE_CHECKING:  # patients are listed before anything is known of their sessions
+    from adibas.data.sessions import Session
+    from adibas.sessions import PatientRow
 
 CHILD_BELOW_YEARS = 18
 OLDEST_YEARS = 130
@@ -26,7 +28,7 @@ _YEAR_FIRST = re.compile(r"(\d{4})-(\d{1,2})-(\d{1,2})")
 class PatientLine:
     """One line of the list."""
 
-    row: PatientRow
+    row: "PatientRow"
     age_years: int | None
 
 
@@ -44,7 +46,7 @@ class ShownPatient:
 class History:
     """The chosen patient's sessions, newest first, and what can be done now."""
 
-    sessions: tuple[Session, ...]
+    sessions: "tuple[Session, ...]"
     can_start: bool
     can_continue: bool
     can_change: bool

@@ -1,5 +1,7 @@
 """A patient's sessions in a list: when, how many captures, and the captures in small."""
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QFont, QFontMetrics, QMouseEvent, QPainter, QPalette
 from PySide6.QtWidgets import (
@@ -11,10 +13,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from adibas.data.sessions import Session
 from adibas.texts import translate as _
 from ui.patients.history_model import HistoryModel, ShownCapture, session_text
 from ui.view_names import VIEW_NAMES
+
+if TYPE_CHECKING:  # patients are listed before anything is known of their sessions
+    from adibas.data.sessions import Session
 
 Index = QModelIndex | QPersistentModelIndex
 PICTURE_PX = QSize(96, 84)
@@ -116,7 +120,7 @@ class HistoryList(QListView):
         self.setMinimumHeight(190)
         self.activated.connect(self._on_activated)
 
-    def show_sessions(self, sessions: tuple[Session, ...]) -> None:
+    def show_sessions(self, sessions: "tuple[Session, ...]") -> None:
         """Show these; the chosen one stays chosen."""
         chosen = self.chosen_session()
         self.shown_model.show_sessions(sessions)

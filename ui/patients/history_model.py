@@ -1,7 +1,7 @@
 """A patient's sessions as a list, with pictures that are read when they are seen."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import (
     QAbstractListModel,
@@ -14,12 +14,14 @@ from PySide6.QtCore import (
 )
 from PySide6.QtGui import QImage, QPixmap
 
-from adibas.data.sessions import Session
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.patients.content import Thumbnail
 from ui.view_names import VIEW_NAMES
 from ui.widgets.dates import moment_text
+
+if TYPE_CHECKING:  # patients are listed before anything is known of their sessions
+    from adibas.data.sessions import Session
 
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
@@ -39,7 +41,7 @@ class ShownCapture:
 class ShownSession:
     """A session as the list paints it."""
 
-    session: Session
+    session: "Session"
     text: str
     captures: tuple[ShownCapture, ...]
     is_current: bool
@@ -64,7 +66,7 @@ class HistoryModel(QAbstractListModel):
         self._asking.setInterval(0)
         self._asking.timeout.connect(self._ask)
 
-    def show_sessions(self, sessions: tuple[Session, ...]) -> None:
+    def show_sessions(self, sessions: "tuple[Session, ...]") -> None:
         """Show these; pictures that were read stay."""
         if sessions == self._sessions:
             return
@@ -91,7 +93,7 @@ class HistoryModel(QAbstractListModel):
                 self._pixmaps |= {one.capture_id: _pixmap(one) for one in found}
         self._repaint()
 
-    def session(self, row: int) -> Session:
+    def session(self, row: int) -> "Session":
         """Return the session of a row."""
         return self._sessions[row]
 
@@ -148,7 +150,7 @@ class HistoryModel(QAbstractListModel):
             self.dataChanged.emit(self.index(0), self.index(len(self._sessions) - 1))
 
 
-def session_text(session: Session) -> str:
+def session_text(session: "Session") -> str:
     """Return what is to be known of a session at a glance."""
     count = len(session.capture_ids)
     captures = translate_plural("{count} capture", "{count} captures", count).format(count=count)
@@ -156,7 +158,7 @@ def session_text(session: Session) -> str:
     return "  ·  ".join(fact for fact in facts if fact)
 
 
-def _key(session: Session) -> tuple[str, tuple[str, ...]]:
+def _key(session: "Session") -> tuple[str, tuple[str, ...]]:
     return session.session_id, session.capture_ids
 
 

@@ -1,12 +1,8 @@
 """The sessions of the chosen patient: started, continued, opened, hidden. Knows nothing of Qt."""
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
-from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import AdibasError
-from adibas.sessions import SessionStore
 from adibas.texts import translate as _
 from ui.patients.content import (
     History,
@@ -18,6 +14,10 @@ from ui.patients.content import (
 from ui.patients.undo import Undo
 from ui.ports import JobControl
 from ui.workspace import Workspace
+
+if TYPE_CHECKING:  # patients are listed before anything is known of their sessions
+    from adibas.data.sessions import Session, SessionSetup
+    from adibas.sessions import SessionStore
 
 Thumbnails = dict[str, tuple[Thumbnail, ...]]
 """By the session's id."""
@@ -94,6 +94,8 @@ class HistoryPresenter:
 
     def start(self) -> None:
         """Begin a session with the usual set-up."""
+        from adibas.data.sessions import SessionSetup
+
         self._start(SessionSetup())
 
     def start_like_last(self) -> None:
@@ -177,7 +179,7 @@ class HistoryPresenter:
 
         self._workspace.jobs.start(_("Reading pictures"), work, self._view.show_thumbnails)
 
-    def _start(self, setup: SessionSetup) -> None:
+    def _start(self, setup: "SessionSetup") -> None:
         patient = self._workspace.patient
         if patient is None:
             return
@@ -201,20 +203,23 @@ class HistoryPresenter:
 
     def _read(self) -> None:
         patient = self._workspace.patient
+        if patient is None:
+            self._sessions = ()
+            return
         of_patient = self._workspace.store.sessions.of_patient
-        self._sessions = (
-            () if patient is None else of_patient(patient.pseudonym, with_deleted=self._has_deleted)
-        )
+        self._sessions = of_patient(patient.pseudonym, with_deleted=self._has_deleted)
 
-    def _last(self) -> Session | None:
+    def _last(self) -> "Session | None":
         return next((one for one in self._sessions if not one.is_deleted), None)
 
-    def _listed(self, session_id: str) -> Session | None:
+    def _listed(self, session_id: str) -> "Session | None":
         return next((one for one in self._sessions if one.session_id == session_id), None)
 
 
-def read_thumbnails(store: SessionStore, session: Session) -> tuple[Thumbnail, ...]:
+def read_thumbnails(store: "SessionStore", session: "Session") -> tuple[Thumbnail, ...]:
     """Return a session's captures in small; nothing where the session cannot be read."""
+    import numpy as np
+
     try:
         captures = store.captures.of_session(session.session_id)
     except AdibasError:
