@@ -52,7 +52,11 @@ class SimulatorCamera(DepthCamera):
 
     @property
     def info(self) -> SourceInfo:
-        """The header, with the exact calibration of the simulated sensor."""
+        """The header, with the exact calibration of the simulated sensor.
+
+        The scenes ``board`` and ``wall`` are there to calibrate it: their header has the maker's
+        calibration, which is slightly wrong (see `adibas.simulation.boards_device`).
+        """
         return self._scene.info
 
     @property

@@ -11,11 +11,13 @@ from typing import Protocol
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.arrays import Float32Array, FloatArray
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.distortion import pixel_rays
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
+from adibas.simulation.boards_depth_kernels import see_shapes, see_sheet
+from adibas.simulation.boards_kernels import Shapes, Sheet
 from adibas.simulation.boards_look import BoardView
 from adibas.simulation.boards_painting import hand_strokes, plane_of
 from adibas.simulation.studio import DepthView
@@ -97,11 +99,9 @@ def lay_strokes(
 
     `images` are 1/z and reflectance (H, W); the strokes lie in x and y of the plane's frame.
     """
-    x_m, y_m, inverse_m = _met(camera_from_plane, camera)
-    inside = np.zeros(x_m.shape, bool)
-    for stroke in strokes:
-        inside |= _is_in_stroke(x_m, y_m, stroke)
-    _put(inside, inverse_m, np.full(inside.shape, reflectance, np.float32), images)
+    shades = np.full((len(strokes), 1), reflectance)
+    shapes = Shapes(plane_of(camera_from_plane, 1.0), np.ascontiguousarray(strokes), shades)
+    see_shapes(_rays(camera), shapes, *images)
 
 
 def _lay_board(
@@ -111,52 +111,18 @@ def _lay_board(
     infrared: Float32Array,
 ) -> None:
     board = view.board
-    x_m, y_m, board_inverse_m = _met(view.camera_from_board, camera)
-    column, row = x_m / board.square_m, y_m / board.square_m
-    margin = view.margin_squares
-    inside = (np.minimum(column, row) > -1.0 - margin) & (column < board.columns + margin)
-    inside &= row < board.rows + margin
-    in_pattern = (np.minimum(column, row) > -1.0) & (column < board.columns) & (row < board.rows)
-    is_even = np.mod(np.floor(column) + np.floor(row), 2.0) == 0.0
-    shade = np.where(in_pattern & is_even, INK_INFRARED, PAPER_INFRARED).astype(np.float32)
-    _put(inside, board_inverse_m, shade, (inverse_m, infrared))
+    sheet = Sheet(
+        plane=plane_of(view.camera_from_board, board.square_m),
+        last=np.array([board.columns, board.rows], float),
+        margin=view.margin_squares,
+        dots=np.zeros((0, 3)),
+        shades=np.array([[PAPER_INFRARED], [INK_INFRARED]]),
+    )
+    see_sheet(_rays(camera), sheet, inverse_m, infrared)
     if view.hands:
         nearer = RigidTransform(np.eye(3), np.array([0.0, 0.0, -HAND_M]))
         pose = view.camera_from_board @ nearer
         lay_strokes(pose, hand_strokes(view), camera, (inverse_m, infrared))
-
-
-def _put(
-    inside: BoolArray,
-    inverse_m: FloatArray,
-    shade: Float32Array,
-    images: tuple[Float32Array, Float32Array],
-) -> None:
-    """Put a plane's pixels before what is farther away."""
-    inside = inside & (inverse_m > images[0])
-    images[0][inside] = inverse_m[inside]
-    images[1][inside] = shade[inside]
-
-
-def _is_in_stroke(x_m: FloatArray, y_m: FloatArray, stroke: FloatArray) -> BoolArray:
-    begin, along, radius_m = stroke[:2], stroke[2:4] - stroke[:2], stroke[4]
-    dx_m, dy_m = x_m - begin[0], y_m - begin[1]
-    length2 = max(float(along @ along), 1e-12)
-    share = np.clip((dx_m * along[0] + dy_m * along[1]) / length2, 0.0, 1.0)
-    distance_m = np.hypot(dx_m - share * along[0], dy_m - share * along[1])
-    inside: BoolArray = distance_m < radius_m
-    return inside
-
-
-def _met(
-    camera_from_plane: RigidTransform, camera: CameraCalibration
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return X, Y and 1/z (0 or less: not met) of the plane's points that the pixels see."""
-    plane, rays = plane_of(camera_from_plane, 1.0), _rays(camera)
-    scaled = rays @ plane[:, :2].T + plane[:, 2]
-    inverse_m = scaled[..., 2]
-    z_m = 1.0 / np.where(inverse_m > 0.0, inverse_m, np.nan)
-    return scaled[..., 0] * z_m, scaled[..., 1] * z_m, inverse_m
 
 
 @functools.lru_cache(maxsize=4)

@@ -114,10 +114,52 @@ def _paint(
     paint_sheet(rays, _sheet(view, look, canvas.shape[2]), box, canvas)
     if not view.hands:
         return box
-    hands_box = _hands_box(view, camera, reach_px)
-    paint_shapes(rays, _hands(view, look, canvas.shape[2]), hands_box, canvas)
-    is_end = np.array([False, True, False, True])
-    return np.where(is_end, np.maximum(box, hands_box), np.minimum(box, hands_box))
+    hands = _hands(view, look, canvas.shape[2])
+    hands_box = _paint_strokes(canvas, hands, view.camera_from_board, camera, reach_px)
+    return _union([box, hands_box])
+
+
+def lay_figure(
+    canvas: Float32Array,
+    camera: CameraCalibration,
+    camera_from_plane: RigidTransform,
+    strokes: FloatArray,
+    light_rgb: FloatArray,
+) -> None:
+    """Draw flat strokes over (H, W, 3) light.
+
+    Parameters
+    ----------
+    strokes : (N, 5) array
+        Both ends (x, y) in the plane's frame, and the radius, metres; later ones lie over earlier
+        ones.
+    light_rgb : (N, 3) array
+        Linear light that comes from each.
+    """
+    shapes = Shapes(plane_of(camera_from_plane, 1.0), strokes, light_rgb)
+    _paint_strokes(canvas, shapes, camera_from_plane, camera, np.full(2, BOX_MARGIN_PX))
+
+
+def _paint_strokes(
+    canvas: Float32Array,
+    shapes: Shapes,
+    camera_from_plane: RigidTransform,
+    camera: CameraCalibration,
+    reach_px: FloatArray,
+) -> IntArray:
+    """Draw strokes one by one, each within its own box; return the box of all."""
+    boxes = []
+    for i in range(len(shapes.strokes)):
+        one = slice(i, i + 1)
+        strokes, shades = shapes.strokes[one], shapes.shades[one]
+        boxes.append(_stroke_box(strokes[0], camera_from_plane, camera, reach_px))
+        paint_shapes(corner_rays(camera), Shapes(shapes.plane, strokes, shades), boxes[i], canvas)
+    return _union(boxes)
+
+
+def _union(boxes: list[IntArray]) -> IntArray:
+    first, last = np.min(boxes, axis=0), np.max(boxes, axis=0)
+    return np.array([first[0], last[1], first[2], last[3]])
 
 
 def hand_strokes(view: BoardView) -> FloatArray:
@@ -163,11 +205,15 @@ def _board_box(view: BoardView, camera: CameraCalibration, reach_px: FloatArray)
     return _box(view.camera_from_board, (low, high), camera, reach_px)
 
 
-def _hands_box(view: BoardView, camera: CameraCalibration, reach_px: FloatArray) -> IntArray:
-    strokes = hand_strokes(view)
-    ends, radii = strokes[:, :4].reshape(-1, 2, 2), strokes[:, None, 4:]
-    low, high = (ends - radii).min(axis=(0, 1)), (ends + radii).max(axis=(0, 1))
-    return _box(view.camera_from_board, (low, high), camera, reach_px)
+def _stroke_box(
+    stroke: FloatArray,
+    camera_from_plane: RigidTransform,
+    camera: CameraCalibration,
+    reach_px: FloatArray,
+) -> IntArray:
+    ends = stroke[:4].reshape(2, 2)
+    rectangle_m = ends.min(axis=0) - stroke[4], ends.max(axis=0) + stroke[4]
+    return _box(camera_from_plane, rectangle_m, camera, reach_px)
 
 
 def _box(

@@ -25,7 +25,7 @@ class Holding:
         Between the board's normal and the line to the camera (10-45 degrees; Zhang 1999 finds
         45 degrees best and the corners hard to find beyond).
     frontal_share : float
-        Of the views that are tilted less than the smallest of `tilt_rad` (assumed).
+        Of the views that are tilted less than the smallest of `tilt_rad` (assumed); with 1 all.
     roll_sd_rad : float
         Of the turn about the line of sight (assumed).
     upright_share : float
@@ -76,12 +76,12 @@ def random_board_poses(
     spread = np.array([_PLASTIC**-1, _PLASTIC**-2])
     places = np.mod(rng.random(2) + np.outer(np.arange(n), spread), 1.0)
     places = np.clip(0.5 + holding.reach * (places - 0.5), 0.0, 1.0)
-    order = rng.permutation(n)
+    far_share, tilt_share = ((rng.permutation(n) + rng.random(n)) / n for _ in range(2))
     poses = []
     for i in range(n):
-        share = (order[i] + rng.random()) / n
-        distance_m = near_m * (far_m / near_m) ** share
-        rotation = _rotation(rng, holding, 2.0 * math.pi * (i * _PLASTIC**-1 % 1.0))
+        distance_m = near_m * (far_m / near_m) ** float(far_share[i])
+        towards_rad = 2.0 * math.pi * (i * _PLASTIC**-1 % 1.0)
+        rotation = _rotation(rng, holding, float(tilt_share[i]), towards_rad)
         poses.append(place_board(board, camera, rotation, distance_m, places[i], holding.border_px))
     return tuple(poses)
 
@@ -165,10 +165,12 @@ def tilted(tilt_rad: float, towards_rad: float, roll_rad: float) -> FloatArray:
     return rotation_from_vector(tilt_rad * axis) @ roll
 
 
-def _rotation(rng: np.random.Generator, holding: Holding, towards_rad: float) -> FloatArray:
-    least, most = holding.tilt_rad
-    is_frontal = rng.random() < holding.frontal_share
-    tilt_rad = float(rng.uniform(0.0, least) if is_frontal else rng.uniform(least, most))
+def _rotation(
+    rng: np.random.Generator, holding: Holding, share: float, towards_rad: float
+) -> FloatArray:
+    """Return a tilt that grows with `share`, 0 to 1, about a wavering axis, and a chance roll."""
+    knots = np.array([0.0, holding.frontal_share, 1.0])
+    tilt_rad = float(np.interp(share, knots, [0.0, *holding.tilt_rad]))
     roll_rad = float(rng.normal(0.0, holding.roll_sd_rad))
     if rng.random() < holding.upright_share:
         roll_rad += float(rng.choice((-0.5, 0.5))) * math.pi

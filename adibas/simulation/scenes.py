@@ -7,7 +7,7 @@ order and come out the same every time.
 import functools
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, overload
 
 import cv2
 import numpy as np
@@ -17,6 +17,8 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
+from adibas.simulation.boards_scenes import BoardScene, BoardSceneSettings
+from adibas.simulation.boards_wall import WallScene, WallSceneSettings
 from adibas.simulation.body import PosedBody
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.color_noise import ColorNoise, ColorSensor
@@ -36,6 +38,7 @@ from adibas.simulation.truth import FrameTruth, MarkerTruth, SimulatedFrame
 
 Mounting: TypeAlias = Literal["landscape", "portrait"]
 
+BOARD, WALL = "board", "wall"
 VIEWS: tuple[View, ...] = ("anterior", "posterior", "left_lateral", "right_lateral")
 
 _BOTH = ("left_", "right_")
@@ -307,20 +310,44 @@ class SimulatedScene:
 
 
 def scene_names() -> tuple[str, ...]:
-    """Return the names that `open_scene` knows."""
-    return tuple(_scenes())
+    """Return the names that `open_scene` knows: the clinic's, and two to calibrate with."""
+    return (*_scenes(), BOARD, WALL)
 
 
-def open_scene(name: str, seed: int = 0, **changes: object) -> SimulatedScene:
+# Whoever has a name that the type checker does not know takes any scene as one with a patient.
+@overload
+def open_scene(  # type: ignore[overload-overlap]
+    name: Literal["board"], seed: int = 0, **changes: object
+) -> BoardScene: ...
+
+
+@overload
+def open_scene(  # type: ignore[overload-overlap]
+    name: Literal["wall"], seed: int = 0, **changes: object
+) -> WallScene: ...
+
+
+@overload
+def open_scene(name: str, seed: int = 0, **changes: object) -> SimulatedScene: ...
+
+
+def open_scene(
+    name: str, seed: int = 0, **changes: object
+) -> SimulatedScene | BoardScene | WallScene:
     """Return the scene `name`, with the patient, room, light and sensor of `seed`.
 
-    `changes` replace fields of its `SceneSettings`.
+    `changes` replace fields of its `SceneSettings`; those of ``board`` and ``wall`` are
+    `BoardSceneSettings` and `WallSceneSettings`.
 
     Raises
     ------
     KeyError
         There is no such scene.
     """
+    if name == BOARD:
+        return BoardScene(replace(BoardSceneSettings(seed), **changes))  # type: ignore[arg-type]
+    if name == WALL:
+        return WallScene(replace(WallSceneSettings(seed), **changes))  # type: ignore[arg-type]
     settings = _scenes()[name]
     return SimulatedScene(replace(settings, seed=seed, **changes))  # type: ignore[arg-type]
 

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array, check_shape, read_only
+from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SensorFrame
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
 
 STEEPEST_VISIBLE_RAD = math.radians(65.0)
 """Of a visible marker, from its normal (docs/conventions.md)."""
@@ -63,6 +66,31 @@ class MarkerTruth:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class BoardTruth:
+    """The calibration board of one frame.
+
+    Attributes
+    ----------
+    board : Board
+    camera_from_board : RigidTransform
+        Into the colour camera's axes.
+    corners_px : (rows * columns, 2) array
+        Of the corners in the colour image, in the order of `Board.points_m`; NaN where hidden.
+    station : int or None
+        At which stop it is held; None on the way.
+    """
+
+    board: Board
+    camera_from_board: RigidTransform
+    corners_px: FloatArray
+    station: int | None
+
+    def __post_init__(self) -> None:
+        check_shape("corners_px", self.corners_px, (self.board.n_corners, 2))
+        read_only(self.corners_px)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class FrameTruth:
     """Everything that is so in one frame.
 
@@ -80,6 +108,10 @@ class FrameTruth:
         Without noise and shadow, metres.
     calibration : RgbdCalibration
         Of the device, exact.
+    board : BoardTruth or None
+        Of the scene with the calibration board.
+    wall : Plane or None
+        Of the scene with the flat wall, in the depth camera's axes.
     """
 
     joints_m: FloatArray
@@ -88,6 +120,8 @@ class FrameTruth:
     labels: UInt8Array
     depth_m: Float32Array
     calibration: RgbdCalibration
+    board: BoardTruth | None = None
+    wall: Plane | None = None
 
     def __post_init__(self) -> None:
         for name in ("joints_m", "joints_color_m", "labels", "depth_m"):
