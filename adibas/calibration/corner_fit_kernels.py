@@ -93,7 +93,7 @@ def _is_near(
         return False
     height_along = abs(area) / math.hypot(shape[2], shape[3])
     height_across = abs(area) / math.hypot(shape[0], shape[1])
-    return min(abs(along) * height_along, abs(across) * height_across) <= limits[2]
+    return bool(min(abs(along) * height_along, abs(across) * height_across) <= limits[2])
 
 
 @compiled

@@ -19,6 +19,17 @@ BORDER = 6
 CIRCLE = (0, 4), (2, 4), (3, 3), (4, 2), (4, 0), (4, -2), (3, -3), (2, -4)
 """Half a circle of pixels (down, right); the other half is its point reflection."""
 HARRIS_WEIGHT = 0.04
+HARRIS_WINDOW = np.exp(-(np.arange(-2, 3) ** 2) / 4.0)
+RING_U = np.cos(2.0 * np.pi * np.arange(N_RING) / N_RING)
+RING_V = np.sin(2.0 * np.pi * np.arange(N_RING) / N_RING)
+CLEARLY = 1.5
+N_EDGES = 4
+"""Four edges leave an X-corner, and the ring crosses each once."""
+NARROWEST_ARC = 1.5
+"""In steps of the ring: an edge seen so obliquely has no square beside it."""
+CLIMBED = 0.75
+MOST_STRIDE = 2.0
+"""In pixels, of the climb to a saddle: nearer it is there, and no step goes farther."""
 MOST_SHIFT = 1.5
 
 
@@ -34,7 +45,7 @@ def bilinear(image: Float32Array, u: float, v: float) -> float:
 
 @compiled
 def looks_like_x(level: Float32Array, column: int, row: int) -> bool:
-    """Return whether the circle around a pixel is more like itself after half than quarter a turn.
+    """Return whether the circle around a pixel is like itself after half a turn, not a quarter.
 
     Source: the sum and difference responses of Bennett and Lasenby, ChESS, CVIU 118 (2014).
     """
@@ -46,7 +57,7 @@ def looks_like_x(level: Float32Array, column: int, row: int) -> bool:
         second, fourth = level[row + down, column + right], level[row - down, column - right]
         half += abs(first - third) + abs(second - fourth)
         quarter += abs(first + third - second - fourth)
-    return quarter > half
+    return bool(quarter > CLEARLY * half)
 
 
 @compiled
@@ -59,7 +70,7 @@ def harris(level: Float32Array, column: int, row: int) -> float:
     uu = uv = vv = 0.0
     for i in range(-2, 3):
         for j in range(-2, 3):
-            weight = math.exp(-(i * i + j * j) / 4.0)
+            weight = HARRIS_WINDOW[i + 2] * HARRIS_WINDOW[j + 2]
             along_u = level[row + i, column + j + 1] - level[row + i, column + j - 1]
             along_v = level[row + i + 1, column + j] - level[row + i - 1, column + j]
             uu += weight * along_u * along_u
@@ -99,8 +110,7 @@ def read_ring(level: Float32Array, u: float, v: float, radius: float, ring: Floa
     """Fill `ring` (N_RING,) with the values around (u, v), each the mean of three neighbours."""
     raw = np.empty(N_RING)
     for k in range(N_RING):
-        angle_rad = 2.0 * math.pi * k / N_RING
-        raw[k] = bilinear(level, u + radius * math.cos(angle_rad), v + radius * math.sin(angle_rad))
+        raw[k] = bilinear(level, u + radius * RING_U[k], v + radius * RING_V[k])
     for k in range(N_RING):
         ring[k] = (raw[k - 1] + raw[k] + raw[(k + 1) % N_RING]) / 3.0
 
@@ -121,8 +131,8 @@ def crossings(ring: FloatArray, middle: float, steps: FloatArray) -> int:
         before, here = ring[(k - 1) % N_RING], ring[k % N_RING]
         if (before < middle) == (here < middle):
             continue
-        if n == 4:
-            return 5
+        if n == N_EDGES:
+            return N_EDGES + 1
         steps[n] = k - 1 + (middle - before) / (here - before)
         n += 1
     return n
@@ -135,19 +145,19 @@ def judge_ring(ring: FloatArray, corner: FloatArray) -> float:
     The ring has two bright and two dark arcs, opposite ones alike, and edges that go straight
     through. Source for the ring: Bennett and Lasenby, ChESS, CVIU 118 (2014), section 3.
     """
-    steps = np.empty(4)
+    steps = np.empty(N_EDGES)
     low, high = ring.min(), ring.max()
-    if crossings(ring, 0.5 * (low + high), steps) != 4:
+    if crossings(ring, 0.5 * (low + high), steps) != N_EDGES:
         return 1.0
     half = N_RING // 2
     bend = max(abs(steps[2] - steps[0] - half), abs(steps[3] - steps[1] - half))
-    if bend > N_RING / 8 or steps[1] - steps[0] < 1.5 or steps[2] - steps[1] < 1.5:
+    narrowest = min(steps[1] - steps[0], steps[2] - steps[1])
+    if bend > N_RING / 8 or narrowest < NARROWEST_ARC:
         return 1.0
-    means = np.zeros(4)
-    for arc in range(4):
-        start = steps[arc]
-        end = steps[arc + 1] if arc < 3 else steps[0] + N_RING
-        means[arc] = _arc_mean(ring, start, end)
+    means = np.zeros(N_EDGES)
+    for arc in range(N_EDGES):
+        end = steps[(arc + 1) % N_EDGES] + (N_RING if arc == N_EDGES - 1 else 0)
+        means[arc] = _arc_mean(ring, steps[arc], end)
     bright, dark = 0.5 * (means[0] + means[2]), 0.5 * (means[1] + means[3])
     contrast = bright - dark
     if contrast <= 0.0:
@@ -169,14 +179,14 @@ def _arc_mean(ring: FloatArray, start: float, end: float) -> float:
         n += 1
     if n == 0:
         return float(ring[round(0.5 * (start + end)) % N_RING])
-    return total / n
+    return float(total / n)
 
 
 @compiled
 def is_inside(level: Float32Array, u: float, v: float, margin: float) -> bool:
     """Return whether everything within `margin` of (u, v) lies between pixels of `level`."""
     height, width = level.shape
-    return margin <= u < width - 1 - margin and margin <= v < height - 1 - margin
+    return bool(margin <= u < width - 1 - margin and margin <= v < height - 1 - margin)
 
 
 @compiled
@@ -203,7 +213,7 @@ def examine(
     read_ring(level, corner[U], corner[V], limits[0], ring)
     unlikeness = judge_ring(ring, corner)
     centre = bilinear(level, corner[U], corner[V])
-    return (
+    return bool(
         unlikeness <= limits[2]
         and corner[CONTRAST] >= limits[1]
         and abs(centre - corner[MEAN]) <= 0.3 * corner[CONTRAST]
@@ -238,16 +248,17 @@ def seek(level: Float32Array, place: FloatArray, limits: FloatArray, corner: Flo
         is_saddle, right, down = saddle_shift(level, column, row)
         if not is_saddle:
             return False
-        right, down = min(max(right, -2.0), 2.0), min(max(down, -2.0), 2.0)
+        right = min(max(right, -MOST_STRIDE), MOST_STRIDE)
+        down = min(max(down, -MOST_STRIDE), MOST_STRIDE)
         u, v = column + right, row + down
-        if max(abs(right), abs(down)) <= 0.75:
+        if max(abs(right), abs(down)) <= CLIMBED:
             break
     corner[U], corner[V] = u, v
     if not is_inside(level, u, v, limits[0] + 0.5):
         return False
     ring = np.empty(N_RING)
     read_ring(level, u, v, limits[0], ring)
-    return judge_ring(ring, corner) <= limits[2] and corner[CONTRAST] >= limits[1]
+    return bool(judge_ring(ring, corner) <= limits[2] and corner[CONTRAST] >= limits[1])
 
 
 @compiled

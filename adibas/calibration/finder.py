@@ -41,6 +41,10 @@ __all__ = [
 ]
 
 
+SAME_PX = 2.0
+"""Two candidates so near are one corner."""
+
+
 @dataclass(frozen=True, slots=True)
 class FinderParams:
     """How boards are found.
@@ -205,7 +209,7 @@ def _is_known(seed: Lattice, found: list[Lattice]) -> bool:
     mine = _known_pixels(seed)
     theirs = np.concatenate([_known_pixels(lattice) for lattice in found])
     apart = np.abs(mine[:, None] - theirs[None]).max(axis=-1).min(axis=1)
-    return bool(np.median(apart) < 2.0)
+    return bool(np.median(apart) < SAME_PX)
 
 
 def _known_pixels(lattice: Lattice) -> FloatArray:

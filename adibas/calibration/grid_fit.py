@@ -94,8 +94,7 @@ def _lengths(shapes: FloatArray) -> FloatArray:
 def _change(
     pixels: FloatArray, known: BoolArray, *, axis: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the first and second difference along an axis, and the ways to the next and from the
-    previous corner.
+    """Return first and second differences along an axis, the ways to the next, from the previous.
 
     Without a neighbour the first difference is that of the other side, else the grid's mean, and
     the second is NaN.
@@ -120,4 +119,5 @@ def _curvature(change: FloatArray, bend: FloatArray) -> FloatArray:
     """Return how fast an edge turns per pixel; 0 where only one neighbour is seen."""
     length = np.linalg.norm(change, axis=-1)
     across = change[..., 0] * bend[..., 1] - change[..., 1] * bend[..., 0]
-    return np.nan_to_num(across / length**3)
+    curvature: FloatArray = np.nan_to_num(across / length**3)
+    return curvature

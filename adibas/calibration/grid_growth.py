@@ -81,7 +81,8 @@ class Lattice:
 
     def is_first_along(self, cells: Int32Array) -> Int32Array:
         """Return (N,) 1 where the row's edge at a cell is the FIRST kind, else 0."""
-        return ((self.parity + cells.sum(axis=1) + 1) % 2).astype(np.int32)
+        kinds: Int32Array = ((self.parity + cells.sum(axis=1) + 1) % 2).astype(np.int32)
+        return kinds
 
 
 def lattices(corners: FloatArray, labels: Int32Array, params: GrowthParams) -> list[Lattice]:

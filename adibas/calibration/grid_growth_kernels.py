@@ -31,12 +31,14 @@ def expect(pixels: FloatArray, row: int, column: int, expected: FloatArray) -> b
     n_known = 0
     for i in range(max(row - REACH, 0), min(row + REACH + 1, pixels.shape[0])):
         for j in range(max(column - REACH, 0), min(column + REACH + 1, pixels.shape[1])):
-            if (i == row and j == column) or np.isnan(pixels[i, j, 0]):
-                continue
-            n_known += 1
-            _add_cell(normal, right, (i - row, j - column), pixels[i, j])
-    if n_known < FEWEST:
-        return False
+            if not ((i == row and j == column) or np.isnan(pixels[i, j, 0])):
+                n_known += 1
+                _add_cell(normal, right, (i - row, j - column), pixels[i, j])
+    return n_known >= FEWEST and _solve(normal, right, expected)
+
+
+@compiled
+def _solve(normal: FloatArray, right: FloatArray, expected: FloatArray) -> bool:
     for k in range(3, N_TERMS):
         normal[k, k] += STIFFNESS
     if not factorise(normal):
@@ -68,7 +70,7 @@ def step_px(expected: FloatArray) -> float:
     right = math.hypot(expected[2], expected[3])
     down = math.hypot(expected[4], expected[5])
     area = abs(expected[2] * expected[5] - expected[3] * expected[4])
-    return area / max(right, down, 1e-9)
+    return float(area / max(right, down, 1e-9))
 
 
 @compiled
@@ -124,10 +126,10 @@ def frontier(pixels: FloatArray, spacious: float) -> tuple[Int32Array, FloatArra
                 continue
             if _n_beside(pixels, row, column) == 0:
                 continue
-            if expect(pixels, row, column, expectations[n]):
-                if step_px(expectations[n]) >= spacious:
-                    cells[n] = row, column
-                    n += 1
+            is_told = expect(pixels, row, column, expectations[n])
+            if is_told and step_px(expectations[n]) >= spacious:
+                cells[n] = row, column
+                n += 1
     return cells[:n].copy(), expectations[:n].copy()
 
 

@@ -28,7 +28,7 @@ ALONG_RAD = math.radians(18.0)
 ALONG_TANGENT = math.tan(ALONG_RAD)
 SWING_RAD = math.radians(30.0)
 """Largest angle between the crossing edges of two neighbours: perspective, and their noise."""
-MOST_ALIKE = 60
+MOST_ALIKE = 40
 """A neighbour is among so many of like contrast nearest to a corner; clutter ends the search."""
 
 
@@ -108,7 +108,7 @@ def is_edge(level: Float32Array, here: FloatArray, there: FloatArray, ray: int) 
 
 @compiled
 def _bins(corners: FloatArray, size_px: float) -> tuple[Int32Array, Int32Array]:
-    """Return the first corner of each square bin (-1: none), and the next after corner i at i + 1."""
+    """Return the first corner of each bin (-1: none), and at i + 1 the one after corner i."""
     n_rows = int(corners[:, V].max() / size_px) + 1
     n_columns = int(corners[:, U].max() / size_px) + 1
     heads = np.full((n_rows, n_columns), -1, np.int32)

@@ -77,10 +77,12 @@ def _placements(grid: Grid, board: Board) -> list[Placement]:
     found = []
     for quarters in range(4):
         turned = grid.turned(quarters)
-        for row in range(board.rows - turned.rows + 1):
-            for column in range(board.columns - turned.columns + 1):
-                if board.is_dark(row, column) == turned.is_origin_dark:
-                    found.append(Placement(turned, row, column, None))
+        found += [
+            Placement(turned, row, column, None)
+            for row in range(board.rows - turned.rows + 1)
+            for column in range(board.columns - turned.columns + 1)
+            if board.is_dark(row, column) == turned.is_origin_dark
+        ]
     return found
 
 
