@@ -164,7 +164,7 @@ def refine(
         How.
     """
     params = params or RefinementParams()
-    descent = _Descent(observations, model, params)
+    descent = _Descent(observations, model.free(), params)
     estimate, has_converged = descent.run(start, 1.0, kernels.PLAIN, np.inf)
     if params.loss is Loss.SQUARES:
         residuals_px = residuals_of(observations, estimate)
@@ -182,6 +182,24 @@ def refine(
     lengths = np.hypot(*np.moveaxis(residuals_px, -1, 0)) / (scale_px * observations.sigmas)
     shares = 1.0 - np.minimum(lengths / params.cut_sigmas, 1.0) ** 2
     return Refinement(estimate, residuals_px, scale_px, shares**2, has_converged)
+
+
+def refine_poses(
+    observations: Observations, start: Estimate, params: RefinementParams | None = None
+) -> Estimate:
+    """Return the poses that explain the corners best, by least squares, with the camera as it is.
+
+    Parameters
+    ----------
+    observations : Observations
+        Corners; each view needs four.
+    start : Estimate
+        Camera, and poses near the answer.
+    params : RefinementParams or None
+        How.
+    """
+    descent = _Descent(observations, np.empty(0, np.int64), params or RefinementParams())
+    return descent.run(start, 1.0, kernels.PLAIN, np.inf)[0]
 
 
 def residuals_of(observations: Observations, estimate: Estimate) -> FloatArray:
@@ -217,10 +235,10 @@ class _Descent:
     """Levenberg and Marquardt on one set of observations and unknowns."""
 
     def __init__(
-        self, observations: Observations, model: LensModel, params: RefinementParams
+        self, observations: Observations, free: IntArray, params: RefinementParams
     ) -> None:
         self._observations = observations
-        self._free = model.free()
+        self._free = free
         self._params = params
         self._n_views = len(observations.pixels)
         self.n_unknowns = len(self._free) + 6 * self._n_views
