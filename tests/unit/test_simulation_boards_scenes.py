@@ -50,12 +50,13 @@ def test_opencv_finds_the_board_where_the_truth_says(board):
     gray = cv2.cvtColor(frame.sensor_frame.color, cv2.COLOR_RGB2GRAY)
     found, corners = cv2.findChessboardCornersSB(gray, (truth.board.columns, truth.board.rows))
     assert found
-    corners = corners.reshape(-1, 2)
+    stop = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-4)
+    corners = cv2.cornerSubPix(gray, corners, (4, 4), (-1, -1), stop).reshape(-1, 2)
     way = min((corners, corners[::-1]), key=lambda c: np.abs(c[0] - truth.corners_px[0]).sum())
     error_px = way - truth.corners_px
-    # Its own error behind a colour filter at this size; an offset would be ours.
-    assert np.sqrt((error_px**2).sum(axis=1).mean()) < 0.3
-    assert np.abs(error_px.mean(axis=0)).max() < 0.06
+    # Each corner suffers from noise and the colour filter; a common offset would be ours.
+    assert np.sqrt((error_px**2).sum(axis=1).mean()) < 0.2
+    assert np.abs(error_px.mean(axis=0)).max() < 0.04
 
 
 def test_the_board_is_in_depth_where_the_pose_says(board):
