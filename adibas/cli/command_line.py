@@ -21,7 +21,17 @@ from adibas.texts import translate as _
 
 WORLD_FAILED = 1
 
-COMMANDS = ("demo", "posture", "markers", "convert", "record", "sessions", "doctor", "benchmark")
+COMMANDS = (
+    "demo",
+    "posture",
+    "calibrate",
+    "markers",
+    "convert",
+    "record",
+    "sessions",
+    "doctor",
+    "benchmark",
+)
 
 
 class CommandModule(Protocol):

@@ -1,0 +1,182 @@
+"""`adibas calibrate`: images of a board into a calibration, or the board itself as a PDF."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, positive
+from adibas.errors import CalibrationError
+from adibas.files import check_place
+from adibas.texts import message
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.calibration.lens_models import LensModel
+    from adibas.pipeline.calibrating import CameraOutcome
+
+SUMMARY = message("calibrate a camera from images of a chessboard, or print the chessboard")
+
+REPEAT = 1
+WRONG_USAGE = 2
+SMALLEST_SIDE, LARGEST_SIDE = 3, 100
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument(
+        "images",
+        nargs="*",
+        type=Path,
+        metavar=_("IMAGE"),
+        help=_("images of the board, ten or more, each from another place and with another tilt"),
+    )
+    parser.add_argument(
+        "--board",
+        type=board_size,
+        metavar="CxR",
+        help=_("inner corners of the board, columns x rows, such as 9x6"),
+    )
+    parser.add_argument(
+        "--square-mm", type=positive, metavar="MM", help=_("side of a square in millimetres")
+    )
+    parser.add_argument(
+        "--model",
+        metavar=_("TERMS"),
+        help=_("distortion, such as 'k1 k2 p1 p2' or 'none'; chosen by the images if not given"),
+    )
+    parser.add_argument(
+        "--keep-bad",
+        action="store_true",
+        help=_("write the calibration also where the verdict is to repeat it"),
+    )
+    parser.add_argument(
+        "--print-board",
+        metavar=_("SIZE"),
+        help=_("write a board to print (A4, A3, A0, 115.5x84cm) instead"),
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar=_("FILE"),
+        help=_("calibration.json to write, or the PDF of the board"),
+    )
+    add_json(parser)
+
+
+def board_size(text: str) -> tuple[int, int]:
+    """Read ``CxR``."""
+    columns, cross, rows = text.lower().partition("x")
+    sides = [int(side) if side.isdecimal() else 0 for side in (columns, rows)]
+    if not cross or not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in sides):
+        raise argparse.ArgumentTypeError(
+            _("{text} is no size of a board: give its inner corners, such as 9x6").format(text=text)
+        )
+    return sides[0], sides[1]
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Calibrate, say what it is worth, and write it; or write the board."""
+    if arguments.print_board is not None:
+        return _print_board(arguments, console)
+    if not arguments.images or arguments.board is None or arguments.square_mm is None:
+        console.warn(
+            _(
+                "To calibrate, give images of the board, its inner corners and the side of its "
+                "squares, such as: adibas calibrate *.png --board 9x6 --square-mm 25 --out FILE.json"
+            )
+        )
+        return WRONG_USAGE
+    check_place(arguments.out)
+    return _calibrate(arguments, console)
+
+
+def _print_board(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.reports.board_page import write_board_pdf
+
+    board = write_board_pdf(arguments.out, arguments.print_board)
+    side_mm = 1000.0 * board.square_m
+    console.say(
+        _(
+            "{file}: a board of {columns} x {rows} inner corners. Print it without scaling, check "
+            "its ruler, and calibrate with --board {columns}x{rows} --square-mm {side:g}."
+        ).format(file=arguments.out, columns=board.columns, rows=board.rows, side=side_mm)
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "columns": board.columns,
+            "rows": board.rows,
+            "square_mm": side_mm,
+        }
+    )
+    return 0
+
+
+def _calibrate(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.calibration.camera_fitting import FittingParams
+    from adibas.calibration.files import write_calibration
+    from adibas.cli.calibrate_texts import describe_outcome, document
+    from adibas.data.board import Board
+    from adibas.data.calibration_verdict import Grade
+    from adibas.pipeline.calibrating import (
+        CalibratingParams,
+        calibrate_camera,
+        color_calibration,
+        read_images,
+    )
+
+    columns, rows = arguments.board
+    board = Board(columns, rows, arguments.square_mm / 1000.0)
+    params = CalibratingParams(fitting=FittingParams(model=_model(arguments.model)))
+    with console.progress(_("Looking for the board")) as progress:
+        outcome = calibrate_camera(
+            read_images(arguments.images),
+            board,
+            params,
+            n_images=len(arguments.images),
+            progress=progress,
+        )
+    if outcome is None:
+        raise ValueError("nothing can stop this calibration")
+    is_bad = outcome.verdict.grade is Grade.REPEAT
+    is_fitted = outcome.fit is not None and outcome.fit.is_settled
+    is_written = is_fitted and (arguments.keep_bad or not is_bad)
+    if is_written and outcome.fit is not None:
+        write_calibration(arguments.out, color_calibration(outcome.fit))
+    for line in describe_outcome(outcome):
+        console.say(line)
+    _say_where(arguments, console, outcome, is_written=is_written)
+    console.give(document(outcome, arguments.out if is_written else None))
+    return REPEAT if is_bad else 0
+
+
+def _say_where(
+    arguments: argparse.Namespace, console: Console, outcome: "CameraOutcome", *, is_written: bool
+) -> None:
+    if is_written:
+        console.say(_("{file} is written.").format(file=arguments.out))
+    elif outcome.fit is not None and outcome.fit.is_settled:
+        console.warn(
+            _("{file} is not written; add --keep-bad to write it all the same.").format(
+                file=arguments.out
+            )
+        )
+    else:
+        console.warn(_("{file} is not written.").format(file=arguments.out))
+
+
+def _model(name: str | None) -> "LensModel | None":
+    from adibas.calibration.lens_models import MODELS, model_named
+
+    if name is None:
+        return None
+    try:
+        return model_named(" ".join(name.replace(",", " ").split()))
+    except ValueError as error:
+        raise CalibrationError(
+            "There is no lens model {name}. Choose one of: {names}.",
+            name=name,
+            names="; ".join(model.name for model in MODELS),
+        ) from error
