@@ -307,24 +307,29 @@ def stroke_distance(x: float, y: float, stroke: FloatArray) -> float:
 @compiled
 def paint_shapes(rays: FloatArray, shapes: Shapes, box: IntArray, canvas: Float32Array) -> None:
     """Lay strokes over the (H, W, C) `canvas`, their borders smoothed over a pixel."""
-    corners = np.empty((4, 2))
-    above, below = np.empty((2, 2, box[3] - box[2] + 1))
+    n_columns = box[3] - box[2]
+    if n_columns <= 0:
+        return
+    above, below = np.empty((2, 2, n_columns + 1))
     meet_row(rays, box[0], box, shapes.plane, above)
     for v in range(box[0], box[1]):
         meet_row(rays, v + 1, box, shapes.plane, below)
-        for u in range(box[2], box[3]):
-            _corners_of(above, below, u - box[2], corners)
-            x, y = 0.25 * corners[:, 0].sum(), 0.25 * corners[:, 1].sum()
-            across = math.hypot(corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1])
-            pixel = max(across / math.sqrt(2.0), 1e-12)
-            for i in range(shapes.strokes.shape[0]):
-                outside = stroke_distance(x, y, shapes.strokes[i])
-                covered = min(max(0.5 - outside / pixel, 0.0), 1.0)
-                if covered > 0.0:
-                    for channel in range(canvas.shape[2]):
-                        before = canvas[v, u, channel]
-                        after = shapes.shades[i, channel]
-                        canvas[v, u, channel] = before + covered * (after - before)
+        middle = n_columns // 2
+        # One size of pixels for a whole row: a soft border needs no more.
+        across = below[0, middle + 1] - above[0, middle]
+        down = below[1, middle + 1] - above[1, middle]
+        pixel = max(math.hypot(across, down) / math.sqrt(2.0), 1e-12)
+        for i in range(n_columns):
+            x, y = 0.5 * (above[0, i] + below[0, i + 1]), 0.5 * (above[1, i] + below[1, i + 1])
+            for k in range(shapes.strokes.shape[0]):
+                outside = stroke_distance(x, y, shapes.strokes[k])
+                if not outside < 0.5 * pixel:
+                    continue
+                covered = min(0.5 - outside / pixel, 1.0)
+                for channel in range(canvas.shape[2]):
+                    before = canvas[v, box[2] + i, channel]
+                    after = shapes.shades[k, channel]
+                    canvas[v, box[2] + i, channel] = before + covered * (after - before)
         above, below = below, above
 
 

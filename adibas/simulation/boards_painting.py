@@ -17,6 +17,7 @@ from adibas.simulation.boards_look import BoardLook, BoardView
 from adibas.simulation.looks import linear_from_srgb
 
 BOX_MARGIN_PX = 3.0
+RIM_POINTS = 9
 N_COLORS = 3
 _RAY_STEP_PX, _PROBE_STEP_PX = 16, 7
 _RAY_TOLERANCE = 1e-8
@@ -225,7 +226,7 @@ def _box(
     """Return rows and columns, from and to, that may show a rectangle of the board's plane."""
     low, high = rectangle_m
     whole = np.array([0, camera.height, 0, camera.width])
-    t = np.linspace(0.0, 1.0, 33)
+    t = np.linspace(0.0, 1.0, RIM_POINTS)
     zero, one = np.zeros_like(t), np.ones_like(t)
     rim = np.stack([np.concatenate([t, one, t, zero]), np.concatenate([zero, t, one, t])], axis=1)
     points_m = np.column_stack([low + rim * (high - low), np.zeros(len(rim))])
