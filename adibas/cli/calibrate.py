@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.warn(
             _(
                 "To calibrate, give images of the board, its inner corners and the side of its "
-                "squares, such as: adibas calibrate *.png --board 9x6 --square-mm 25 --out FILE.json"
+                "squares, such as: adibas calibrate *.png --board 9x6 --square-mm 25 --out C.json"
             )
         )
         return WRONG_USAGE
