@@ -109,9 +109,7 @@ def _beside_opencv(*, quick: bool) -> Iterator[Row]:
             begin = time.perf_counter()
             ours = _ours(pixels, model, size)
             middle = time.perf_counter()
-            theirs = cv2.calibrateCamera(  # type: ignore[call-overload]
-                points, list(single), size[::-1], None, None, flags=flags
-            )
+            theirs = cv2.calibrateCamera(points, list(single), size[::-1], None, None, flags=flags)
             times_s[0].append(middle - begin)
             times_s[1].append(time.perf_counter() - middle)
         ours_ms, theirs_ms = (1000.0 * float(np.median(times[1:])) for times in times_s)
