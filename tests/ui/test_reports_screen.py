@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import use_language
 from tests.ui.review_scene import saved_session
+from ui.reports.pages_bar import PagesBar
 from ui.reports.screen import build_reports_screen
 from ui.widgets.image_view import ImageView
 
@@ -69,6 +70,31 @@ def test_a_page_a_view_is_previewed(screen):
     QTest.keyClick(pages, Key.Key_Right)
     assert pages.currentIndex() == 1
     assert facts.toPlainText() != first
+
+
+def test_titles_of_pages_take_two_lines_where_one_row_is_too_short(qtbot):
+    titles = ("anterior", "lateral derecha", "lateral izquierda")
+    bar = PagesBar()
+    qtbot.addWidget(bar)
+    bar.resize(900, 60)
+    bar.show_titles(titles)
+    bar.setCurrentIndex(2)
+    bar.show()
+
+    def shown():
+        return tuple(bar.tabText(index) for index in range(bar.count()))
+
+    assert shown() == titles
+    one_line = sum(bar.tabSizeHint(index).width() for index in range(3))
+    bar.resize(one_line - 5, 60)
+    assert shown() == ("anterior", "lateral\nderecha", "lateral\nizquierda")
+    assert sum(bar.tabSizeHint(index).width() for index in range(3)) <= bar.width()
+    bar.resize(900, 60)
+    assert shown() == titles
+    bar.show_titles(titles)
+    assert bar.currentIndex() == 2
+    bar.show_titles(titles[:1])
+    assert (shown(), bar.currentIndex()) == (titles[:1], 0)
 
 
 def test_sessions_are_ticked_with_the_space_bar(screen, workspace):

@@ -1,7 +1,7 @@
 """The chosen patient at the right: who it is, and whether there is a consent."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.data.patients import Consent
 from adibas.texts import message
@@ -10,6 +10,7 @@ from ui.patients.content import PurgeQuestion, ShownPatient
 from ui.patients.patients_model import age_text
 from ui.patients.purge_dialog import PurgeDialog
 from ui.widgets.dates import day_text
+from ui.widgets.flow import in_a_flow
 
 SEX_NAMES = {"": message("Not told"), "female": message("Female"), "male": message("Male")}
 PURPOSE_NAMES = {
@@ -45,7 +46,7 @@ class PatientPanel(QWidget):
         self._facts.setProperty("kind", "quiet")
         self._deleted.setProperty("kind", "warning")
         self._purge.setProperty("danger", "true")
-        buttons, column = QHBoxLayout(), QVBoxLayout(self)
+        column = QVBoxLayout(self)
         for button, asked in (
             (self._edit, self.edit_asked),
             (self._consents, self.consents_asked),
@@ -54,15 +55,14 @@ class PatientPanel(QWidget):
             (self._purge, self.purge_asked),
         ):
             button.clicked.connect(asked)
-            buttons.addWidget(button)
-        buttons.addStretch(1)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(8)
         for label in (self._name, self._facts, self._notes, self._deleted, self._consent):
             label.setWordWrap(True)
             label.setTextFormat(Qt.TextFormat.PlainText)
             column.addWidget(label)
-        column.addLayout(buttons)
+        buttons = (self._edit, self._consents, self._delete, self._restore, self._purge)
+        column.addLayout(in_a_flow(*buttons))
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

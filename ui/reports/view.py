@@ -15,7 +15,6 @@ from PySide6.QtWidgets import (
     QListWidget,
     QListWidgetItem,
     QPushButton,
-    QTabBar,
     QTextBrowser,
     QVBoxLayout,
     QWidget,
@@ -26,6 +25,7 @@ from adibas.pipeline.stored_report import ReportWish
 from adibas.reports.facts import Pairs
 from adibas.texts import LANGUAGES, message, translate_plural
 from adibas.texts import translate as _
+from ui.reports.pages_bar import PagesBar
 from ui.reports.presenter import PreviewPage, ReportsPresenter, SessionLine
 from ui.widgets.dates import moment_text
 from ui.widgets.image_view import ImageView
@@ -65,8 +65,7 @@ class ReportsScreen(Screen):
         self._write, self._open = QPushButton(self), QPushButton(self)
         self._write.setProperty("main", "true")
         self._labels = [QLabel(self) for _ in range(4)]
-        self._pages_bar = QTabBar(self)
-        self._pages_bar.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self._pages_bar = PagesBar(self)
         self._picture, self._facts = ImageView(self), QTextBrowser(self)
         self._facts.setMaximumHeight(FACTS_HEIGHT_PX)
         self._head: Pairs = []
@@ -152,7 +151,9 @@ class ReportsScreen(Screen):
         for line in lines:
             n_views = len(line.session.capture_ids)
             views = translate_plural("{n} view", "{n} views", n_views).format(n=n_views)
-            item = QListWidgetItem(f"{line.who}\n{moment_text(line.session.started_utc)}, {views}")
+            told = "\n".join((line.who, moment_text(line.session.started_utc), views))
+            item = QListWidgetItem(told)
+            item.setToolTip(told)
             item.setData(Qt.ItemDataRole.UserRole, line.session_id)
             item.setFlags(item.flags() | Qt.ItemFlag.ItemIsUserCheckable)
             state = Qt.CheckState.Checked if line.is_chosen else Qt.CheckState.Unchecked
@@ -166,20 +167,12 @@ class ReportsScreen(Screen):
 
     def show_preview(self, head: Pairs, pages: tuple[PreviewPage, ...]) -> None:
         self._head, self._pages = head, pages
-        self._pages_bar.blockSignals(True)
-        shown = max(self._pages_bar.currentIndex(), 0)
-        while self._pages_bar.count():
-            self._pages_bar.removeTab(0)
-        for page in pages:
-            self._pages_bar.addTab(page.title)
-        self._pages_bar.blockSignals(False)
-        self._pages_bar.setCurrentIndex(min(shown, len(pages) - 1))
+        self._pages_bar.show_titles(tuple(page.title for page in pages))
         self._show_page(self._pages_bar.currentIndex())
 
     def show_no_preview(self, sentence: str) -> None:
         self._pages = ()
-        while self._pages_bar.count():
-            self._pages_bar.removeTab(0)
+        self._pages_bar.show_titles(())
         self._picture.set_picture(None)
         self._picture.set_placeholder("")
         self._facts.setPlainText(sentence)

@@ -1,0 +1,78 @@
+"""A row of controls that goes on in another row where it is too narrow."""
+
+from PySide6.QtCore import QRect, QSize, Qt
+from PySide6.QtWidgets import QLayout, QLayoutItem, QWidget
+
+SPACING_PX = 8
+
+
+class FlowLayout(QLayout):
+    """As wide as its widest control at least; hidden controls take no room."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._items: list[QLayoutItem] = []
+        self.setContentsMargins(0, 0, 0, 0)
+        self.setSpacing(SPACING_PX)
+
+    def addItem(self, item: QLayoutItem) -> None:  # noqa: N802  (Qt's name)
+        self._items.append(item)
+
+    def count(self) -> int:
+        return len(self._items)
+
+    def itemAt(self, index: int) -> QLayoutItem | None:  # noqa: N802
+        return self._items[index] if 0 <= index < len(self._items) else None
+
+    def takeAt(self, index: int) -> QLayoutItem | None:  # noqa: N802
+        return self._items.pop(index) if 0 <= index < len(self._items) else None
+
+    def expandingDirections(self) -> Qt.Orientation:  # noqa: N802  (Qt's name)
+        return Qt.Orientation(0)
+
+    def hasHeightForWidth(self) -> bool:  # noqa: N802  (Qt's name)
+        return True
+
+    def heightForWidth(self, width: int) -> int:  # noqa: N802  (Qt's name)
+        places = self._places(QRect(0, 0, width, 0))
+        return max((place.bottom() + 1 for _item, place in places), default=0)
+
+    def sizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        seen = [item.sizeHint() for item in self._items if not item.isEmpty()]
+        width = sum(size.width() for size in seen) + self.spacing() * max(len(seen) - 1, 0)
+        return QSize(width, max((size.height() for size in seen), default=0))
+
+    def minimumSize(self) -> QSize:  # noqa: N802  (Qt's name)
+        least = QSize(0, 0)
+        for item in self._items:
+            if not item.isEmpty():
+                least = least.expandedTo(item.minimumSize())
+        return least
+
+    def setGeometry(self, place: QRect) -> None:  # noqa: N802  (Qt's name)
+        super().setGeometry(place)
+        for item, part in self._places(place):
+            item.setGeometry(part)
+
+    def _places(self, room: QRect) -> list[tuple[QLayoutItem, QRect]]:
+        """Return where every control that is seen stands, row after row."""
+        places: list[tuple[QLayoutItem, QRect]] = []
+        left, top, bottom = room.left(), room.top(), room.top()
+        for item in self._items:
+            if item.isEmpty():
+                continue
+            size = item.sizeHint()
+            if left > room.left() and left + size.width() > room.right() + 1:
+                left, top = room.left(), bottom + self.spacing()
+            places.append((item, QRect(left, top, min(size.width(), room.width()), size.height())))
+            left += size.width() + self.spacing()
+            bottom = max(bottom, top + size.height())
+        return places
+
+
+def in_a_flow(*widgets: QWidget) -> FlowLayout:
+    """Return a layout of controls in this order."""
+    flow = FlowLayout()
+    for widget in widgets:
+        flow.addWidget(widget)
+    return flow
