@@ -11,7 +11,7 @@ from pathlib import Path
 
 from adibas.errors import SensorError
 from adibas.sensors.ports import SensorDescription
-from adibas.texts import describe
+from adibas.texts import decimal_text, describe
 from adibas.texts import translate as _
 
 GIGABYTE = 1_000_000_000
@@ -123,7 +123,7 @@ def _disk(folder: Path) -> Finding:
     return Finding(
         _("Disk"),
         ok=is_enough,
-        detail=_("{gigabytes:.1f} GB free").format(gigabytes=free_bytes / GIGABYTE),
+        detail=_("{gigabytes} GB free").format(gigabytes=decimal_text(free_bytes / GIGABYTE, 1)),
         remedy="" if is_enough else _("Free some space: a minute of recording takes 0.3-1 GB."),
     )
 
