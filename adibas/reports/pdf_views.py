@@ -128,7 +128,7 @@ def _free_measures(capture: CaptureReport, width: float) -> Iterator[Flowable]:
 
 
 def _numbers(value: float | None, low: float | None, high: float | None) -> tuple[str, str]:
-    if value is None:
+    if value is None or low is None or high is None:
         return DASH, DASH
     return decimal_text(value, 1), f"{decimal_text(low, 1)} {DASH} {decimal_text(high, 1)}"
 
