@@ -1,0 +1,262 @@
+"""Pose and depth error of a depth camera from boards and walls."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from adibas.calibration.extrinsics import DepthFitParams, fit_depth
+from adibas.calibration.extrinsics_model import (
+    DepthState,
+    bias_numbers,
+    board_rows,
+    moved_bias,
+    wall_rows,
+    with_terms,
+)
+from adibas.calibration.extrinsics_pose import find_pose
+from adibas.calibration.extrinsics_start import start_extrinsics
+from adibas.calibration.shots import BoardShot, moved_plane, plane_of
+from adibas.data.board import Board, BoardCorners
+from adibas.data.calibration import DepthBias
+from adibas.geometry.rigid import RigidTransform, rotation_from_vector, rotation_vector
+from tests.unit.depth_shots import (
+    BIAS,
+    BOARD,
+    COLOR,
+    COLOR_FROM_DEPTH,
+    DEPTH,
+    board_shot,
+    corners_of,
+    random_pose,
+    wall_shot,
+)
+
+RNG = np.random.default_rng
+NO_PRIOR = DepthFitParams(offset_sd_m=1e3, factor_sd=1e3, square_sd_per_m=1e3, image_sd_per_m=1e3)
+
+
+def errors(fit):
+    turn = fit.color_from_depth.rotation @ COLOR_FROM_DEPTH.rotation.T
+    shift_m = fit.color_from_depth.translation_m - COLOR_FROM_DEPTH.translation_m
+    return np.concatenate(
+        [rotation_vector(turn), shift_m, bias_numbers(fit.bias) - bias_numbers(BIAS)]
+    )
+
+
+def test_pose_of_exact_corners_is_exact():
+    rng = RNG(1)
+    for _ in range(5):
+        true = random_pose(rng)
+        found = find_pose(corners_of(true, rng, 0.0), BOARD, COLOR).camera_from_board
+        np.testing.assert_allclose(found.rotation, true.rotation, atol=1e-9)
+        np.testing.assert_allclose(found.translation_m, true.translation_m, atol=1e-9)
+
+
+def test_pose_is_that_of_opencv():
+    rng = RNG(2)
+    corners = corners_of(random_pose(rng), rng, 0.3)
+    found = find_pose(corners, BOARD, COLOR).camera_from_board
+    _, turn, shift = cv2.solvePnP(
+        BOARD.points_m(),
+        corners.pixels,
+        COLOR.intrinsics.matrix(),
+        np.array(COLOR.distortion),
+        flags=cv2.SOLVEPNP_ITERATIVE,
+    )
+    np.testing.assert_allclose(rotation_vector(found.rotation), turn[:, 0], atol=1e-6)
+    np.testing.assert_allclose(found.translation_m, shift[:, 0], atol=1e-6)
+
+
+def test_covariance_of_a_pose_is_its_scatter():
+    rng = RNG(3)
+    true = random_pose(rng)
+    poses = [find_pose(corners_of(true, rng, 0.1), BOARD, COLOR) for _ in range(300)]
+    moves = [
+        np.concatenate(
+            [
+                rotation_vector(pose.camera_from_board.rotation @ true.rotation.T),
+                pose.camera_from_board.translation_m - true.translation_m,
+            ]
+        )
+        for pose in poses
+    ]
+    squares = [m @ np.linalg.inv(p.covariance) @ m for m, p in zip(moves, poses, strict=True)]
+    assert np.mean(squares) == pytest.approx(6.0, rel=0.1)
+    assert np.mean([pose.squares / pose.n_degrees for pose in poses]) == pytest.approx(1, rel=0.05)
+
+
+def test_a_pose_goes_with_the_camera_as_its_derivatives_say():
+    rng = RNG(4)
+    corners = corners_of(random_pose(rng), rng, 0.0)
+    before = find_pose(corners, BOARD, COLOR)
+    for index, name, step in ((0, "fx", 0.1), (1, "fy", 0.1), (3, "cy", 0.1), (5, "k1", 1e-4)):
+        if name == "k1":
+            moved = replace(COLOR, distortion=(COLOR.distortion[0] + step, *COLOR.distortion[1:]))
+        else:
+            k = COLOR.intrinsics
+            moved = replace(COLOR, intrinsics=replace(k, **{name: getattr(k, name) + step}))
+        after = find_pose(corners, BOARD, moved).camera_from_board
+        found = np.concatenate(
+            [
+                rotation_vector(after.rotation @ before.camera_from_board.rotation.T),
+                after.translation_m - before.camera_from_board.translation_m,
+            ]
+        )
+        expected = before.by_camera[:, index] * step
+        np.testing.assert_allclose(found, expected, atol=0.01 * np.abs(expected).max())
+
+
+def test_a_small_far_board_that_two_poses_fit_has_none():
+    far = Board(4, 3, 0.03)
+    rotation = rotation_from_vector(np.array([0.0, 0.35, 0.0]))
+    pose = RigidTransform(rotation, np.array([0.1, 0.1, 4.0]))
+    rng = RNG(5)
+    assert find_pose(corners_of(pose, rng, 0.2, board=far), far, COLOR) is None
+    near = RigidTransform(rotation, np.array([0.0, 0.0, 0.5]))
+    assert find_pose(corners_of(near, rng, 0.05, board=far), far, COLOR) is not None
+
+
+def test_a_wrong_corner_takes_no_part_in_the_pose():
+    rng = RNG(6)
+    true = random_pose(rng)
+    corners = corners_of(true, rng, 0.05)
+    pixels = corners.pixels.copy()
+    pixels[17] += 3.0
+    wrong = BoardCorners("wrong", COLOR.width, COLOR.height, pixels, corners.sigma_px.copy())
+    found, clean = find_pose(wrong, BOARD, COLOR), find_pose(corners, BOARD, COLOR)
+    assert found.n_degrees == clean.n_degrees - 2
+    shift_m = found.camera_from_board.translation_m - clean.camera_from_board.translation_m
+    assert np.abs(shift_m).max() < 0.001
+
+
+@pytest.mark.parametrize("seen", [range(5), range(10)])
+def test_few_corners_or_a_line_of_them_have_no_pose(seen):
+    rng = RNG(7)
+    corners = corners_of(random_pose(rng), rng, 0.0)
+    pixels, sigmas = np.full_like(corners.pixels, np.nan), np.full(BOARD.n_corners, np.nan)
+    pixels[list(seen)], sigmas[list(seen)] = corners.pixels[list(seen)], 0.05
+    hidden = BoardCorners("part", COLOR.width, COLOR.height, pixels, sigmas)
+    assert find_pose(hidden, BOARD, COLOR) is None
+
+
+def test_the_inverse_plane_gives_the_depth_of_the_board():
+    rng = RNG(8)
+    true = random_pose(rng)
+    plane = plane_of(find_pose(corners_of(true, rng, 0.0), BOARD, COLOR))
+    points_m = true.apply(BOARD.points_m())
+    rays = points_m / points_m[:, 2:]
+    np.testing.assert_allclose(rays @ plane.m, 1.0 / points_m[:, 2], rtol=1e-9)
+    in_depth_m = COLOR_FROM_DEPTH.inverse().apply(points_m)
+    rays = in_depth_m / in_depth_m[:, 2:]
+    moved = moved_plane(plane.m, COLOR_FROM_DEPTH)
+    np.testing.assert_allclose(rays @ moved, 1.0 / in_depth_m[:, 2], rtol=1e-9)
+
+
+def test_covariance_of_the_inverse_plane_is_its_scatter():
+    rng = RNG(9)
+    true = random_pose(rng)
+    exact = plane_of(find_pose(corners_of(true, rng, 0.0), BOARD, COLOR)).m
+    squares = []
+    for _ in range(300):
+        plane = plane_of(find_pose(corners_of(true, rng, 0.1), BOARD, COLOR))
+        squares.append((plane.m - exact) @ np.linalg.inv(plane.covariance) @ (plane.m - exact))
+    assert np.mean(squares) == pytest.approx(3.0, rel=0.12)
+
+
+@pytest.mark.parametrize("is_board", [True, False])
+def test_derivatives_are_those_of_differences(is_board):
+    rng = RNG(10)
+    cells = board_shot("b", rng).cells
+    n_bias = len(bias_numbers(BIAS))
+    make = board_rows if is_board else wall_rows
+    state = DepthState(COLOR_FROM_DEPTH, BIAS, np.array([[0.02, -0.05, 0.5]]))
+    rows = make(cells, state.planes[0], state)
+    slopes = np.concatenate([rows.by_global, rows.by_plane], axis=1)
+    for index in range(6 + n_bias + 3):
+        step = np.zeros(6 + n_bias + 3)
+        step[index] = 1e-6
+        after, before = state.moved(step), state.moved(-step)
+        change = (
+            make(cells, after.planes[0], after).residuals
+            - make(cells, before.planes[0], before).residuals
+        ) / 2e-6
+        np.testing.assert_allclose(slopes[:, index], change, atol=1e-8)
+
+
+def test_closed_form_gives_the_pose_of_exact_planes():
+    rng = RNG(11)
+    poses = [random_pose(rng) for _ in range(5)]
+    color = np.array([plane_of(find_pose(corners_of(p, rng, 0.0), BOARD, COLOR)).m for p in poses])
+    depth = np.array([moved_plane(m, COLOR_FROM_DEPTH) for m in color])
+    found = start_extrinsics(color, depth)
+    np.testing.assert_allclose(found.rotation, COLOR_FROM_DEPTH.rotation, atol=1e-8)
+    np.testing.assert_allclose(found.translation_m, COLOR_FROM_DEPTH.translation_m, atol=1e-7)
+
+
+def test_two_planes_or_parallel_ones_have_no_closed_form():
+    plane = np.array([0.0, 0.0, 1.0])
+    assert start_extrinsics(np.tile(plane, (2, 1)), np.tile(plane, (2, 1))) is None
+    assert start_extrinsics(np.tile(plane, (9, 1)), np.tile(plane, (9, 1))) is None
+
+
+@pytest.mark.parametrize("start", [None, RigidTransform(np.eye(3), np.array([-0.02, 0.0, 0.0]))])
+def test_exact_shots_give_back_the_device(start):
+    rng = RNG(12)
+    boards = [board_shot(f"b{i}", rng) for i in range(10)]
+    fit = fit_depth(boards, start=start, params=NO_PRIOR)
+    np.testing.assert_allclose(errors(fit), 0.0, atol=2e-6)
+    assert fit.by_camera.shape == (14, 17)
+
+
+def test_intervals_hold_the_truth():
+    squares, held = [], []
+    for seed in range(12):
+        rng = RNG(100 + seed)
+        boards = [board_shot(f"b{i}", rng, 0.1, 0.0005) for i in range(15)]
+        walls = [wall_shot(f"w{i}", 1.0 + i, rng, 0.0005) for i in range(2)]
+        fit = fit_depth(boards, walls)
+        error = errors(fit)
+        squares.append(error @ np.linalg.solve(fit.covariance, error) / len(error))
+        held.append(np.abs(error) < 1.96 * fit.standard_deviations)
+        assert fit.sigma_per_m == pytest.approx(0.0005, rel=0.15)
+    assert 0.7 < np.mean(squares) < 1.4
+    assert np.mean(held) > 0.9
+
+
+def test_a_board_that_contradicts_the_others_is_named():
+    rng = RNG(13)
+    boards = [board_shot(f"b{i}", rng, 0.1, 0.0005) for i in range(12)]
+    stale = board_shot("b12", rng, 0.1, 0.0005)
+    boards[7] = BoardShot("stale", stale.pose, boards[7].cells)
+    fit = fit_depth(boards)
+    assert [shot.name for shot in fit.shots if shot.is_outlier] == ["stale"]
+    assert (np.abs(errors(fit)) < 4.0 * fit.standard_deviations).all()
+
+
+def test_walls_alone_tell_how_the_image_bends_and_nothing_else():
+    rng = RNG(14)
+    walls = [wall_shot(f"w{i}", distance_m, rng) for i, distance_m in enumerate((1.0, 2.0, 3.0))]
+    before = DepthBias(BIAS.a, BIAS.b, BIAS.c)
+    start = RigidTransform(np.eye(3), np.array([-0.02, 0.0, 0.0]))
+    fit = fit_depth((), walls, start, before, NO_PRIOR)
+    assert fit.parameter_names == tuple(f"depth_bias.image_term.{i}" for i in (2, 3, 4))
+    assert fit.color_from_depth is start or (fit.color_from_depth.rotation == np.eye(3)).all()
+    assert (fit.bias.a, fit.bias.b, fit.bias.c) == (BIAS.a, BIAS.b, BIAS.c)
+    # The terms x and y of the device turn each wall a little, which changes the others little.
+    np.testing.assert_allclose(fit.bias.image_term[2:], BIAS.image_term[2:], atol=2e-4)
+    assert [shot.name for shot in fit.shots] == ["w0", "w1", "w2"]
+
+
+def test_without_a_shot_there_is_no_calibration():
+    with pytest.raises(ValueError, match="needs a board or a wall"):
+        fit_depth(())
+
+
+def test_biases_move_and_change_their_length():
+    assert with_terms(DepthBias(0.1), 2).image_term == (0.0, 0.0)
+    assert with_terms(BIAS, 2).image_term == BIAS.image_term[:2]
+    moved = moved_bias(DepthBias(0.1, 1.1, 0.2, (1.0, 2.0)), np.arange(5.0))
+    assert moved == DepthBias(0.1, 2.1, 2.2, (4.0, 6.0))
+    assert DEPTH.width == 640
