@@ -23,6 +23,10 @@ class Marker:
         In the colour camera's axes; None where the depth gives none.
     covariance_m2 : (3, 3) array or None
         Of `position_m`, instrument only.
+    shared_m : (3, n) array or None
+        How `position_m` moves under n independent causes of variance 1 that all markers of one
+        calibration share; that part of `covariance_m2` is ``shared_m @ shared_m.T``. None where
+        nothing is known of it.
     """
 
     label: str
@@ -32,6 +36,7 @@ class Marker:
     covariance_px2: FloatArray
     position_m: FloatArray | None = None
     covariance_m2: FloatArray | None = None
+    shared_m: FloatArray | None = None
 
     def __post_init__(self) -> None:
         check_shape("covariance_px2", self.covariance_px2, (2, 2))
@@ -43,6 +48,9 @@ class Marker:
             check_shape("covariance_m2", self.covariance_m2, (3, 3))
             read_only(self.position_m)
             read_only(self.covariance_m2)
+        if self.shared_m is not None:
+            check_shape("shared_m", self.shared_m, (3, None))
+            read_only(self.shared_m)
 
 
 @dataclass(frozen=True, slots=True)

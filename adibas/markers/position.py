@@ -23,6 +23,7 @@ from adibas.markers.position_kernels import (
     follow,
     point_on,
 )
+from adibas.markers.shared_errors import SharedErrors
 
 N_COEFFICIENTS = 12
 
@@ -93,10 +94,14 @@ class PositionParams:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Position:
-    """Where a marker is, in the colour camera's axes: (3,) metres and (3, 3) covariance."""
+    """Where a marker is, in the colour camera's axes: (3,) metres and (3, 3) covariance.
+
+    `shared_m` (3, n) is the part of its error that all markers share: see `Marker.shared_m`.
+    """
 
     position_m: FloatArray
     covariance_m2: FloatArray
+    shared_m: FloatArray
 
 
 class PositionFinder:
@@ -129,6 +134,7 @@ class PositionFinder:
         self._lens = _lens(calibration.depth)
         self._params = params
         self._patch = _patch(params)
+        self._shared = SharedErrors(calibration)
 
     def locate(self, pixel_uv: FloatArray, covariance_px2: FloatArray) -> Position | None:
         """Return where the colour pixel `pixel_uv` lies in space.
@@ -164,15 +170,12 @@ class PositionFinder:
         if not fit.disparity > 0 or _sd_m(fit) > self._params.greatest_sd_m:
             return None
         point_m = np.array(point_on(line, fit.disparity))
-        return Position(
-            self._color_from_depth.apply(point_m),
-            self._covariance(ray, point_m, fit, covariance_px2),
-        )
+        return self._position(ray, point_m, fit, covariance_px2)
 
-    def _covariance(
+    def _position(
         self, ray: FloatArray, point_m: FloatArray, fit: Fit, covariance_px2: FloatArray
-    ) -> FloatArray:
-        """Return the (3, 3) covariance of where the ray meets the skin, colour axes.
+    ) -> Position:
+        """Return where the ray meets the skin, colour axes, with its covariance.
 
         A wrong pixel moves the point within the skin; a wrong depth moves it along the ray.
         """
@@ -181,11 +184,14 @@ class PositionFinder:
         n_x, n_y = fit.slope_u * self._lens.fx, fit.slope_v * self._lens.fy
         n_z = (1.0 - n_x * point_m[0] - n_y * point_m[1]) / point_m[2]
         normal = self._color_from_depth.rotation @ np.array([n_x, n_y, n_z])
-        z_m = self._color_from_depth.apply(point_m)[2]
+        position_m = self._color_from_depth.apply(point_m)
+        z_m = position_m[2]
         moved = np.array([[z_m / k.fx, 0.0], [0.0, z_m / k.fy], [0.0, 0.0]])
         within = moved - np.outer(ray, normal @ moved) / (normal @ ray)
-        covariance: FloatArray = within @ covariance_px2 @ within.T
-        return covariance + np.outer(ray, ray) * _sd_m(fit) ** 2
+        shared_m = self._shared.moves(position_m, normal, within)
+        covariance_m2: FloatArray = within @ covariance_px2 @ within.T
+        covariance_m2 = covariance_m2 + np.outer(ray, ray) * _sd_m(fit) ** 2
+        return Position(position_m, covariance_m2 + shared_m @ shared_m.T, shared_m)
 
 
 def _sd_m(fit: Fit) -> float:

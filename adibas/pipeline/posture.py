@@ -263,6 +263,7 @@ def _measured(label: str, found: BurstMarker, finder: PositionFinder) -> Marker:
         covariance_px2=found.covariance_px2,
         position_m=None if position is None else position.position_m,
         covariance_m2=None if position is None else position.covariance_m2,
+        shared_m=None if position is None else position.shared_m,
     )
 
 

@@ -89,7 +89,12 @@ class CaptureSurface:
         place = self._finder.locate(np.array([u, v]), plain.covariance_px2)
         if place is None:
             return plain
-        return replace(plain, position_m=place.position_m, covariance_m2=place.covariance_m2)
+        return replace(
+            plain,
+            position_m=place.position_m,
+            covariance_m2=place.covariance_m2,
+            shared_m=place.shared_m,
+        )
 
     def snapped(
         self,

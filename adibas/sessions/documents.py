@@ -122,6 +122,7 @@ def _marker_to(marker: Marker) -> dict[str, object]:
         "covariance_px2": marker.covariance_px2.tolist(),
         "position_m": _list(marker.position_m),
         "covariance_m2": _list(marker.covariance_m2),
+        "shared_m": _list(marker.shared_m),
     }
 
 
@@ -134,6 +135,7 @@ def _marker_from(part: Mapping[str, Any]) -> Marker:
         covariance_px2=np.array(part["covariance_px2"], float),
         position_m=_array(part["position_m"]),
         covariance_m2=_array(part["covariance_m2"]),
+        shared_m=_array(part.get("shared_m")),
     )
 
 
