@@ -6,10 +6,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_out, add_overwrite, add_report_options, refuse_to_replace
+from adibas.cli.options import (
+    add_out,
+    add_overwrite,
+    add_report_options,
+    positive_count,
+    refuse_to_replace,
+)
 from adibas.cli.store_options import add_store, open_existing
 from adibas.errors import StoreError
 from adibas.files import check_place
+from adibas.sessions.audit_words import action_text, subject_text
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -17,7 +24,7 @@ if TYPE_CHECKING:
     from adibas.data.markers import Marker
     from adibas.data.sessions import Capture, Session
     from adibas.pipeline.stored_report import ReportWish
-    from adibas.sessions import PatientRow, SessionStore
+    from adibas.sessions import AuditEntry, PatientRow, SessionStore
 
 SUMMARY = message("list, show, export, verify or purge what the patient store holds")
 
@@ -50,7 +57,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_report_options(exporting)
     add_out(exporting, _("DIR"), _("folder to write into"))
     add_overwrite(exporting)
-    add("verify", _("Check the database, the audit log and every file."), _verify)
+    verifying = add("verify", _("Check the database, the audit log and every file."), _verify)
+    verifying.add_argument(
+        "--entries",
+        type=positive_count,
+        default=0,
+        metavar="N",
+        help=_("print the last N lines of the audit log, too"),
+    )
     purging = add("purge", _("Remove a patient or a session for good."), _purge)
     purging.add_argument("id", metavar="ID", help=_("a pseudonym or the id of a session"))
     purging.add_argument("--yes", action="store_true", help=_("yes, it cannot be undone"))
@@ -154,7 +168,10 @@ def _export_reports(
         yield folder / name
 
 
-def _verify(store: "SessionStore", _arguments: argparse.Namespace, console: Console) -> int:
+def _verify(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    entries = store.audit.entries(arguments.entries)
+    for entry in reversed(entries):
+        console.say(_entry_line(entry))
     with console.progress(_("Checking")) as progress:
         report = store.verify(progress)
     for finding in report.findings:
@@ -179,6 +196,7 @@ def _verify(store: "SessionStore", _arguments: argparse.Namespace, console: Cons
             "findings": [
                 {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
             ],
+            "entries": [_entry_document(entry) for entry in entries],
         }
     )
     return 0 if report.is_sound else SOMETHING_FOUND
@@ -230,6 +248,17 @@ def _session_line(session: "Session") -> str:
     return "  ".join(parts)
 
 
+def _entry_line(entry: "AuditEntry") -> str:
+    parts = [
+        f"{entry.time_utc:%Y-%m-%d %H:%M:%S} UTC",
+        _on_one_line(entry.operator) or "-",
+        action_text(entry.action),
+        subject_text(entry.subject),
+        *([entry.patient] if entry.patient not in ("", entry.subject) else []),
+    ]
+    return "  ".join(parts)
+
+
 def _capture_line(capture: "Capture") -> str:
     n_done = capture.history.n_done
     parts = [
@@ -258,6 +287,18 @@ def _patient_document(
         **name,
         "is_deleted": row.is_deleted,
         "sessions": [_session_document(session) for session in sessions],
+    }
+
+
+def _entry_document(entry: "AuditEntry") -> dict[str, Any]:
+    return {
+        "sequence": entry.sequence,
+        "time_utc": entry.time_utc.isoformat(),
+        "operator": entry.operator,
+        "action": entry.action,
+        "subject": entry.subject,
+        "patient": entry.patient,
+        "detail": dict(entry.detail),
     }
 
 

@@ -2,9 +2,10 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from itertools import islice
 from typing import Literal, NamedTuple
 
 from sqlalchemy import select
@@ -45,6 +46,8 @@ class AuditEntry:
         A pseudonym or an id, never a name.
     detail : Mapping
         What more there is to know, such as the fields that were changed; no contents.
+    patient : str
+        Pseudonym of whom the subject is or belongs to, also after a purge; else empty.
     """
 
     sequence: int
@@ -53,6 +56,7 @@ class AuditEntry:
     action: str
     subject: str
     detail: Mapping[str, object]
+    patient: str
 
 
 class AuditLine(NamedTuple):
@@ -125,11 +129,28 @@ class AuditLog:
         with self._database.logging() as transaction:
             self.write(transaction, action, subject, **detail)
 
-    def entries(self, limit: int = 1000) -> tuple[AuditEntry, ...]:
-        """Return the last lines, newest first."""
-        newest = select(AUDIT).order_by(AUDIT.c.sequence.desc()).limit(limit)
+    def entries(
+        self, limit: int = 1000, *, patients: Collection[str] | None = None
+    ) -> tuple[AuditEntry, ...]:
+        """Return the last lines, newest first.
+
+        Parameters
+        ----------
+        limit : int
+            At most so many.
+        patients : collection of str, optional
+            Pseudonyms: lines on these patients, their sessions, captures and recordings alone.
+        """
+        newest = select(AUDIT).order_by(AUDIT.c.sequence.desc())
         with self._database.reading() as transaction:
-            return tuple(_entry(AuditLine(*row)) for row in transaction.execute(newest))
+            owners = _owners(transaction)
+            lines = (AuditLine(*row) for row in transaction.execute(newest))
+            wanted = (
+                line
+                for line in lines
+                if patients is None or owners.get(line.subject, line.subject) in patients
+            )
+            return tuple(_entry(line, owners) for line in islice(wanted, limit))
 
 
 def hash_of(line: AuditLine) -> str:
@@ -142,7 +163,29 @@ def hash_of(line: AuditLine) -> str:
     return hashlib.sha256(f"{line.previous_hash}\n{content}".encode()).hexdigest()
 
 
-def _entry(line: AuditLine) -> AuditEntry:
+def _owners(transaction: Transaction) -> dict[str, str]:
+    """Return the patient of every session, capture and recording, as the log's own lines say.
+
+    What was purged is in no other table any more.
+    """
+    telling = (
+        select(AUDIT.c.subject, AUDIT.c.detail)
+        .where(AUDIT.c.action.in_(("create", "recover")))
+        .order_by(AUDIT.c.sequence)
+    )
+    owners: dict[str, str] = {}
+    for subject, detail in transaction.execute(telling):
+        told = json.loads(detail)
+        if not told:
+            owners[subject] = subject  # a patient
+        elif "patient" in told:
+            owners[subject] = told["patient"]
+        elif told.get("session") in owners:
+            owners[subject] = owners[told["session"]]
+    return owners
+
+
+def _entry(line: AuditLine, owners: Mapping[str, str]) -> AuditEntry:
     return AuditEntry(
         sequence=line.sequence,
         time_utc=datetime.fromisoformat(line.time_utc),
@@ -150,4 +193,5 @@ def _entry(line: AuditLine) -> AuditEntry:
         action=line.action,
         subject=line.subject,
         detail=json.loads(line.detail),
+        patient=owners.get(line.subject, ""),
     )

@@ -1,11 +1,17 @@
 """The audit log: complete, in order, and every tampering is found."""
 
-from datetime import timedelta
+import csv
+import json
+from datetime import datetime, timedelta
+from typing import get_args
 
 import pytest
 import sqlcipher3.dbapi2 as sqlcipher
 
 from adibas.data.corrections import MarkerCorrection
+from adibas.reports.audit_csv import write_audit_csv
+from adibas.sessions.audit import Action
+from adibas.sessions.audit_words import ACTION_WORDS, action_text, subject_text
 from tests.unit.recorded_frames import INFO, make_frames
 from tests.unit.store_samples import (
     IDENTITY,
@@ -173,3 +179,58 @@ def test_lines_missing_at_the_end_are_found(folder):
     connection.execute("DELETE FROM audit WHERE sequence > 4")
     connection.close()
     assert ("audit", "5") in findings(folder)
+
+
+def test_the_lines_on_a_patient_are_those_on_sessions_captures_and_recordings_too(folder, tmp_path):
+    with open_sample(folder) as store:
+        session = add_session(store)
+        with store.recordings.create(session.session_id, INFO) as writer:
+            writer.write(make_frames(1)[0])
+        capture = add_capture(store, session, recording_id=writer.recording_id)
+        store.captures.delete(capture.capture_id)
+        store.recordings.export(writer.recording_id, tmp_path / "out.mcap")
+        other = store.patients.add(IDENTITY).pseudonym
+        store.patients.search("")
+        store.sessions.purge(session.session_id)
+        store.patients.purge(session.patient)
+        every = store.audit.entries()
+        own = store.audit.entries(patients={session.patient})
+        assert own == tuple(entry for entry in every if entry.patient == session.patient)
+        assert [(entry.action, entry.subject) for entry in reversed(own)] == [
+            ("create", session.patient),
+            ("create", session.session_id),
+            ("create", writer.recording_id),
+            ("create", capture.capture_id),
+            ("delete", capture.capture_id),
+            ("export", writer.recording_id),
+            ("purge", session.session_id),
+            ("purge", session.patient),
+        ]
+        assert store.audit.entries(2, patients={session.patient}) == own[:2]
+        assert {entry.patient for entry in every} == {session.patient, other, ""}
+        assert len(store.audit.entries(patients={session.patient, other})) == len(own) + 1
+        assert store.audit.entries(patients=()) == ()
+
+
+def test_the_log_is_written_as_a_table_that_is_no_formula(folder, tmp_path):
+    with open_sample(folder, operator="=Berta") as store:
+        session = add_session(store)
+        store.patients.change(session.patient, notes="x")
+        entries = store.audit.entries()
+    write_audit_csv(entries, tmp_path / "audit.csv")
+    with (tmp_path / "audit.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["sequence"]) for row in rows] == [4, 3, 2, 1]
+    assert [row["operator"] for row in rows] == ["'=Berta"] * 4
+    assert rows[0]["action"] == "change"
+    assert rows[0]["subject"] == rows[0]["patient"] == session.patient
+    assert json.loads(rows[0]["detail"]) == {"fields": ["notes"]}
+    assert rows[3]["patient"] == ""
+    assert datetime.fromisoformat(rows[3]["time_utc"]) == entries[3].time_utc
+    assert NAME not in (tmp_path / "audit.csv").read_text(encoding="utf-8")
+
+
+def test_every_action_has_words_and_an_unknown_one_stays_as_it_is():
+    assert set(ACTION_WORDS) == set(get_args(Action))
+    assert (action_text("purge"), action_text("sing")) == ("removed for good", "sing")
+    assert (subject_text("store"), subject_text("P-7")) == ("the patient store", "P-7")

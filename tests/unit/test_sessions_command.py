@@ -138,6 +138,25 @@ def test_verify_ends_with_1_when_something_is_wrong(run, folder, session):
     assert [finding["kind"] for finding in json.loads(out)["findings"]] == ["changed"]
 
 
+def test_verify_prints_the_last_lines_of_the_log_when_asked(run, session):
+    code, out, _ = run("verify", "--entries", "3")
+    assert code == 0
+    lines = out.splitlines()
+    assert len(lines) == 4
+    assert "created" in lines[0]
+    assert lines[0].endswith(session.patient)
+    assert lines[2].endswith("opened  the patient store")
+    assert NAME not in out
+    entries = as_json(run, "verify", "--entries", "1000")["entries"]
+    sequences = [entry["sequence"] for entry in entries]
+    assert sequences == sorted(sequences, reverse=True)
+    assert sequences[-1] == 1
+    assert {entry["patient"] for entry in entries} == {session.patient, ""}
+    assert as_json(run, "verify")["entries"] == []
+    with pytest.raises(SystemExit):
+        run("verify", "--entries", "0")
+
+
 def test_purge_wants_a_yes(run, session):
     for subject in (session.session_id, session.patient):
         code, _, err = run("purge", subject)
