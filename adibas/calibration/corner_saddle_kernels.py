@@ -166,7 +166,7 @@ def judge_ring(ring: FloatArray, corner: FloatArray) -> float:
     corner[SECOND_RAD] = (0.5 * (steps[1] + steps[3] - half) * 2.0 * math.pi / N_RING) % math.pi
     corner[CONTRAST], corner[MEAN] = contrast, 0.5 * (bright + dark)
     unlike = max(abs(means[0] - means[2]), abs(means[1] - means[3])) / contrast
-    return min(max(unlike, bend / (N_RING / 4)), 1.0)
+    return float(min(max(unlike, bend / (N_RING / 4)), 1.0))
 
 
 @compiled

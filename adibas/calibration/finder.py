@@ -23,8 +23,9 @@ from adibas.calibration.grid_growth import (
     Lattice,
     grown,
     lattices,
-    tidied,
 )
+from adibas.calibration.grid_growth_kernels import strays
+from adibas.calibration.grid_joining import join_all
 from adibas.calibration.grid_link_kernels import label_grids, link_all
 from adibas.calibration.grid_placement import Placement, place, without_weak_edges
 from adibas.data.board import SMALLEST_SIDE, Board, BoardCorners
@@ -191,15 +192,19 @@ def _lattices(pyramid: Pyramid, longer_side: int, params: FinderParams) -> list[
     """Return the grids of an image that are large enough, no corner in two of them."""
     corners = find_corners(pyramid, params.corners)
     links = link_all(corners, pyramid[0], params.longest_share * longer_side)
-    found: list[Lattice] = []
+    pieces: list[Lattice] = []
     for seed in lattices(corners, label_grids(corners, links), params.growth):
-        if seed.n_known < params.growth.fewest_linked or _is_known(seed, found):
-            continue
-        lattice = grown(seed, corners, pyramid, params.growth, params.corners)
-        rows, columns = lattice.fields.shape[:2]
-        if lattice.n_known >= params.growth.fewest and min(rows, columns) >= SMALLEST_SIDE:
-            found.append(lattice)
-    return found
+        if seed.n_known >= params.growth.fewest_linked and not _is_known(seed, pieces):
+            pieces.append(grown(seed, corners, pyramid, params.growth, params.corners))
+    whole = join_all(pieces)
+    if len(whole) < len(pieces):
+        whole = [grown(one, corners, pyramid, params.growth, params.corners) for one in whole]
+    return [
+        lattice
+        for lattice in whole
+        if lattice.n_known >= params.growth.fewest
+        and min(lattice.fields.shape[:2]) >= SMALLEST_SIDE
+    ]
 
 
 def _is_known(seed: Lattice, found: list[Lattice]) -> bool:
@@ -226,12 +231,12 @@ def _grid(
     is_dark = lattice.parity == 1
     dots = find_dots(pyramid[0], lattice.pixels, contrast, is_origin_dark=is_dark)
     precise = fit_lattice(lattice, gray, dots, params.fit)
-    lattice.fields[np.isnan(precise[..., 0])] = np.nan
-    lattice.fields[..., :2] = precise[..., :2]
-    dropped = tidied(Lattice(lattice.fields, lattice.parity), params.growth)
-    kept = np.isin(precise[..., 0], dropped.fields[..., 0])
-    precise[~kept] = np.nan
-    rows, columns = np.nonzero(kept)
+    seen = find_dots(pyramid[0], precise[..., :2], contrast, is_origin_dark=is_dark)
+    if (seen & ~dots).any():
+        # Blurred dots pull the corners before the fit so far that they hide behind that.
+        precise = fit_lattice(lattice, gray, seen | dots, params.fit)
+    _drop_strays(precise, params.growth)
+    rows, columns = np.nonzero(~np.isnan(precise[..., 0]))
     if len(rows) < params.growth.fewest:
         return None
     if min(np.ptp(rows), np.ptp(columns)) < SMALLEST_SIDE - 1:
@@ -241,6 +246,19 @@ def _grid(
     is_dark = bool((lattice.parity + rows.min() + columns.min()) % 2 == 1)
     dots = find_dots(pyramid[0], precise[..., :2], contrast, is_origin_dark=is_dark)
     return _upright(Grid(precise[..., :2].copy(), precise[..., 2].copy(), is_dark, dots))
+
+
+def _drop_strays(precise: FloatArray, params: GrowthParams) -> None:
+    """Make NaN, in (R, C, 3) fitted corners, what its neighbours do not expect there."""
+    while True:
+        pixels = np.ascontiguousarray(precise[..., :2])
+        steps = np.linalg.norm(np.diff(pixels, axis=1), axis=-1)
+        square_px = np.nanmedian(steps) if (~np.isnan(steps)).any() else np.inf
+        largest = params.most_fitted_stray + 3.0 * np.nan_to_num(precise[..., 2]) / square_px
+        is_stray = np.isposinf(strays(pixels, largest))
+        if not is_stray.any():
+            return
+        precise[is_stray] = np.nan
 
 
 def _upright(grid: Grid) -> Grid:

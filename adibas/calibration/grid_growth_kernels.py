@@ -74,11 +74,11 @@ def step_px(expected: FloatArray) -> float:
 
 
 @compiled
-def strays(pixels: FloatArray, largest: float) -> FloatArray:
+def strays(pixels: FloatArray, largest: FloatArray) -> FloatArray:
     """Return (R, C) how far each corner lies from where it is expected, in squares.
 
     NaN where none is known, infinite where the others do not tell or where that is more than
-    `largest` and more than at any neighbour.
+    `largest` (R, C) and more than at any neighbour.
     """
     rows, columns = pixels.shape[:2]
     result = np.full((rows, columns), np.nan)
@@ -96,7 +96,9 @@ def strays(pixels: FloatArray, largest: float) -> FloatArray:
     worst = result.copy()
     for row in range(rows):
         for column in range(columns):
-            if largest < result[row, column] < np.inf and _is_worst(result, row, column):
+            if largest[row, column] < result[row, column] < np.inf and _is_worst(
+                result, row, column
+            ):
                 worst[row, column] = np.inf
     return worst
 
