@@ -39,6 +39,9 @@ def _empty_window() -> None:
 
 def _program(folder: str, until: str) -> None:
     """Show our window until it asks for the passphrase, or until the patients are listed."""
+    from ui.collector import put_off
+
+    put_off()  # as `ui.main` does
     from pathlib import Path
 
     from PySide6.QtCore import QEventLoop

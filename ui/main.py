@@ -37,6 +37,9 @@ def has_display() -> bool:
 
 
 def _open_window() -> int:
+    from ui.collector import put_off
+
+    put_off()  # before the imports: they are most of the start
     from ui.application import run
 
     return run([])

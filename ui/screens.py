@@ -10,6 +10,7 @@ from importlib import import_module
 
 from PySide6.QtWidgets import QWidget
 
+from ui.collector import take_up
 from ui.theme import Theme
 from ui.widgets.screen import Screen
 from ui.workspace import Workspace
@@ -17,6 +18,8 @@ from ui.workspace import Workspace
 MODULES = (
     "ui.patients.screen",
     "adibas.sessions.store",
+    "adibas.sessions.captures",
+    "adibas.sessions.stored_recordings",
     "ui.capture.screen",
     "adibas.pipeline.live",
     "ui.markers.screen",
@@ -76,8 +79,11 @@ def preload() -> threading.Thread:
     """Import what the other screens need, in a thread, once the window is usable."""
 
     def load() -> None:
-        for module in MODULES:
-            import_module(module)
+        try:
+            for module in MODULES:
+                import_module(module)
+        finally:
+            take_up()
 
     thread = threading.Thread(target=load, name="preload", daemon=True)
     thread.start()
