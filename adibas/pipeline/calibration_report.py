@@ -1,0 +1,120 @@
+"""What the report of a calibration shows, out of what the calibration gave."""
+
+import numpy as np
+
+from adibas import __version__
+from adibas.calibration.depth_bias import camera_covariance
+from adibas.calibration.extrinsics import DepthFit, ShotFit
+from adibas.calibration.finder import TEXTS
+from adibas.clock import Clock, utc_now
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration_report import (
+    CalibrationReport,
+    DepthReport,
+    ReportedDrift,
+    ReportedImage,
+    ReportedRegistration,
+    ReportedShot,
+    ReportedVertical,
+)
+from adibas.data.camera_fit import CameraFit
+from adibas.pipeline.calibrating import CameraOutcome, SearchedImage
+
+
+def report_of_calibration(
+    outcome: CameraOutcome,
+    calibration: RgbdCalibration | None,
+    language: str,
+    *,
+    depth: DepthReport | None = None,
+    previous: RgbdCalibration | None = None,
+    clock: Clock = utc_now,
+) -> CalibrationReport:
+    """Return the report of a calibration.
+
+    Parameters
+    ----------
+    outcome : CameraOutcome
+        Of the colour camera.
+    calibration : RgbdCalibration or None
+        As it is stored, or would be; its sensor and date stand on the report.
+    language : str
+        Two letters.
+    depth : DepthReport or None
+        See `report_of_depth`.
+    previous : RgbdCalibration or None
+        The one before of the same sensor.
+    clock : callable
+        Tells when the report is written.
+    """
+    is_fitted = outcome.fit is not None and outcome.fit.is_settled
+    return CalibrationReport(
+        board=outcome.board,
+        images=tuple(_image(image) for image in outcome.images),
+        verdict=outcome.verdict,
+        fit=outcome.fit if is_fitted else None,
+        calibration=calibration,
+        written_utc=clock(),
+        depth=depth,
+        previous=previous,
+        sensor="" if calibration is None else calibration.sensor_serial,
+        language=language,
+        version=__version__,
+    )
+
+
+def report_of_depth(
+    fit: DepthFit,
+    color: CameraFit,
+    *,
+    registration: ReportedRegistration | None = None,
+    vertical: ReportedVertical | None = None,
+    drift: ReportedDrift | None = None,
+) -> DepthReport:
+    """Return what a report says of the depth camera.
+
+    Parameters
+    ----------
+    fit : DepthFit
+        Of the depth camera.
+    color : CameraFit
+        Of the colour camera, whose error is joined to that of the depth camera.
+    registration, vertical, drift
+        As far as they were looked at.
+    """
+    return DepthReport(
+        color_from_depth=fit.color_from_depth,
+        bias=fit.bias,
+        parameter_names=fit.parameter_names,
+        covariance=camera_covariance(fit, color.parameter_names, color.covariance),
+        shots=tuple(sorted(map(_shot, fit.shots), key=lambda shot: shot.time_s)),
+        registration=registration,
+        vertical=vertical,
+        drift=drift,
+    )
+
+
+def _image(image: SearchedImage) -> ReportedImage:
+    search = image.search
+    return ReportedImage(
+        name=image.name,
+        n_corners=0 if search.corners is None else search.corners.n_seen,
+        blur_px=image.blur_px,
+        problem=None if search.problem is None else TEXTS[search.problem],
+        fields=search.fields,
+    )
+
+
+def _shot(shot: ShotFit) -> ReportedShot:
+    # More of 1/z is nearer: depth errs the other way.
+    metres = shot.distance_m**2
+    return ReportedShot(
+        name=shot.name,
+        is_wall=bool(np.isnan(shot.sigma_per_m)),
+        time_s=shot.time_s,
+        distance_m=shot.distance_m,
+        error_m=-metres * shot.error_per_m,
+        sigma_m=metres * shot.sigma_per_m,
+        rms_m=shot.rms_m,
+        is_outlier=shot.is_outlier,
+    )
