@@ -2,6 +2,7 @@
 
 from PySide6.QtWidgets import QWidget
 
+from ui.settings.audit_presenter import AuditPresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.view import SettingsScreen
 from ui.workspace import Workspace
@@ -10,5 +11,5 @@ from ui.workspace import Workspace
 def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -> SettingsScreen:
     """Return the settings screen, wired to `workspace`."""
     view = SettingsScreen(parent)
-    view.bind(SettingsPresenter(view, workspace))
+    view.bind(SettingsPresenter(view, workspace), AuditPresenter(view.audit, workspace))
     return view

@@ -1,4 +1,4 @@
-"""The settings screen: four pages. No decisions."""
+"""The settings screen: five pages. No decisions."""
 
 from PySide6.QtWidgets import QLabel, QScrollArea, QTabWidget, QTextBrowser, QVBoxLayout, QWidget
 
@@ -8,17 +8,19 @@ from adibas.sensors.doctor import Finding
 from adibas.texts import spoken_language
 from adibas.texts import translate as _
 from ui.preferences import Preferences
+from ui.settings.audit_page import AuditPage
+from ui.settings.audit_presenter import AuditPresenter
 from ui.settings.computer_page import ComputerPage
 from ui.settings.general_page import GeneralPage
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protection_page import ProtectionPage
 from ui.widgets.screen import Screen
 
-COMPUTER_TAB = 2
+AUDIT_TAB, COMPUTER_TAB = 2, 3
 
 
 class SettingsScreen(Screen):
-    """General, protection, this computer, about."""
+    """General, protection, audit log, this computer, about."""
 
     name = "settings"
 
@@ -28,20 +30,28 @@ class SettingsScreen(Screen):
         self._title.setProperty("kind", "title")
         self._tabs = QTabWidget(self)
         self._general, self._protection = GeneralPage(self), ProtectionPage(self)
-        self._computer, self._about = ComputerPage(self), QTextBrowser(self)
+        self._audit, self._computer = AuditPage(self), ComputerPage(self)
+        self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
         for page in (_scrolled(self._general), _scrolled(self._protection)):
             self._tabs.addTab(page, "")
-        for whole_page in (self._computer, self._about):
+        for whole_page in (self._audit, self._computer, self._about):
             self._tabs.addTab(whole_page, "")
         layout = QVBoxLayout(self)
         layout.addWidget(self._title)
         layout.addWidget(self._tabs)
         self.retranslate()
 
-    def bind(self, presenter: SettingsPresenter) -> None:
-        """Send changes to `presenter`, and own it."""
-        self._presenter = presenter
+    @property
+    def audit(self) -> AuditPage:
+        """The page of the audit log."""
+        return self._audit
+
+    def bind(self, presenter: SettingsPresenter, audit: AuditPresenter) -> None:
+        """Send changes to the presenters, and own them."""
+        self._presenter, self._audit_presenter = presenter, audit
+        self._audit.searched.connect(audit.search)
+        self._audit.exported.connect(audit.export)
         self._general.bind(presenter.change)
         self._protection.bind(presenter.change)
         self._protection.check_asked.connect(presenter.check_store)
@@ -52,16 +62,24 @@ class SettingsScreen(Screen):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._title.setText(_("Settings"))
-        titles = (_("General"), _("Protection"), _("This computer"), _("About"))
+        titles = (
+            _("General"),
+            _("Protection"),
+            _("Audit log"),
+            _("This computer"),
+            _("About"),
+        )
         for index, title in enumerate(titles):
             self._tabs.setTabText(index, title)
-        for page in (self._general, self._protection, self._computer):
+        for page in (self._general, self._protection, self._audit, self._computer):
             page.retranslate()
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
     def entered(self) -> None:
         self._presenter.enter()
+        if self._tabs.currentIndex() == AUDIT_TAB:
+            self._audit_presenter.enter()
 
     def closed(self) -> None:
         self._presenter.close()
@@ -93,6 +111,8 @@ class SettingsScreen(Screen):
     def _on_tab(self, index: int) -> None:
         if index == COMPUTER_TAB:
             self._presenter.examine_computer()
+        elif index == AUDIT_TAB:
+            self._audit_presenter.enter()
 
 
 def _scrolled(page: QWidget) -> QScrollArea:
