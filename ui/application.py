@@ -41,7 +41,7 @@ logger = logging.getLogger(__name__)
 PRELOAD_MS = 1500
 """After the start: who types a passphrase or looks for a patient does not notice."""
 
-LIVE_SCREENS = ("capture", "markers")
+LIVE_SCREENS = ("capture", "markers", "calibration")
 """They show the sensor, and open it when they are entered."""
 
 

@@ -16,19 +16,26 @@ TITLES = {
     "markers": message("Markers"),
     "review": message("Review"),
     "reports": message("Reports"),
+    "calibration": message("Calibration"),
     "settings": message("Settings"),
 }
+FIRST_BELOW = "calibration"
+"""From here on at the bottom: what is seldom needed."""
+
 OTHERS = {"help": (message("Help"), "F1"), "lock": (message("Lock"), "Ctrl+L")}
 """Buttons that show no screen, and their keys."""
 
-ICON_PX = 30
+ICON_PX, SMALL_ICON_PX = 30, 18
+LARGE_LETTERS_PX = 26
+"""Beside letters that high the icons are small, or the rail is higher than the window."""
+
 LEAST_WIDTH_PX = 86
 PADDING_PX = 20
 """Left and right of a name together, as the style sheet sets it, and some air."""
 
 
 class NavigationRail(QWidget):
-    """Buttons with icon and name: Ctrl+1 to Ctrl+6, F1, Ctrl+L."""
+    """Buttons with icon and name: Ctrl+1 to Ctrl+7, F1, Ctrl+L."""
 
     def __init__(self, theme: Theme, choose: Callable[[str], None], parent: QWidget | None) -> None:
         super().__init__(parent)
@@ -46,7 +53,7 @@ class NavigationRail(QWidget):
             button.setCheckable(True)
             button.clicked.connect(lambda _checked, name=name: choose(name))
             self._group.addButton(button)
-            if name == "settings":
+            if name == FIRST_BELOW:
                 layout.addStretch()
             button.hide()
             layout.addWidget(button)
@@ -94,8 +101,11 @@ class NavigationRail(QWidget):
             button.ensurePolished()
             text_px = button.fontMetrics().horizontalAdvance(button.text())
             width_px = max(width_px, text_px + PADDING_PX)
+        letters_px = max(button.fontMetrics().height() for button in buttons)
+        side_px = SMALL_ICON_PX if letters_px > LARGE_LETTERS_PX else ICON_PX
         for button in buttons:
             button.setMinimumWidth(width_px)
+            button.setIconSize(QSize(side_px, side_px))
 
     def _all(self) -> tuple[tuple[str, QToolButton], ...]:
         return (*self._buttons.items(), *self._others.items())

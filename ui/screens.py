@@ -25,6 +25,7 @@ MODULES = (
     "ui.markers.screen",
     "ui.review.screen",
     "ui.reports.screen",
+    "ui.calibration.screen",
     "ui.settings.screen",
 )
 """In the order in which a user will probably need them."""
@@ -60,6 +61,11 @@ def screen_builders(
 
         return build_reports_screen(workspace, parent)
 
+    def calibration() -> Screen:
+        from ui.calibration.screen import build_calibration_screen
+
+        return build_calibration_screen(workspace, parent)
+
     def settings() -> Screen:
         from ui.settings.screen import build_settings_screen
 
@@ -71,6 +77,7 @@ def screen_builders(
         "markers": markers,
         "review": review,
         "reports": reports,
+        "calibration": calibration,
         "settings": settings,
     }
 

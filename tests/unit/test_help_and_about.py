@@ -10,7 +10,7 @@ import pytest
 from adibas.resources import resource_path
 from adibas.texts import LANGUAGES
 
-PAGES = {"start", "patients", "capture", "markers", "review", "reports", "settings"}
+PAGES = {"start", "patients", "capture", "markers", "review", "reports", "calibration", "settings"}
 ROOT = Path(__file__).parents[2]
 ROW = re.compile(r"^\| (\S+) \| ([^|]+) \|$", re.MULTILINE)
 

@@ -24,6 +24,9 @@ class CaptureView(Protocol):
     def show_sensor(self, state: SensorState) -> None:
         """Say how the sensor fares."""
 
+    def show_calibration_due(self, sentence: str) -> None:
+        """Remind of a calibration; an empty sentence: none is due."""
+
     def show_disk(self, minutes: float | None) -> None:
         """Say how long the disk will hold; None where it cannot be told."""
 

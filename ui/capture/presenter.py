@@ -9,6 +9,7 @@ from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.pipeline.targets import target_from_document, target_to_document
 from adibas.texts import describe, message, translate_plural
 from adibas.texts import translate as _
+from ui.capture.calibration_age import CalibrationAge
 from ui.capture.countdown import Countdown
 from ui.capture.disk_watch import DiskWatch
 from ui.capture.ports import CaptureView
@@ -46,6 +47,7 @@ class CapturePresenter:
         self._job: Job | None = None
         self._is_seen = False
         self.sources = SourcePresenter(view, workspace, self._is_free, self._may_open, look)
+        self.calibration_age = CalibrationAge(view, workspace)
         self._disk = DiskWatch(
             workspace.store.folder, view.call_later, self._expected_rate, self._on_disk
         )
@@ -232,6 +234,7 @@ class CapturePresenter:
 
     def _on_state(self, state: SensorState) -> None:
         self._view.show_sensor(state)
+        self._workspace.attempt(lambda: self.calibration_age.show(state))
         if self._countdown.is_running and state.kind != "live":
             self._countdown.give_up()
             self._workspace.tell("bad", describe(state.error) if state.error else self._lack())

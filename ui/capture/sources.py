@@ -13,6 +13,7 @@ from adibas.texts import translate as _
 from ui.view_names import VIEW_NAMES
 
 SIMULATOR = "simulator"
+SENSORS = ("openni2", "realsense")
 Sizes: TypeAlias = tuple[tuple[int, int], ...]
 SIZES: Sizes = ((1280, 1024), (640, 480))
 """Of the colour image, (width, height), where a sensor was not asked."""
@@ -62,6 +63,11 @@ def color_sizes(sensor: SensorDescription) -> Sizes:
     """Return what the sensor says that its colour image can be, largest first."""
     sizes = {(mode.width, mode.height) for mode in sensor.modes if mode.stream == "color"}
     return tuple(sorted(sizes, reverse=True)) or SIZES
+
+
+def is_sensor(source: str) -> bool:
+    """Say whether a source is a sensor that is plugged in."""
+    return source in SENSORS
 
 
 def source_for_view(source: str, view: str) -> str:

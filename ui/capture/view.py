@@ -9,6 +9,7 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
     QLabel,
+    QPushButton,
     QVBoxLayout,
     QWidget,
 )
@@ -47,6 +48,9 @@ class CaptureScreen(Screen):
         self._hints.setWordWrap(True)
         self._source, self._display = SourcePanel(self), DisplayPanel(self)
         self._views, self._shutter = ViewsPanel(self), ShutterPanel(self)
+        self._due, self._calibrate = QLabel(self), QPushButton(self)
+        self._due.setProperty("kind", "warning")
+        self._due.setWordWrap(True)
         self._frame: LiveFrame | None = None
         self._display.changed.connect(self._show_frame)
         self._lay_out()
@@ -60,6 +64,11 @@ class CaptureScreen(Screen):
         left = QVBoxLayout()
         left.addLayout(pictures, 1)
         left.addWidget(self._hints)
+        due = QHBoxLayout()
+        due.addWidget(self._due, 1)
+        due.addWidget(self._calibrate)
+        left.addLayout(due)
+        self.show_calibration_due("")
         left.addWidget(self._status)
         panel = SidePanel(self)
         for part in (self._views, self._source, self._display):
@@ -87,6 +96,7 @@ class CaptureScreen(Screen):
         self._views.review_asked.connect(presenter.review)
         self._shutter.capture_asked.connect(presenter.capture)
         self._shutter.learn_asked.connect(presenter.learn_markers)
+        self._calibrate.clicked.connect(presenter.calibration_age.calibrate)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -96,6 +106,7 @@ class CaptureScreen(Screen):
             part.retranslate()
         for picture in (self._color, self._depth):
             picture.set_placeholder(_("No picture yet"))
+        self._calibrate.setText(_("Calibrat&e..."))
         self._show_hints()
 
     def entered(self) -> None:
@@ -137,6 +148,11 @@ class CaptureScreen(Screen):
                 picture.set_picture(None)
                 picture.set_overlays(())
             self._show_hints()
+
+    def show_calibration_due(self, sentence: str) -> None:
+        self._due.setText(sentence)
+        for widget in (self._due, self._calibrate):
+            widget.setVisible(bool(sentence))
 
     def show_disk(self, minutes: float | None) -> None:
         self._status.show_disk(minutes)

@@ -1,0 +1,1 @@
+"""The calibration screen: a board before the sensor, until its cameras are known well enough."""

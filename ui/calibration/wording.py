@@ -1,0 +1,148 @@
+"""What the calibration screen says of pictures and results. Knows nothing of Qt."""
+
+import html
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from adibas.calibration.comparison import LENGTH_M, Comparison
+from adibas.calibration.guidance import LEANS, PLACES, Guidance, GuidanceParams, Lean
+from adibas.calibration.quality import tilts_rad
+from adibas.data.calibration_verdict import Grade
+from adibas.data.camera_fit import CameraFit
+from adibas.pipeline.calibration_session import SensorOutcome
+from adibas.texts import decimal_text, message
+from adibas.texts import translate as _
+
+CERTAIN = 1.959964
+USUAL_DECIMALS, MOST_DECIMALS = 4, 7
+LEAN_NAMES: dict[Lean, str] = {
+    "left": message("Turned to the left"),
+    "right": message("Turned to the right"),
+    "up": message("Leaned back"),
+    "down": message("Leaned forward"),
+}
+KINDS = {Grade.GOOD: "good", Grade.USABLE: "warning", Grade.REPEAT: "bad"}
+"""What a label that says the grade looks like."""
+
+Row = tuple[str, ...]
+
+
+def progress_of(guidance: Guidance) -> tuple[tuple[str, bool], ...]:
+    """Return what the pictures should have, in words, and whether they have it."""
+    least = GuidanceParams().least_pictures
+    leans = tuple((_(LEAN_NAMES[lean]), lean in guidance.leans) for lean in LEANS)
+    number = _("{n} of {least} pictures").format(n=guidance.n_pictures, least=least)
+    share = round(100 * float(guidance.covered.mean()))
+    has_places = not any(text in PLACES.values() for text in guidance.lacking)
+    return (
+        *leans,
+        (_("Near"), guidance.has_near),
+        (_("Far away"), guidance.has_far),
+        (_("{percent} % of the picture").format(percent=share), has_places),
+        (number, guidance.n_pictures >= least),
+    )
+
+
+def result_html(outcome: SensorOutcome) -> str:
+    """Return everything that a result says but the verdict's first sentence."""
+    fit = outcome.camera.fit
+    _grade, *findings = outcome.camera.verdict.sentences()
+    parts = [_list(findings)]
+    if outcome.previous is not None and outcome.comparison is not None:
+        parts.append(f"<p>{html.escape(_compared(outcome))}</p>")
+    if fit is not None and fit.is_settled:
+        parts += [
+            f"<h3>{html.escape(_('Colour camera'))}</h3>",
+            _table(_parameter_rows(fit, outcome.comparison)),
+            f"<h3>{html.escape(_('Pictures'))}</h3>",
+            f"<p>{html.escape(_mean_error(fit))}</p>",
+            _table(_picture_rows(fit)),
+        ]
+    return "".join(parts)
+
+
+def _compared(outcome: SensorOutcome) -> str:
+    comparison, previous = outcome.comparison, outcome.previous
+    if comparison is None or previous is None:
+        return ""
+    return _(
+        "Against the calibration of {day}, a length of {length} mm at 2 m changes by {change} mm "
+        "at most."
+    ).format(
+        day=previous.made_utc.astimezone().date().isoformat(),
+        length=decimal_text(1000 * LENGTH_M, 0),
+        change=decimal_text(1000 * comparison.largest_change_m, 1),
+    )
+
+
+def _mean_error(fit: CameraFit) -> str:
+    return _("The corners are {rms} pixels off (root mean square over points).").format(
+        rms=decimal_text(fit.rms_px, 3)
+    )
+
+
+def _parameter_rows(fit: CameraFit, comparison: Comparison | None) -> list[Row]:
+    changes = {} if comparison is None else {one.name: one for one in comparison.parameters}
+    title: Row = (_("Parameter"), _("Value"), _("95 % interval"), _("Before"), _("Change"))
+    rows = [title if changes else title[:3]]
+    for name, value, sd in zip(
+        fit.parameter_names, fit.values, fit.standard_deviations, strict=True
+    ):
+        half_width = CERTAIN * float(sd)
+        n_decimals = _decimals(half_width)
+        half = f"± {decimal_text(half_width, n_decimals)}"
+        row: Row = (name, decimal_text(float(value), n_decimals), half)
+        change = changes.get(f"color.{name}")
+        if change is not None:
+            moved = change.now - change.before
+            row += (decimal_text(change.before, n_decimals), _signed(moved, n_decimals))
+        elif changes:
+            row += ("", "")
+        rows.append(row)
+    return rows
+
+
+def _picture_rows(fit: CameraFit) -> list[Row]:
+    rows: list[Row] = [(_("Picture"), _("Error [px]"), _("Distance [m]"), _("Tilt [°]"), "")]
+    tilts = iter(tilts_rad(fit).tolist())
+    middle_m = fit.board.points_m().mean(axis=0)
+    for view in fit.views:
+        tilt = "" if view.is_outlier else decimal_text(math.degrees(next(tilts)), 0)
+        distance_m = float(np.linalg.norm(view.camera_from_board.apply(middle_m)))
+        note = _("left out: it contradicts the others") if view.is_outlier else ""
+        rows.append(
+            (view.image, decimal_text(view.rms_px, 3), decimal_text(distance_m, 2), tilt, note)
+        )
+    return rows
+
+
+def _decimals(half_width: float) -> int:
+    """Return how many decimals show two digits of an interval."""
+    if not 0 < half_width < math.inf:
+        return USUAL_DECIMALS
+    return min(max(1 - math.floor(math.log10(half_width)), 0), MOST_DECIMALS)
+
+
+def _signed(value: float, n_decimals: int) -> str:
+    return ("+" if value >= 0 else "\N{MINUS SIGN}") + decimal_text(abs(value), n_decimals)
+
+
+def _list(sentences: Sequence[str]) -> str:
+    items = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in sentences)
+    return f"<ul>{items}</ul>" if items else ""
+
+
+def _table(rows: Sequence[Row]) -> str:
+    """Return rows as a table; the first is its head, the first column left, the others right."""
+    lines = []
+    for number, row in enumerate(rows):
+        tag = "td" if number else "th"
+        sides = ["left", *("right" for _cell in row[1:4]), *("left" for _cell in row[4:])]
+        cells = "".join(
+            f'<{tag} align="{side}">{html.escape(cell)}&nbsp;&nbsp;&nbsp;</{tag}>'
+            for side, cell in zip(sides, row, strict=True)
+        )
+        lines.append(f"<tr>{cells}</tr>")
+    return f'<table cellpadding="3">{"".join(lines)}</table>'

@@ -1,0 +1,51 @@
+"""Reminds of a sensor that should be calibrated. Knows nothing of Qt."""
+
+from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
+from adibas.clock import Clock, utc_now
+from adibas.pipeline.live_frames import SensorState
+from ui.capture.ports import CaptureView
+from ui.capture.sources import is_sensor
+from ui.reminders import remind
+from ui.workspace import Workspace
+
+
+class CalibrationAge:
+    """Tells when the sensor that is shown was never calibrated, or long ago.
+
+    Recordings bring the calibration that they were made with, and the simulator its own.
+
+    Parameters
+    ----------
+    kept : KeptCalibrations or None
+        None: those of this user.
+    clock : callable
+        Tells the time.
+    """
+
+    def __init__(
+        self,
+        view: CaptureView,
+        workspace: Workspace,
+        kept: KeptCalibrations | None = None,
+        clock: Clock = utc_now,
+    ) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._kept = kept or KeptCalibrations()
+        self._clock = clock
+
+    def show(self, state: SensorState) -> None:
+        """Say what is due, or nothing."""
+        live, info = self._workspace.live, state.info
+        if state.kind != "live" or info is None or live.opened is None:
+            return
+        if not is_sensor(live.opened[0]):
+            self._view.show_calibration_due("")
+            return
+        sizes = None if info.calibration is None else sizes_of(info.calibration)
+        reminder = remind(self._kept, sensor_key(info), sizes, self._clock())
+        self._view.show_calibration_due(reminder.text if reminder.is_urgent else "")
+
+    def calibrate(self) -> None:
+        """Go to the calibration."""
+        self._workspace.show_screen("calibration")
