@@ -43,7 +43,7 @@ SENTENCES: dict[Reason, Message] = {
         "and check that its pattern has no glare."
     ),
     Reason.OTHER_SIZE: message(
-        "{n} of {total} images show a board of {columns} x {rows} inner corners, but {board} was "
+        "A board of {columns} x {rows} inner corners is in {n} of {total} images, but {board} was "
         "said. Give the size of the board that was held, or hold the right one."
     ),
     Reason.TWO_BOARDS: message(
@@ -54,11 +54,11 @@ SENTENCES: dict[Reason, Message] = {
         "mirroring of the camera off and take the images anew."
     ),
     Reason.TOO_FEW: message(
-        "Only {n} images show the board, and {least} are needed. Take more images, each from "
-        "another place and with another tilt."
+        "Too few images show the board: {n}, and {least} are needed. Take more, each from another "
+        "place and with another tilt."
     ),
     Reason.FEW: message(
-        "Only {n} images show the board; {wanted} make a good calibration. Take more images with "
+        "Few images show the board: {n}, and {wanted} make a good calibration. Take more, with "
         "other places and tilts."
     ),
     Reason.FRONTAL: message(
@@ -73,15 +73,15 @@ SENTENCES: dict[Reason, Message] = {
         "that all of it is seen."
     ),
     Reason.BLURRED: message(
-        "{n} of {total} images are blurred. Hold the board still while an image is taken, clean "
-        "the lens, and give more light."
+        "The board is blurred in {n} of {total} images. Hold it still while an image is taken, "
+        "clean the lens, and give more light."
     ),
     Reason.UNCOVERED: message(
         "The board was seen in {percent} % of the image only, and lens distortion is unknown in "
         "the rest. Hold it to all borders and corners of the image."
     ),
     Reason.OUTLIERS: message(
-        "{n} of {total} images contradict the others and took no part: {images}. Leave them out or "
+        "Of {total} images {n} contradict the others and took no part: {images}. Leave them out or "
         "take them anew."
     ),
     Reason.LARGE_ERROR: message(

@@ -99,7 +99,7 @@ def test_three_boards_are_too_few(corners):
     verdict = judge(evidence(corners[:3], fit_camera(BOARD, corners[:3])))
     assert verdict.grade is Grade.REPEAT
     assert reasons(verdict) == [Reason.TOO_FEW]
-    assert "Only 3 images" in verdict.sentences()[1]
+    assert "images show the board: 3" in verdict.sentences()[1]
 
 
 def test_eight_boards_are_few(corners):

@@ -318,7 +318,7 @@ def test_a_bad_calibration_is_refused_and_the_reason_told(kept):
     take(session, 0, 1, 2)
     outcome = session.outcome(clock)
     assert not outcome.is_good_enough
-    with pytest.raises(CalibrationError, match="Only 3 images show the board"):
+    with pytest.raises(CalibrationError, match="Too few images show the board: 3"):
         session.accept(outcome, clock)
     assert kept.of_sensor("SN1") == ()
     assert len(opened(kept).pictures) == 3
