@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
+from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.sensors.ports import DEFAULT_OPTIONS, READ_TIMEOUT_S, DepthCamera, SensorOptions
 from adibas.sensors.sources import open_source
@@ -49,7 +50,18 @@ class CalibratedOpener:
             return info
         sizes = None if info.calibration is None else sizes_of(info.calibration)
         newest = self._kept.newest(sensor_key(info), sizes)
-        return info if newest is None else replace(info, calibration=newest.calibration)
+        if newest is None:
+            return info
+        return replace(info, calibration=_as_it_stands(newest.calibration, info.calibration))
+
+
+def _as_it_stands(kept: RgbdCalibration, opened: RgbdCalibration | None) -> RgbdCalibration:
+    """Return a kept calibration, with the vertical of today where the sensor itself tells it."""
+    if opened is None:
+        return kept
+    gravity = kept.gravity if opened.gravity is None else opened.gravity
+    floor = kept.floor if opened.floor is None else opened.floor
+    return replace(kept, gravity=gravity, floor=floor)
 
 
 class CalibratedCamera(DepthCamera):

@@ -115,6 +115,14 @@ def test_a_sensor_brings_the_calibration_that_was_kept_of_it(kept):
         assert camera.read() is not None
 
 
+def test_a_sensor_that_tells_its_vertical_is_believed(kept):
+    factory = kept_of_simulator(kept).calibration
+    with CalibratedOpener(kept)("simulator:anterior") as camera:
+        calibration = camera.info.calibration
+    assert calibration.floor.offset_m == factory.floor.offset_m
+    np.testing.assert_array_equal(calibration.gravity, factory.gravity)
+
+
 def test_a_sensor_without_one_is_as_it_was(kept):
     with CalibratedOpener(kept)("simulator:anterior") as camera:
         assert isinstance(camera, SimulatorCamera)
