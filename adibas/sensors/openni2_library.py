@@ -1,5 +1,6 @@
 """Finds and loads the OpenNI2 library, once for the whole process."""
 
+import atexit
 import os
 import sys
 import sysconfig
@@ -12,6 +13,7 @@ from types import ModuleType
 import platformdirs
 
 from adibas.errors import SensorError
+from adibas.sensors.answering import LIMIT_S
 
 LIBRARY_NAMES = {"win32": "OpenNI2.dll", "darwin": "libOpenNI2.dylib"}
 LIBRARY_NAME = LIBRARY_NAMES.get(sys.platform, "libOpenNI2.so")
@@ -104,9 +106,15 @@ def load_openni2() -> ModuleType:
         raise SensorError(
             "The Python package openni is missing. Install it: pip install openni."
         ) from error
-    with _loading:
+    if not _loading.acquire(timeout=LIMIT_S):
+        raise SensorError(
+            "OpenNI2 is still being loaded and does not answer. Unplug its sensors and try again."
+        )
+    try:
         if not openni2.is_initialized():
             _initialise(openni2, find_library_folder())
+    finally:
+        _loading.release()
     loaded: ModuleType = openni2
     return loaded
 
@@ -123,6 +131,13 @@ def _initialise(openni2: ModuleType, folder: Path) -> None:
             folder=folder,
         ) from error
     openni2.configure_logging(severity=ERRORS_ONLY, console=False)
+
+
+def leave_running() -> None:
+    """Do not shut the library down when the program ends: one that hangs would hold it for ever."""
+    from openni import openni2
+
+    atexit.unregister(openni2.unload)
 
 
 @contextmanager

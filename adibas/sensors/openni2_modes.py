@@ -9,7 +9,8 @@ from typing import Any
 from adibas.data.calibration import CameraCalibration
 from adibas.errors import SensorError
 from adibas.geometry.pinhole import Intrinsics
-from adibas.sensors.openni2_library import load_openni2, openni2_errors
+from adibas.sensors.answering import TimeLimit
+from adibas.sensors.openni2_library import leave_running, load_openni2, openni2_errors
 from adibas.sensors.ports import SensorDescription, StreamName, VideoMode
 
 # Values of OniSensorType and OniPixelFormat (OniCEnums.h).
@@ -34,6 +35,8 @@ WISHED_RATE_HZ = 30.0
 SERIAL_PROPERTY = 3
 SERIAL_BYTES = 256
 
+_OPENNI2 = TimeLimit("OpenNI2", gave_up=leave_running)
+
 
 def list_sensors() -> tuple[SensorDescription, ...]:
     """Return OpenNI2's sensors that are plugged in; modes are empty where it may not be opened.
@@ -41,8 +44,12 @@ def list_sensors() -> tuple[SensorDescription, ...]:
     Raises
     ------
     SensorError
-        The library is missing or fails.
+        The library is missing, fails, or does not answer.
     """
+    return _OPENNI2.ask(_list)
+
+
+def _list() -> tuple[SensorDescription, ...]:
     openni2 = load_openni2()
     with openni2_errors("OpenNI2 cannot list its sensors: {reason}. Unplug them and try again."):
         uris = openni2.Device.enumerate_uris()

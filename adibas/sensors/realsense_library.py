@@ -6,8 +6,11 @@ from types import ModuleType
 from typing import Any
 
 from adibas.errors import SensorError
+from adibas.sensors.answering import TimeLimit
 from adibas.sensors.ports import SensorDescription
 from adibas.sensors.realsense_streams import find_profiles
+
+_REALSENSE = TimeLimit("RealSense")
 
 
 def load_realsense() -> ModuleType:
@@ -29,7 +32,17 @@ def load_realsense() -> ModuleType:
 
 
 def list_sensors() -> tuple[SensorDescription, ...]:
-    """Return the RealSense sensors that are plugged in."""
+    """Return the RealSense sensors that are plugged in.
+
+    Raises
+    ------
+    SensorError
+        The library is missing, fails, or does not answer.
+    """
+    return _REALSENSE.ask(_list)
+
+
+def _list() -> tuple[SensorDescription, ...]:
     library = load_realsense()
     with realsense_errors("RealSense sensors cannot be listed: {reason}. Plug them in anew."):
         return tuple(describe_device(library, device) for device in library.context().devices)
