@@ -2,7 +2,7 @@
 
 With d1, d2 the signed distances from the edges, E = erf(d / (sigma sqrt 2)) and D the way from
 the corner, the model is ``(a + b T(E1 E2)) (1 + g . D)``: the crossing seen through a Gaussian
-point spread of its own width across each edge, under a light that changes linearly, by a camera
+point spread of its own width across each edge, under the light g of the whole board, by a camera
 whose tone curve ``T(E) = E + q (1 - E^2)`` makes white larger than black. An edge is an arc whose
 curvature the neighbouring corners give, so that the lens does not move the crossing; the next
 parallel edges stand where those corners are, so that small squares do not blur into it, nor does
@@ -21,17 +21,20 @@ from adibas.calibration.corner_normal_kernels import factorise, solve_factorised
 from adibas.data.board import MARK_RADIUS
 from adibas.kernels import compiled
 
-N_UNKNOWNS = 11
-P_U, P_V, P_FIRST, P_SECOND, P_BLUR1, P_BLUR2 = range(6)
-P_MEAN, P_SWING, P_LIGHT_U, P_LIGHT_V, P_TONE = range(6, N_UNKNOWNS)
-N_SHAPE = 14
+N_UNKNOWNS = 9
+P_U, P_V, P_FIRST, P_SECOND, P_BLUR1, P_BLUR2, P_MEAN, P_SWING, P_TONE = range(N_UNKNOWNS)
+N_SHAPE = 16
 """Of a window: change of the pixel per column (u, v) and per row (u, v), curvature per pixel of the
 edge along the row and of the one down the column, and the distances in pixels to the next edges
 parallel to the first (below it, above it) and to the second (left, right), and 1 for each square
-with a dot: above left, above right, below left, below right."""
-BENDS, GAPS, DOTS = 4, 6, 10
+with a dot: above left, above right, below left, below right; relative change of the light per
+pixel along u and v. Two unknowns for the light of each corner would cost half of its precision."""
+BENDS, GAPS, DOTS, LIGHT = 4, 6, 10, 14
 HALF_DOT = 0.5 * math.sqrt(math.pi) * MARK_RADIUS
 FAR_BLURS = 4.0
+WIDE_BLURS = 3.5
+"""A window shows the edges out to so many standard deviations of the blur."""
+NARROWEST_BAND_PX = 1.5
 LEAST_PIXELS = 16
 LEAST_BLUR_PX, MOST_BLUR = 0.25, 0.5
 MOST_ROUNDS = 12
@@ -114,21 +117,53 @@ def edges(distance: float, blur: float, after: float, before: float) -> tuple[fl
 
 @compiled
 def dot_cover(
-    shape: FloatArray, distances: tuple[float, float], blurs: tuple[float, float]
+    shape: FloatArray, distances: FloatArray, blurs: FloatArray, slopes: FloatArray
 ) -> float:
-    """Return how much of a dot a pixel sees (0-1) that lies so far below and left of the edges."""
-    below, left = distances
-    quadrant = (2 if below > 0.0 else 0) + (0 if left > 0.0 else 1)
+    """Return how much of a dot a pixel sees (0-1) that lies so far below and left of the edges.
+
+    Fills `slopes` (2, 2): its derivatives by the distances, and by the blurs.
+    """
+    slopes[:] = 0.0
+    quadrant = (2 if distances[0] > 0.0 else 0) + (0 if distances[1] > 0.0 else 1)
     if shape[DOTS + quadrant] == 0.0:
         return 0.0
-    cover = 0.25
+    shares = np.empty(2)
     for k in range(2):
         gap = shape[GAPS + 2 * k + (0 if distances[k] > 0.0 else 1)]
         aside = abs(distances[k]) - 0.5 * gap
-        first, _ = edge(HALF_DOT * gap + aside, blurs[k])
-        second, _ = edge(HALF_DOT * gap - aside, blurs[k])
-        cover *= first + second
-    return cover
+        first, first_slope = edge(HALF_DOT * gap + aside, blurs[k])
+        second, second_slope = edge(HALF_DOT * gap - aside, blurs[k])
+        shares[k] = 0.5 * (first + second)
+        slopes[0, k] = 0.5 * (first_slope - second_slope) * (1.0 if distances[k] > 0.0 else -1.0)
+        slopes[1, k] = (
+            first_slope * (HALF_DOT * gap + aside) + second_slope * (HALF_DOT * gap - aside)
+        ) * (-0.5 / blurs[k])
+    for n in range(2):
+        slopes[n, 0] *= shares[1]
+        slopes[n, 1] *= shares[0]
+    return float(shares[0] * shares[1])
+
+
+@compiled
+def checker(
+    shape: FloatArray, distances: FloatArray, blurs: FloatArray, slopes: FloatArray
+) -> float:
+    """Return the blurred board, -1 to 1, so far from the edges; fill `slopes` as `dot_cover`."""
+    cover = dot_cover(shape, distances, blurs, slopes)
+    first, first_slope, first_by_blur = edges(distances[0], blurs[0], shape[GAPS], shape[GAPS + 1])
+    second, second_slope, second_by_blur = edges(
+        distances[1], blurs[1], shape[GAPS + 2], shape[GAPS + 3]
+    )
+    # The dot inverts what it covers.
+    ground = 1.0 - 2.0 * cover
+    for n in range(2):
+        for k in range(2):
+            slopes[n, k] *= -2.0 * first * second
+    slopes[0, 0] += first_slope * second * ground
+    slopes[0, 1] += second_slope * first * ground
+    slopes[1, 0] += first_by_blur * second * ground
+    slopes[1, 1] += second_by_blur * first * ground
+    return float(first * second * ground)
 
 
 @compiled
@@ -139,42 +174,32 @@ def _row(
     shape: FloatArray,
     row: FloatArray,
 ) -> float:
-    """Fill `row` (11,) with the model's derivatives at `pixel`; return measured minus model."""
+    """Fill `row` (9,) with the model's derivatives at `pixel`; return measured minus model."""
     right, down = pixel[0] - unknowns[P_U], pixel[1] - unknowns[P_V]
-    light = 1.0 + unknowns[P_LIGHT_U] * right + unknowns[P_LIGHT_V] * down
-    values = np.empty(2)
-    slopes = np.empty((2, 2))
-    turns = np.empty(2)
-    distances = np.empty(2)
+    light = 1.0 + shape[LIGHT] * right + shape[LIGHT + 1] * down
+    distances, slopes = np.empty(2), np.empty((2, 2))
+    ways = np.empty((2, 3))
     for k in range(2):
         cosine, sine, bend = trigonometry[2 * k], trigonometry[2 * k + 1], shape[BENDS + k]
         along, across = cosine * right + sine * down, cosine * down - sine * right
-        after, before = shape[GAPS + 2 * k], shape[GAPS + 2 * k + 1]
         distances[k] = across - 0.5 * bend * along * along
-        values[k], slope, row[P_BLUR1 + k] = edges(
-            distances[k], unknowns[P_BLUR1 + k], after, before
-        )
-        slopes[k, 0] = slope * (sine + bend * along * cosine)
-        slopes[k, 1] = slope * (-cosine + bend * along * sine)
-        turns[k] = -slope * along * (1.0 + bend * across)
-    # The dot inverts what it covers; it stays where the neighbours put it.
-    blurs = unknowns[P_BLUR1], unknowns[P_BLUR2]
-    ground = 1.0 - 2.0 * dot_cover(shape, (distances[0], distances[1]), blurs)
-    both = values[0] * values[1] * ground
+        ways[k, 0] = sine + bend * along * cosine
+        ways[k, 1] = -cosine + bend * along * sine
+        ways[k, 2] = -along * (1.0 + bend * across)
+    both = checker(shape, distances, unknowns[P_BLUR1 : P_BLUR2 + 1], slopes)
     # The swing is negative where E is that of the dark squares: white grows either way.
     tone = unknowns[P_TONE] if unknowns[P_SWING] > 0.0 else -unknowns[P_TONE]
     toned = both + tone * (1.0 - both * both)
     shade = unknowns[P_MEAN] + unknowns[P_SWING] * toned
-    row[P_TONE] = abs(light * unknowns[P_SWING]) * (1.0 - both * both)
-    swing = light * unknowns[P_SWING] * (1.0 - 2.0 * tone * both) * ground
+    swing = light * unknowns[P_SWING] * (1.0 - 2.0 * tone * both)
     for axis in range(2):
-        slope = slopes[0, axis] * values[1] + slopes[1, axis] * values[0]
-        row[P_U + axis] = swing * slope - shade * unknowns[P_LIGHT_U + axis]
+        slope = slopes[0, 0] * ways[0, axis] + slopes[0, 1] * ways[1, axis]
+        row[P_U + axis] = swing * slope - shade * shape[LIGHT + axis]
     for k in range(2):
-        row[P_FIRST + k] = swing * values[1 - k] * turns[k]
-        row[P_BLUR1 + k] *= swing * values[1 - k]
+        row[P_FIRST + k] = swing * slopes[0, k] * ways[k, 2]
+        row[P_BLUR1 + k] = swing * slopes[1, k]
     row[P_MEAN], row[P_SWING] = light, light * toned
-    row[P_LIGHT_U], row[P_LIGHT_V] = shade * right, shade * down
+    row[P_TONE] = abs(light * unknowns[P_SWING]) * (1.0 - both * both)
     return float(pixel[2] - shade * light)
 
 
@@ -229,7 +254,7 @@ def _step(
 
 @compiled
 def fit_crossing(pixels: FloatArray, shape: FloatArray, unknowns: FloatArray) -> float:
-    """Improve `unknowns` (11,) by Levenberg's method; return the sum of squares left, NaN if lost.
+    """Improve `unknowns` (9,) by Levenberg's method; return the sum of squares left, NaN if lost.
 
     Source: Nocedal and Wright, Numerical Optimization, section 10.3.
     """
@@ -281,21 +306,24 @@ def deviation_px(
 def fit_all(
     grey: UInt8Array, starts: FloatArray, shapes: FloatArray, limits: FloatArray
 ) -> FloatArray:
-    """Fit N corners from `starts` (N, 11) in windows `shapes` (N, 14).
+    """Fit N corners from `starts` (N, 9) in windows `shapes` (N, 16).
 
-    Returns (N, 14): the unknowns, their standard deviation in pixels, the residual as a share of
+    Returns (N, 12): the unknowns, their standard deviation in pixels, the residual as a share of
     the swing, and the number of pixels; NaN where there is no fit. `limits`: share of a square,
     pixels, the band in blurs, the band in squares.
     """
     result = np.full((len(starts), N_UNKNOWNS + 3), np.nan)
-    most = int(2.0 * limits[1] + 3.0)
+    blurriest = starts[:, P_BLUR1 : P_BLUR2 + 1].max() if len(starts) else 0.0
+    most = int(2.0 * max(limits[1], WIDE_BLURS * blurriest) + 3.0)
     pixels = np.empty((most * most, 3))
     window = np.empty(3)
     for n in range(len(starts)):
         unknowns, shape = starts[n].copy(), shapes[n]
         width = math.sqrt(abs(shape[0] * shape[3] - shape[1] * shape[2]))
-        band = min(limits[2] * unknowns[P_BLUR1], limits[3] * width)
-        window[0], window[1], window[2] = limits[0], limits[1], max(band, 1.5)
+        blur = max(unknowns[P_BLUR1], unknowns[P_BLUR2])
+        band = min(limits[2] * blur, limits[3] * width)
+        window[0], window[2] = limits[0], max(band, NARROWEST_BAND_PX)
+        window[1] = max(limits[1], WIDE_BLURS * blur)
         n_pixels = window_pixels(grey, unknowns, shape, window, pixels)
         if n_pixels < LEAST_PIXELS:
             continue

@@ -78,7 +78,7 @@ class FitParams:
     longest_px: float = 11.0
     band_blurs: float = 3.0
     band_squares: float = 0.25
-    model_error_px: float = 0.01
+    model_error_px: float = 0.007
     most_residual: float = 0.35
 
     def limits(self) -> FloatArray:
@@ -133,9 +133,9 @@ def seek_corners(
 def fit_corners(
     gray: UInt8Array, starts: FloatArray, shapes: FloatArray, params: FitParams
 ) -> FloatArray:
-    """Return (N, 14) what `fit_all` finds; NaN where the image shows no such corner.
+    """Return (N, 12) what `fit_all` finds; NaN where the image shows no such corner.
 
-    `starts` (N, 11) and `shapes` (N, 14) are those of `corner_fit_kernels`.
+    `starts` (N, 9) and `shapes` (N, 16) are those of `corner_fit_kernels`.
     """
     fitted = fit_all(
         np.ascontiguousarray(gray),

@@ -26,7 +26,7 @@ def find_dots(
     turn = np.add(*np.indices(inner.shape)) % 2
     to_other_color = np.where(turn == (0 if is_origin_dark else 1), 1.0, -1.0)
     standing_out = (to_other_color * (inner - around)).min(axis=0)
-    known = ~np.isnan(standing_out)
+    known: BoolArray = ~np.isnan(standing_out)
     if not known.any():
         return known
     # Blur draws a square's centre out and its corners in; so it does in those without a dot.

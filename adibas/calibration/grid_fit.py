@@ -7,6 +7,7 @@ from adibas.calibration.corner_fit_kernels import BENDS, DOTS, GAPS, N_UNKNOWNS,
 from adibas.calibration.corner_saddle_kernels import CONTRAST, MEAN, SCALE, U, V
 from adibas.calibration.corners import FitParams, fit_corners
 from adibas.calibration.grid_growth import Lattice
+from adibas.calibration.grid_growth_kernels import expect
 
 FIRST_BLUR = 0.9
 """Of a crossing, in pixels of the level that shows it best; the fit finds the rest."""
@@ -25,13 +26,15 @@ def fit_lattice(
     Curvature from unfitted corners would carry their error into the fit: straight edges first.
     """
     known = ~np.isnan(lattice.fields[..., U])
-    shapes = _shapes(lattice.pixels, known, dots)
+    lattice = _away_from_dots(lattice, dots)
+    light = _light(lattice)
+    shapes = _shapes(lattice.pixels, light, known, dots)
     bends = slice(BENDS, BENDS + 2)
     shapes[:, bends] = 0.0
     fitted = fit_corners(gray, _starts(lattice, known, shapes), shapes, params)
     pixels = np.full((*known.shape, 2), np.nan)
     pixels[known] = fitted[:, [U, V]]
-    better = _shapes(pixels, known, dots)
+    better = _shapes(pixels, light, known, dots)
     reach_px = np.minimum(params.longest_px, params.square_share * _lengths(better))
     needs_more = np.abs(better[:, bends]).max(axis=1) * reach_px**2 / 6.0 > NOTICEABLE_PX
     blur_px = fitted[:, [P_BLUR1, P_BLUR2]].max(axis=1)
@@ -44,8 +47,25 @@ def fit_lattice(
     return result
 
 
+def _away_from_dots(lattice: Lattice, dots: BoolArray) -> Lattice:
+    """Return the lattice with the corners of dotted squares where the others expect them.
+
+    A blurred dot pulls the saddle towards itself, out of reach of the fit.
+    """
+    wide = np.pad(dots, 1)
+    is_near = wide[:-1, :-1] | wide[:-1, 1:] | wide[1:, :-1] | wide[1:, 1:]
+    fields = lattice.fields.copy()
+    others = lattice.pixels
+    others[is_near] = np.nan
+    expected = np.empty(6)
+    for row, column in np.argwhere(is_near & ~np.isnan(fields[..., U])):
+        if expect(others, row, column, expected):
+            fields[row, column, [U, V]] = expected[:2]
+    return Lattice(fields, lattice.parity)
+
+
 def _starts(lattice: Lattice, known: BoolArray, shapes: FloatArray) -> FloatArray:
-    """Return (N, 11) what `corner_fit_kernels` begins with."""
+    """Return (N, 9) what `corner_fit_kernels` begins with."""
     fields = lattice.fields[known]
     sign = 1.0 - 2.0 * lattice.is_first_along(np.argwhere(known).astype(np.int32))
     blur_px = FIRST_BLUR * fields[:, SCALE]
@@ -58,13 +78,13 @@ def _starts(lattice: Lattice, known: BoolArray, shapes: FloatArray) -> FloatArra
             blur_px,
             fields[:, MEAN],
             0.5 * sign * fields[:, CONTRAST],
-            np.zeros((len(fields), 3)),
+            np.zeros(len(fields)),
         ]
     )
 
 
-def _shapes(pixels: FloatArray, known: BoolArray, dots: BoolArray) -> FloatArray:
-    """Return (N, 14) the windows of the known corners by where their neighbours are."""
+def _shapes(pixels: FloatArray, light: FloatArray, known: BoolArray, dots: BoolArray) -> FloatArray:
+    """Return (N, 16) the windows of the known corners by where their neighbours are."""
     (along, along_bend, *along_sides) = _change(pixels, known, axis=1)
     (down, down_bend, *down_sides) = _change(pixels, known, axis=0)
     bends = np.stack([_curvature(along, along_bend), _curvature(down, down_bend)], axis=-1)
@@ -73,7 +93,30 @@ def _shapes(pixels: FloatArray, known: BoolArray, dots: BoolArray) -> FloatArray
     gaps += [_height(side, down) for side in reversed(along_sides)]
     wide = np.pad(dots, 1).astype(float)
     around = [wide[:-1, :-1], wide[:-1, 1:], wide[1:, :-1], wide[1:, 1:]]
-    return np.concatenate([along, down, bends, np.stack(gaps + around, axis=-1)], axis=-1)[known]
+    area = along[..., 0] * down[..., 1] - along[..., 1] * down[..., 0]
+    slopes = [
+        (light[..., 0] * down[..., 1] - light[..., 1] * along[..., 1]) / area,
+        (light[..., 1] * along[..., 0] - light[..., 0] * down[..., 0]) / area,
+    ]
+    rest = np.stack(gaps + around + slopes, axis=-1)
+    return np.concatenate([along, down, bends, rest], axis=-1)[known]
+
+
+def _light(lattice: Lattice) -> FloatArray:
+    """Return (R, C, 2) the relative change of the light per column and per row.
+
+    That of a quadratic surface through the logarithm of the corners' means.
+    """
+    rows, columns = np.indices(lattice.fields.shape[:2]).astype(float)
+    known = ~np.isnan(lattice.fields[..., MEAN])
+    terms = np.stack(
+        [np.ones_like(rows), columns, rows, columns**2, columns * rows, rows**2], axis=-1
+    )
+    values = np.log(np.maximum(lattice.fields[known][:, MEAN], 1.0))
+    c = np.linalg.lstsq(terms[known], values, rcond=None)[0]
+    along = c[1] + 2.0 * c[3] * columns + c[4] * rows
+    down = c[2] + c[4] * columns + 2.0 * c[5] * rows
+    return np.stack([along, down], axis=-1)
 
 
 def _height(side: FloatArray, edge: FloatArray) -> FloatArray:
