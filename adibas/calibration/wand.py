@@ -1,0 +1,128 @@
+"""A known length, measured before a session: does the calibration still hold.
+
+Source: the wand check of marker systems, as ASTM E3064 (2016) describes it; intervals from
+`adibas.geometry.uncertainty`.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from adibas.arrays import FloatArray, check_shape
+from adibas.data.sentence import Sentence
+from adibas.geometry.uncertainty import independent, uncertain_distances
+from adibas.texts import message
+
+
+class WandResult(Enum):
+    """What came of the check."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    UNSURE = "unsure"
+
+
+TEXTS = {
+    WandResult.PASSED: message(
+        "The wand of {length_mm} mm measures {measured_mm} mm ({low_mm} to {high_mm} mm): the "
+        "sensor measures as it was calibrated."
+    ),
+    WandResult.FAILED: message(
+        "The wand of {length_mm} mm measures {measured_mm} mm ({low_mm} to {high_mm} mm), more "
+        "than {tolerance_mm} mm away from the truth. Check that both markers are fixed to its "
+        "ends and well seen, and let the sensor warm up; if it stays so, calibrate again."
+    ),
+    WandResult.UNSURE: message(
+        "The wand of {length_mm} mm measures {measured_mm} mm, but only within {low_mm} to "
+        "{high_mm} mm. Hold it nearer and across the line of sight, and measure again."
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class WandParams:
+    """When a wand passes.
+
+    Attributes
+    ----------
+    tolerance_m : float
+        How far from the truth is still good: 5 mm, less than palpation scatters (3-6 mm).
+    """
+
+    tolerance_m: float = 0.005
+
+    def __post_init__(self) -> None:
+        if not self.tolerance_m > 0:
+            raise ValueError(f"tolerance_m must be positive, got {self.tolerance_m}")
+
+
+@dataclass(frozen=True, slots=True)
+class WandCheck:
+    """A measured wand.
+
+    Attributes
+    ----------
+    length_m, measured_m : float
+        As it is, and as measured.
+    interval_m : (float, float)
+        Holds what was measured in 95 % of cases, by the instrument's own account.
+    result : WandResult
+        Passed: the truth lies within interval and tolerance. Unsure: the interval is wider than
+        the tolerance to either side, so that passing would say nothing.
+    sentence : Sentence
+        For the reader.
+    """
+
+    length_m: float
+    measured_m: float
+    interval_m: tuple[float, float]
+    result: WandResult
+    sentence: Sentence
+
+
+def check_wand(
+    ends_m: FloatArray,
+    covariances_m2: FloatArray,
+    length_m: float,
+    params: WandParams | None = None,
+) -> WandCheck:
+    """Compare two measured markers with the length between them.
+
+    Parameters
+    ----------
+    ends_m : (2, 3) array
+        Positions of the markers, metres.
+    covariances_m2 : (2, 3, 3) array
+        Of each.
+    length_m : float
+        Between their centres, as measured with a ruler.
+
+    Raises
+    ------
+    ValueError
+        The length is not positive, or a position is missing.
+    """
+    params = params or WandParams()
+    check_shape("ends_m", ends_m, (2, 3))
+    check_shape("covariances_m2", covariances_m2, (2, 3, 3))
+    if not length_m > 0 or not np.isfinite(ends_m).all():
+        raise ValueError("a wand has a positive length and two measured ends")
+    found = uncertain_distances(ends_m[None], independent(*covariances_m2)[None])
+    measured_m = float(found.values[0])
+    low_m, high_m = (float(value) for value in found.intervals[0])
+    tolerance_m = params.tolerance_m
+    if not low_m - tolerance_m <= length_m <= high_m + tolerance_m:
+        result = WandResult.FAILED
+    elif 0.5 * (high_m - low_m) > tolerance_m:
+        result = WandResult.UNSURE
+    else:
+        result = WandResult.PASSED
+    fields = {
+        "length_mm": 1000.0 * length_m,
+        "measured_mm": 1000.0 * measured_m,
+        "low_mm": 1000.0 * low_m,
+        "high_mm": 1000.0 * high_m,
+        "tolerance_mm": 1000.0 * tolerance_m,
+    }
+    return WandCheck(length_m, measured_m, (low_m, high_m), result, Sentence(TEXTS[result], fields))
