@@ -173,7 +173,9 @@ def check_registration(
     coarse = (params.search_px * scale, growth_px, params.search_blur_px * scale)
     bins = _binned(_profiles(gray, outline, coarse), outline)
     near = _best(bins.sum(axis=0), coarse)
-    first, second = (_best(part.sum(axis=0), coarse) for part in (bins[::2], bins[1::2]))
+    # The fields of a chessboard of blocks.
+    is_dark = np.unique(outline.blocks) % 2 == 0
+    first, second = (_best(bins[part].sum(axis=0), coarse) for part in (is_dark, ~is_dark))
     if np.hypot(*(first - second)[:2]) > params.least_agreement_px * scale:
         return _unsure(n_points)
     moved = replace(outline, pixels=outline.pixels + near[:2])

@@ -83,7 +83,8 @@ def outline_in_color(
     kept &= ((here > 0) & (here < (color.width - 1, color.height - 1))).all(axis=1)
     here = here[kept]
     size = np.array([color.width, color.height]) / N_BLOCKS
-    block = (here // size).astype(int) @ (1, N_BLOCKS)
+    # One column more than there are: neighbours in every direction differ by an odd number.
+    block = (here // size).astype(int) @ (1, N_BLOCKS + 1)
     return Outline(here, direction[kept], block.astype(float))
 
 
