@@ -1,5 +1,6 @@
 """Pictures of a board before a small camera, as the live view gives them."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -40,14 +41,20 @@ def picture(index, *, motion_px=(0.0, 0.0), is_mirrored=False):
     return render_board(BOARD, poses()[index], CAMERA, rng, look, in_color=True).image
 
 
-def sensor_frame(index, time_s=0.0, **faults):
+def sensor_frame(index, **faults):
     """Return a frame with the board in that pose, and a wall behind."""
-    time_ns = round(time_s * NS)
     depth_raw = np.full((48, 64), 1500 + 10 * index, np.uint16)
-    return SensorFrame(round(time_s * 30), time_ns, depth_raw, picture(index, **faults), time_ns)
+    return SensorFrame(0, 0, depth_raw, picture(index, **faults), 0)
+
+
+@cache
+def seen_frame(index, board, faults):
+    """Return what the live view tells of a frame at its beginning."""
+    arrival = Arrival(sensor_frame(index, **dict(faults)), INFO, 30.0, 0)
+    return look_at(arrival, Look(board=board))
 
 
 def live_frame(index, time_s=0.0, board=BOARD, **faults):
-    """Return what the live view tells of it."""
-    arrival = Arrival(sensor_frame(index, time_s, **faults), INFO, 30.0, 0)
-    return look_at(arrival, Look(board=board))
+    """Return what the live view tells of a frame at some time."""
+    frame = seen_frame(index, board, tuple(faults.items()))
+    return replace(frame, sequence=round(time_s * 30), timestamp_ns=round(time_s * NS))
