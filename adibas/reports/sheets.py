@@ -15,7 +15,8 @@ from openpyxl import Workbook
 from openpyxl.cell import WriteOnlyCell
 from openpyxl.cell.cell import Cell
 from openpyxl.drawing.image import Image
-from openpyxl.styles import Alignment, Border, Font, PatternFill, Side
+from openpyxl.formatting.rule import ColorScale, FormatObject, Rule
+from openpyxl.styles import Alignment, Border, Color, Font, PatternFill, Side
 from openpyxl.utils import get_column_letter
 from openpyxl.worksheet.header_footer import HeaderFooterItem, _HeaderFooterPart
 from openpyxl.worksheet.pagebreak import Break
@@ -29,14 +30,15 @@ Value: TypeAlias = str | float | None
 Sheet: TypeAlias = Any
 """A WriteOnlyWorksheet; the published types lack most of what it takes."""
 
-BLUE = "1F4E79"
+BLUE, WHITE = "1F4E79", "FFFFFF"
+SHADE, NEGATIVE_SHADE = "8DB4DC", "F2B97F"
 HEADER_FONT = Font(bold=True, color="FFFFFF")
 HEADER_FILL = PatternFill("solid", fgColor=BLUE)
 TITLE_FONT = Font(bold=True, size=16, color=BLUE)
 PART_FONT = Font(bold=True, size=13, color=BLUE)
 NAME_FONT = Font(bold=True)
 LINE = Border(bottom=Side(style="hair", color="A6A6A6"))
-TOP = Alignment(vertical="top")
+TOP = Alignment(wrap_text=True, vertical="top")
 WRAPPED = Alignment(wrap_text=True, horizontal="left", vertical="top")
 PAIR_WIDTHS = (44, 84)
 MOST_PORTRAIT_COLUMNS = 8
@@ -65,6 +67,22 @@ class Part:
     heading: str
     pairs: Sequence[tuple[str, Value]]
     picture_rgb: UInt8Array | None = None
+    number_format: str = "General"
+    """Of values with a fraction."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """One of several tables of a sheet; the cells of a map are coloured by their value.
+
+    The first column of a map holds the names of its rows. In a signed map 0 is white.
+    """
+
+    heading: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Value]]
+    is_map: bool = False
+    is_signed: bool = False
 
 
 def add_table(
@@ -115,7 +133,7 @@ def add_parts(
             sheet.append([_styled(sheet, part.heading, PART_FONT)])
             n_rows += 1
         for name, value in part.pairs:
-            sheet.append(_pair(sheet, name, value))
+            sheet.append(_pair(sheet, name, value, part.number_format))
         sheet.append([])
         n_rows += len(part.pairs) + 1
         if part.picture_rgb is not None:
@@ -125,6 +143,36 @@ def add_parts(
                 sheet.append([])
             n_rows += reserved
             has_picture = True
+
+
+def add_blocks(
+    workbook: Workbook, sheet_title: str, title: str, blocks: Sequence[Block], footer: str
+) -> None:
+    """Add a sheet with a title and tables below each other."""
+    n_columns = max(len(block.columns) for block in blocks)
+    widths = [
+        max(block.columns[at].width for block in blocks if at < len(block.columns))
+        for at in range(n_columns)
+    ]
+    sheet = _new_sheet(workbook, sheet_title, widths, footer)
+    sheet.freeze_panes = "A3"
+    sheet.append([_styled(sheet, title, TITLE_FONT)])
+    sheet.append([])
+    n_rows = 2
+    for block in blocks:
+        sheet.append([_styled(sheet, block.heading, PART_FONT)])
+        if not block.is_map:
+            sheet.row_dimensions[n_rows + 2].height = HEADER_HEIGHT
+        sheet.append([_header_cell(sheet, column.title) for column in block.columns])
+        for row in block.rows:
+            sheet.append(_block_row(sheet, block, row))
+        if block.is_map and block.rows:
+            last = f"{get_column_letter(len(block.columns))}{n_rows + 2 + len(block.rows)}"
+            sheet.conditional_formatting.add(
+                f"B{n_rows + 3}:{last}", _shades(is_signed=block.is_signed)
+            )
+        sheet.append([])
+        n_rows += len(block.rows) + 3
 
 
 def discard_unsaved(workbook: Workbook) -> None:
@@ -197,11 +245,34 @@ def _header_cell(sheet: Sheet, title: str) -> Cell:
     return cell
 
 
-def _pair(sheet: Sheet, name: str, value: Value) -> list[Cell]:
+def _pair(sheet: Sheet, name: str, value: Value, number_format: str) -> list[Cell]:
     name_cell, value_cell = _styled(sheet, name, NAME_FONT), _styled(sheet, value)
+    if isinstance(value, float):
+        value_cell.number_format = number_format
     name_cell.alignment, value_cell.alignment = TOP, WRAPPED
     name_cell.border = value_cell.border = LINE
     return [name_cell, value_cell]
+
+
+def _block_row(sheet: Sheet, block: Block, row: Sequence[Value]) -> list[Cell]:
+    cells = [_styled(sheet, value) for value in row]
+    for cell, column in zip(cells, block.columns, strict=True):
+        cell.number_format = column.number_format
+        cell.border = LINE
+    if block.is_map:
+        cells[0].font = NAME_FONT
+    return cells
+
+
+def _shades(*, is_signed: bool) -> Rule:
+    """Return white for the least value, or for 0, and more colour the farther from that."""
+    limits = [FormatObject(type="min"), FormatObject(type="max")]
+    colors = [WHITE, SHADE]
+    if is_signed:
+        limits.insert(1, FormatObject(type="num", val=0))
+        colors.insert(0, NEGATIVE_SHADE)
+    scale = ColorScale(cfvo=limits, color=[Color(rgb=f"FF{color}") for color in colors])
+    return Rule(type="colorScale", colorScale=scale)
 
 
 def _image(picture_rgb: UInt8Array) -> Image:

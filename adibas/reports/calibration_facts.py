@@ -1,0 +1,247 @@
+"""What a calibration's report says in lines of name and value, the same for every format."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from adibas.calibration.kept import REMIND_AFTER
+from adibas.calibration.quality import board_errors, map_residuals, mean_board_error_m, tilts_rad
+from adibas.calibration.verdict import VerdictParams
+from adibas.data.calibration_report import CalibrationReport, DepthReport
+from adibas.data.calibration_verdict import GRADES, Grade
+from adibas.data.camera_fit import CameraFit
+from adibas.reports.calibration_depth_rows import rms_of_shots_mm
+from adibas.reports.calibration_rows import (
+    MM_PER_M,
+    SURE,
+    ImageRow,
+    known,
+    largest_change_mm,
+    length_interval_mm,
+)
+from adibas.reports.facts import intended_use
+from adibas.texts import decimal_text, translate_plural
+from adibas.texts import translate as _
+
+Pairs = list[tuple[str, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A number with its name; None where it is not known."""
+
+    name: str
+    value: float | None
+    n_decimals: int
+
+    @property
+    def text(self) -> str:
+        """The number as the language in use writes it."""
+        return "\N{EN DASH}" if self.value is None else decimal_text(self.value, self.n_decimals)
+
+
+def verdict_facts(report: CalibrationReport) -> Pairs:
+    """Return the verdict, each reason with what to do, and what to do next."""
+    verdict = report.verdict
+    facts = [(_("Verdict"), _(GRADES[verdict.grade]))]
+    facts += [(_("Reason, and what to do"), finding.text) for finding in verdict.findings]
+    if report.fit is not None and verdict.grade is not Grade.REPEAT:
+        facts.append((_("What to do next"), next_step(report)))
+    return facts
+
+
+def next_step(report: CalibrationReport) -> str:
+    """Return until when the calibration serves."""
+    made = made_utc(report) or report.written_utc
+    return _(
+        "Calibrate again after {date}, and sooner where the sensor fell, was opened, or measures "
+        "a known length wrongly."
+    ).format(date=(made + REMIND_AFTER).date().isoformat())
+
+
+def camera_facts(report: CalibrationReport) -> Pairs:
+    """Return what was calibrated, with what, and when."""
+    board = report.board
+    made, age = made_utc(report), age_days(report)
+    facts = [
+        (_("Sensor"), report.sensor or _("not told")),
+        (
+            _("Calibrated (UTC)"),
+            _("not known") if made is None else made.isoformat(timespec="seconds"),
+        ),
+        (
+            _("Age of the calibration"),
+            _("not known")
+            if age is None
+            else translate_plural("{n} day", "{n} days", age).format(n=age),
+        ),
+        (
+            _("Board"),
+            _("{columns} x {rows} inner corners, squares of {side} mm").format(
+                columns=board.columns,
+                rows=board.rows,
+                side=decimal_text(MM_PER_M * board.square_m, 2),
+            ),
+        ),
+    ]
+    fit = report.fit
+    if fit is not None:
+        size = _("{width} x {height} pixels").format(
+            width=fit.camera.width, height=fit.camera.height
+        )
+        terms = _("no lens distortion") if fit.model == "none" else fit.model
+        facts += [(_("Image"), size), (_("Lens model"), terms)]
+    return facts
+
+
+def general_facts(report: CalibrationReport) -> Pairs:
+    """Return what the reader must know about every report of a calibration."""
+    return [
+        (_("Software version"), report.version),
+        (_("Intended use"), intended_use()),
+        (
+            _("Intervals"),
+            _(
+                "95 %, from the noise of the corners and from what the images contradict one "
+                "another. Distances rest on the size of the squares, which images alone do not "
+                "show: measure one with a ruler."
+            ),
+        ),
+    ]
+
+
+def figures(report: CalibrationReport) -> Iterator[Figure]:
+    """Yield the numbers that sum the calibration up."""
+    yield Figure(_("Images given"), len(report.images), 0)
+    with_board = sum(image.n_corners > 0 for image in report.images)
+    yield Figure(_("Images with the board"), with_board, 0)
+    if report.fit is not None:
+        yield from _fit_figures(report.fit)
+    change_mm = largest_change_mm(report)
+    if change_mm is not None:
+        yield Figure(
+            _("Change of 0.5 m at 2 m against the calibration before, at most [mm]"), change_mm, 2
+        )
+    if report.depth is not None:
+        yield from _depth_figures(report.depth)
+
+
+def depth_facts(depth: DepthReport) -> Pairs:
+    """Return what was checked of the depth, in words."""
+    facts = []
+    if depth.registration is not None:
+        u_px, v_px = depth.registration.shift_px
+        text = _(
+            "The depth's edge lies {u} px to the right and {v} px below the colour's; 95 % of "
+            "{n} places are nearer than {spread} px."
+        ).format(
+            u=decimal_text(u_px, 1),
+            v=decimal_text(v_px, 1),
+            n=depth.registration.n_places,
+            spread=decimal_text(depth.registration.spread_px, 1),
+        )
+        facts.append((_("Registration on a real edge"), text))
+    if depth.vertical is not None:
+        facts.append((_("Vertical"), _vertical_text(depth)))
+    if depth.drift is not None:
+        facts.append((_("Warm-up"), _drift_text(depth)))
+    return facts
+
+
+def remark(row: ImageRow) -> str | None:
+    """Return what the reader must know about an image."""
+    if row.image.problem is not None:
+        return row.image.problem_text
+    return _("contradicts the others and took no part") if row.is_outlier else None
+
+
+def made_utc(report: CalibrationReport) -> datetime | None:
+    """Return when the calibration was made; None where it does not say."""
+    try:
+        made = datetime.fromisoformat(report.calibration.created_utc if report.calibration else "")
+    except ValueError:
+        return None
+    return made if made.tzinfo is not None else made.replace(tzinfo=report.written_utc.tzinfo)
+
+
+def age_days(report: CalibrationReport) -> int | None:
+    """Return how old the calibration was when the report was written; None where not known."""
+    made = made_utc(report)
+    return None if made is None else max((report.written_utc - made) // timedelta(days=1), 0)
+
+
+def _fit_figures(fit: CameraFit) -> Iterator[Figure]:
+    limits = VerdictParams()
+    used = fit.used_views
+    yield Figure(_("Images that took part"), len(used), 0)
+    n_corners = sum(int(np.count_nonzero(view.is_used)) for view in used)
+    yield Figure(_("Corners that took part"), n_corners, 0)
+    n_outliers = sum(len(view.outlier_corners) for view in used)
+    yield Figure(_("Corners that contradict the rest and took no part"), n_outliers, 0)
+    yield Figure(_("Error, rms over points [px]"), known(fit.rms_px), 3)
+    yield Figure(_("Noise of a corner's coordinate [px]"), known(fit.sigma_px), 3)
+    ratio = math.sqrt(fit.birge_ratio) if fit.birge_ratio >= 0 else math.nan
+    yield Figure(_("Contradiction between images, in units of that noise"), known(ratio), 2)
+    q_mm = MM_PER_M * mean_board_error_m(board_errors(fit))
+    yield Figure(_("Mean error on the board, Q [mm]"), known(q_mm), 3)
+    covered = 100.0 * map_residuals(fit).covered_share
+    yield Figure(_("Part of the image with corners [%]"), covered, 0)
+    greatest_deg = float(np.degrees(tilts_rad(fit)).max(initial=0.0))
+    yield Figure(_("Greatest tilt of the board [deg]"), greatest_deg, 1)
+    half_mm = length_interval_mm(fit, limits.distance_m, limits.length_m)
+    name = _("95 % of a length of {length} m at {distance} m, plus or minus [mm]").format(
+        length=decimal_text(limits.length_m, 0), distance=decimal_text(limits.distance_m, 1)
+    )
+    yield Figure(name, half_mm, 2)
+    yield Figure(_("Skew that the images would ask for [px]"), known(fit.skew_px), 3)
+    yield Figure(_("95 % of the skew, plus or minus [px]"), known(SURE * fit.skew_sd_px), 3)
+
+
+def _depth_figures(depth: DepthReport) -> Iterator[Figure]:
+    n_shots = sum(not shot.is_outlier for shot in depth.shots)
+    yield Figure(_("Boards and walls seen in depth that took part"), n_shots, 0)
+    left_mm = rms_of_shots_mm(depth)
+    yield Figure(_("Error of the boards' depth that is left, rms [mm]"), left_mm, 2)
+
+
+def _vertical_text(depth: DepthReport) -> str:
+    vertical = depth.vertical
+    if vertical is None:
+        return ""
+    source = _("the floor") if vertical.source == "floor" else _("an accelerometer")
+    text = _(
+        "By {source}: the camera looks {lean} degrees down and is turned {roll} degrees clockwise, "
+        "plus or minus {sure} degrees (95 %)."
+    ).format(
+        source=source,
+        lean=decimal_text(math.degrees(vertical.lean_rad), 2),
+        roll=decimal_text(math.degrees(vertical.roll_rad), 2),
+        sure=decimal_text(math.degrees(SURE * vertical.sd_rad), 2),
+    )
+    if math.isnan(vertical.residual_m):
+        return text
+    residual = _("Residual of the floor: {residual} mm rms.").format(
+        residual=decimal_text(MM_PER_M * vertical.residual_m, 1)
+    )
+    return f"{text} {residual}"
+
+
+def _drift_text(depth: DepthReport) -> str:
+    drift = depth.drift
+    if drift is None:
+        return ""
+    measured = _(
+        "The depth changed by {share} % in an hour, plus or minus {sure} % (95 %)."
+    ).format(
+        share=decimal_text(100.0 * drift.per_hour, 2),
+        sure=decimal_text(100.0 * SURE * drift.sd_per_hour, 2),
+    )
+    advice = (
+        _("The sensor was still warming up: let it run for half an hour and calibrate again.")
+        if drift.is_noticed
+        else _("No warming up is noticed.")
+    )
+    return f"{measured} {advice}"
