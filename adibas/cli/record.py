@@ -32,7 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source",
         metavar=_("SOURCE"),
-        help=_("openni2[:FILE.oni], realsense[:FILE], simulator[:SCENE] or a recording"),
+        help=_(
+            "openni2[:FILE.oni|:SENSOR], realsense[:FILE|:SENSOR], simulator[:SCENE] or a recording"
+        ),
     )
     parser.add_argument(
         "--seconds", type=positive, metavar="N", help=_("how long; until Ctrl-C if not given")

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import ModuleType
@@ -12,7 +13,7 @@ from adibas.errors import SensorError
 from adibas.sensors.openni2_description import describe_source
 from adibas.sensors.openni2_images import copy_image
 from adibas.sensors.openni2_library import load_openni2, openni2_errors
-from adibas.sensors.openni2_modes import describe_device, text_of
+from adibas.sensors.openni2_modes import describe_device, describe_uri, text_of
 from adibas.sensors.openni2_playback import Playback
 from adibas.sensors.openni2_streams import (
     OpenStream,
@@ -51,10 +52,10 @@ class OpenNI2Camera(DepthCamera):
     ----------
     file : Path, optional
         A .oni file; without it the sensor that is plugged in.
+    sensor : str, optional
+        Which of several sensors: `SensorDescription.uri` or `.serial`; the first one by default.
     options : SensorOptions
         For sensors; a file is played as it was recorded.
-    uri : str, optional
-        Which of several sensors (`SensorDescription.uri`); the first one by default.
 
     Raises
     ------
@@ -65,8 +66,8 @@ class OpenNI2Camera(DepthCamera):
     def __init__(
         self,
         file: Path | None = None,
+        sensor: str | None = None,
         options: SensorOptions = DEFAULT_OPTIONS,
-        uri: str | None = None,
     ) -> None:
         self._file = file
         self._unplugged = threading.Event()
@@ -74,7 +75,7 @@ class OpenNI2Camera(DepthCamera):
         self._playback: Playback | None = None
         self._listener: Any = None
         openni2 = load_openni2()
-        self._device = _open_file(openni2, file) if file else _open_sensor(openni2, uri)
+        self._device = _open_file(openni2, file) if file else _open_sensor(openni2, sensor)
         with ExitStack() as undo:
             undo.callback(self.close)
             self._set_up(openni2, options)
@@ -226,7 +227,7 @@ class OpenNI2Camera(DepthCamera):
         )
 
 
-def _open_sensor(openni2: ModuleType, uri: str | None) -> Any:
+def _open_sensor(openni2: ModuleType, sensor: str | None) -> Any:
     with openni2_errors("OpenNI2 cannot list its sensors: {reason}. Plug them in anew."):
         uris = openni2.Device.enumerate_uris()
     if not uris:
@@ -238,7 +239,20 @@ def _open_sensor(openni2: ModuleType, uri: str | None) -> Any:
         "The sensor cannot be opened: {reason}. Close other programs that use it; on Linux the "
         "package libopenni2-0 gives the right to use it, after plugging it in anew."
     ):
-        return openni2.Device(uris[0] if uri is None else uri.encode())
+        return openni2.Device(uris[0] if sensor is None else _address_of(openni2, sensor, uris))
+
+
+def _address_of(openni2: ModuleType, sensor: str, uris: Sequence[bytes]) -> bytes:
+    """Return the address of the sensor with this address, or else with this serial number."""
+    if sensor.encode() in uris:
+        return sensor.encode()
+    for uri in uris:
+        if describe_uri(openni2, uri).serial == sensor:
+            return bytes(uri)
+    raise SensorError(
+        "The sensor {sensor} is not plugged in. Plug it in, or look for sensors and choose one.",
+        sensor=sensor,
+    )
 
 
 def _open_file(openni2: ModuleType, file: Path) -> Any:

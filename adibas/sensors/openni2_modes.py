@@ -53,10 +53,11 @@ def _list() -> tuple[SensorDescription, ...]:
     openni2 = load_openni2()
     with openni2_errors("OpenNI2 cannot list its sensors: {reason}. Unplug them and try again."):
         uris = openni2.Device.enumerate_uris()
-    return tuple(_describe_uri(openni2, uri) for uri in uris)
+    return tuple(describe_uri(openni2, uri) for uri in uris)
 
 
-def _describe_uri(openni2: ModuleType, uri: bytes) -> SensorDescription:
+def describe_uri(openni2: ModuleType, uri: bytes) -> SensorDescription:
+    """Return what the sensor with this address says of itself."""
     from openni.utils import OpenNIError
 
     try:

@@ -3,7 +3,7 @@
 import queue
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
@@ -40,9 +40,11 @@ QUEUE_IMAGES = 16
 
 
 def open_realsense(
-    file: Path | None = None, options: SensorOptions = DEFAULT_OPTIONS
+    file: Path | None = None,
+    sensor: str | None = None,
+    options: SensorOptions = DEFAULT_OPTIONS,
 ) -> "RealSenseCamera":
-    """Open a file of the library, or else the first sensor that is plugged in.
+    """Open a file of the library, or the sensor with this serial number, or else the first one.
 
     Raises
     ------
@@ -65,7 +67,19 @@ def open_realsense(
             "No RealSense is found. Plug it into a USB 3 port and try again; adibas doctor says "
             "what this computer has."
         )
-    return RealSenseCamera(devices[0], options)
+    return RealSenseCamera(_chosen(library, devices, sensor), options)
+
+
+def _chosen(library: ModuleType, devices: Sequence[Any], sensor: str | None) -> Any:
+    if sensor is None:
+        return devices[0]
+    for device in devices:
+        if describe_device(library, device).serial == sensor:
+            return device
+    raise SensorError(
+        "The sensor {sensor} is not plugged in. Plug it in, or look for sensors and choose one.",
+        sensor=sensor,
+    )
 
 
 class RealSenseCamera(DepthCamera):

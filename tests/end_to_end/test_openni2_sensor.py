@@ -277,3 +277,45 @@ def test_a_depth_unit_that_no_sensor_has_is_refused(sensor):
     assert given["error"] == (
         "OpenNI2 sensors measure depth in units of 1 mm or 0.1 mm, not 10 mm."
     )
+
+
+def test_of_two_sensors_each_is_opened_by_its_serial_number_or_its_address(sensor):
+    sensor.tell("second")
+    given = sensor.run("""
+from adibas.sensors.openni2_modes import list_sensors
+from adibas.sensors.sources import source_of
+found = list_sensors()
+opened = {}
+for source in (*(source_of("openni2", one, found) for one in found), "openni2:virtual/1"):
+    with open_source(source, SensorOptions(color_size=(640, 480))) as camera:
+        opened[source] = camera.info.sensor_serial
+        camera.read()
+with open_source("openni2:VIRTUAL-0001") as one, open_source("openni2:VIRTUAL-0002") as other:
+    both = [camera.info.sensor_serial for camera in (one, other) if camera.read()]
+try:
+    open_source("openni2:VIRTUAL-0003")
+except AdibasError as error:
+    give(error=str(error))
+give(opened=opened, both=both)
+""")
+    assert given["opened"] == {
+        "openni2:VIRTUAL-0001": "VIRTUAL-0001",
+        "openni2:VIRTUAL-0002": "VIRTUAL-0002",
+        "openni2:virtual/1": "VIRTUAL-0002",
+    }
+    assert given["both"] == ["VIRTUAL-0001", "VIRTUAL-0002"]
+    assert given["error"].startswith("The sensor VIRTUAL-0003 is not plugged in.")
+
+
+def test_two_sensors_with_one_serial_number_are_told_apart_by_their_addresses(sensor):
+    sensor.tell("second")
+    sensor.tell("twins")
+    given = sensor.run("""
+from adibas.sensors.openni2_modes import list_sensors
+from adibas.sensors.sources import source_of
+found = list_sensors()
+give(serials=[one.serial for one in found],
+     sources=[source_of("openni2", one, found) for one in found])
+""")
+    assert given["serials"] == ["VIRTUAL-0001"] * 2
+    assert given["sources"] == ["openni2:virtual/0", "openni2:virtual/1"]

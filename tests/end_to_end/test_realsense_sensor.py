@@ -11,6 +11,8 @@ from adibas.geometry.pinhole import project
 from adibas.sensors import SensorOptions, open_source
 from adibas.sensors.realsense import RealSenseCamera
 from adibas.sensors.realsense_calibration import distortion_of, rigid
+from adibas.sensors.realsense_library import list_sensors
+from adibas.sensors.sources import source_of
 
 DEPTH_SIZE, COLOR_SIZE = (848, 480), (1280, 720)
 PERIOD_MS = 1000 / 30
@@ -41,10 +43,10 @@ def extrinsics():
 class SoftwareSensor:
     """A device without hardware that sends what it is told to."""
 
-    def __init__(self):
+    def __init__(self, serial="0123456789"):
         self.device = rs.software_device()
         self.device.register_info(rs.camera_info.name, "Software D435")
-        self.device.register_info(rs.camera_info.serial_number, "0123456789")
+        self.device.register_info(rs.camera_info.serial_number, serial)
         stereo = self.device.add_sensor("Stereo Module")
         rgb = self.device.add_sensor("RGB Camera")
         stereo.add_read_only_option(rs.option.depth_units, SCALE_M)
@@ -290,6 +292,31 @@ def test_a_missing_file_is_told_in_one_sentence(tmp_path):
 def test_without_a_sensor_the_user_is_told_to_plug_one_in():
     with pytest.raises(SensorError, match=r"^No RealSense is found\. Plug it into a USB 3 port"):
         open_source("realsense")
+
+
+class PluggedIn:
+    """What the library sees when these sensors are plugged in."""
+
+    def __init__(self, devices):
+        self.devices = devices
+
+    def query_devices(self):
+        return self.devices
+
+
+def test_of_several_sensors_one_is_opened_by_its_serial_number(monkeypatch):
+    sensors = [SoftwareSensor("0001"), SoftwareSensor("0002")]
+    context = PluggedIn([one.device for one in sensors])
+    monkeypatch.setattr(rs, "context", lambda: context)
+    found = list_sensors()
+    assert [one.serial for one in found] == ["0001", "0002"]
+    sources = [source_of("realsense", one, found) for one in found]
+    assert sources == ["realsense:0001", "realsense:0002"]
+    for source, serial in (*zip(sources, ("0001", "0002"), strict=True), ("realsense", "0001")):
+        with open_source(source) as camera:
+            assert camera.info.sensor_serial == serial
+    with pytest.raises(SensorError, match="The sensor 0003 is not plugged in"):
+        open_source("realsense:0003")
 
 
 def test_registration_by_the_sensor_is_refused():

@@ -11,6 +11,8 @@ from adibas.errors import SensorError
 from adibas.sensors import open_source
 from adibas.sensors.doctor import findings
 from adibas.sensors.openni2_library import find_library_folder, load_openni2
+from adibas.sensors.ports import SensorDescription
+from adibas.sensors.sources import is_sensor, source_of
 
 PROJECT = Path(__file__).parents[2]
 
@@ -21,6 +23,44 @@ def test_an_unknown_source_lists_what_is_possible(text):
         open_source(text)
     for possible in ("openni2:FILE.oni", "realsense", "simulator:SCENE", "recording"):
         assert possible in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("openni2", True),
+        ("openni2:1d27/0609@1/4", True),
+        ("realsense:0123456789", True),
+        ("openni2:walk.oni", False),
+        ("openni2:WALK.ONI", False),
+        ("realsense:walk.db3", False),
+        ("simulator", False),
+        ("walk.mcap", False),
+    ],
+)
+def test_a_sensor_is_told_from_a_file(text, expected):
+    assert is_sensor(text) is expected
+
+
+def test_a_file_without_the_usual_ending_is_no_sensor(tmp_path):
+    (tmp_path / "walk").touch()
+    assert not is_sensor(f"openni2:{tmp_path / 'walk'}")
+
+
+def test_a_single_sensor_needs_no_name_and_others_the_serial_number_or_the_address():
+    one, twin, nameless = (
+        SensorDescription("Xtion", "Asus", serial, f"address/{number}")
+        for number, serial in enumerate(("A1", "A1", ""))
+    )
+    other = SensorDescription("Xtion", "Asus", "B2", "address/3")
+    every = (one, twin, nameless, other)
+    assert source_of("openni2", one, (one,)) == "openni2"
+    assert [source_of("openni2", sensor, every) for sensor in every] == [
+        "openni2:address/0",
+        "openni2:address/1",
+        "openni2:address/2",
+        "openni2:B2",
+    ]
 
 
 def test_the_first_kinect_is_not_available_and_says_so():

@@ -599,6 +599,12 @@ def test_libraries_are_asked_for_their_sensors(monkeypatch):
     assert [choice.source for choice in choices] == ["openni2", "simulator", "/x/a.mcap"]
     assert choices[0].title == "Xtion (OpenNI2)"
     assert [choice.sizes for choice in choices] == [(LARGE, SMALL), SIZES, ()]
+    pair = [*sensors, SensorDescription("Xtion", "ASUS", "", "u2", modes)]
+    monkeypatch.setattr(sources.openni2_modes, "list_sensors", lambda: pair)
+    assert [(one.title, one.source) for one in find_sources(())[:2]] == [
+        ("Xtion 1 (OpenNI2)", "openni2:1"),
+        ("Xtion u2 (OpenNI2)", "openni2:u2"),
+    ]
     nameless = [SensorDescription("", "", "", "u")]
     monkeypatch.setattr(sources.openni2_modes, "list_sensors", lambda: nameless)
     assert find_sources(())[0] == SourceChoice("OpenNI2 (OpenNI2)", "openni2", SIZES, True)

@@ -6,7 +6,8 @@
 //
 // Files beside the dump play the world: DUMP.unplug (the sensor goes), DUMP.silence (it stays but
 // sends nothing), DUMP.gone (it was never there), DUMP.mirrored (mirroring cannot be switched
-// off), DUMP.plain (neither registration nor frame synchronisation).
+// off), DUMP.plain (neither registration nor frame synchronisation), DUMP.second (there are two
+// of them, with images in another order), DUMP.twins (both have one serial number).
 
 #include <cstddef>
 #define XN_NEW(type, ...) (new type(__VA_ARGS__))
@@ -166,7 +167,7 @@ private:
 
 class Device : public DeviceBase {
 public:
-    explicit Device(const std::vector<Block>& blocks) : blocks_(blocks) {
+    Device(const std::vector<Block>& blocks, int number) : blocks_(blocks), number_(number) {
         for (const Block& block : blocks_) modes_[block.sensor].push_back(block.mode);
         for (auto& entry : modes_)
             sensors_.push_back({entry.first, int(entry.second.size()), entry.second.data()});
@@ -204,7 +205,8 @@ public:
     OniStatus getProperty(int id, void* data, int* size) override {
         if (id == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION) return give(registration_, data, size);
         if (id != ONI_DEVICE_PROPERTY_SERIAL_NUMBER) return ONI_STATUS_NOT_IMPLEMENTED;
-        std::strncpy(static_cast<char*>(data), "VIRTUAL-0001", size_t(*size));
+        const char* serial = number_ == 0 || is_told(".twins") ? "VIRTUAL-0001" : "VIRTUAL-0002";
+        std::strncpy(static_cast<char*>(data), serial, size_t(*size));
         return ONI_STATUS_OK;
     }
 
@@ -221,11 +223,12 @@ public:
     void tick(int number, uint64_t time_us) {
         std::lock_guard<std::mutex> lock(mutex_);
         for (Stream* stream : streams_)
-            stream->tick(number, time_us, registration_ == ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR);
+            stream->tick(number + 2 * number_, time_us, registration_ == ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR);
     }
 
 private:
     const std::vector<Block>& blocks_;
+    const int number_;
     std::map<OniSensorType, std::vector<OniVideoMode>> modes_;
     std::vector<OniSensorInfo> sensors_;
     std::set<Stream*> streams_;
@@ -238,29 +241,33 @@ private:
 class VirtualDriver : public DriverBase {
 public:
     explicit VirtualDriver(OniDriverServices* services) : DriverBase(services), blocks_(read_dump()) {
-        std::memset(&info_, 0, sizeof info_);
-        std::strcpy(info_.uri, "virtual/0");
-        std::strcpy(info_.vendor, "PrimeSense");
-        std::strcpy(info_.name, "Virtual sensor");
+        std::memset(infos_, 0, sizeof infos_);
+        for (int number = 0; number < 2; ++number) {
+            std::strcpy(infos_[number].uri, number == 0 ? "virtual/0" : "virtual/1");
+            std::strcpy(infos_[number].vendor, "PrimeSense");
+            std::strcpy(infos_[number].name, "Virtual sensor");
+        }
     }
 
     OniStatus initialize(DeviceConnectedCallback connected, DeviceDisconnectedCallback disconnected,
                          DeviceStateChangedCallback changed, void* cookie) override {
         DriverBase::initialize(connected, disconnected, changed, cookie);
-        if (!is_told(".gone")) deviceConnected(&info_);
+        if (!is_told(".gone")) deviceConnected(&infos_[0]);
+        if (is_told(".second")) deviceConnected(&infos_[1]);
         clock_ = std::thread([this] { run(); });
         return ONI_STATUS_OK;
     }
 
-    DeviceBase* deviceOpen(const char*, const char*) override {
+    DeviceBase* deviceOpen(const char* uri, const char*) override {
         std::lock_guard<std::mutex> lock(mutex_);
-        device_ = new Device(blocks_);
-        return device_;
+        Device* device = new Device(blocks_, std::strcmp(uri, infos_[0].uri) == 0 ? 0 : 1);
+        devices_.insert(device);
+        return device;
     }
 
     void deviceClose(DeviceBase* device) override {
         std::lock_guard<std::mutex> lock(mutex_);
-        device_ = NULL;
+        devices_.erase(static_cast<Device*>(device));
         delete device;
     }
 
@@ -278,17 +285,18 @@ private:
             std::this_thread::sleep_until(begin + number * period);
             if (is_plugged && is_told(".unplug")) {
                 is_plugged = false;
-                deviceDisconnected(&info_);
+                deviceDisconnected(&infos_[0]);
             }
             std::lock_guard<std::mutex> lock(mutex_);
-            if (is_plugged && device_ && !is_told(".silence"))
-                device_->tick(number, uint64_t(number) * period.count());
+            if (!is_plugged || is_told(".silence")) continue;
+            for (Device* device : devices_)
+                device->tick(number, uint64_t(number) * period.count());
         }
     }
 
     const std::vector<Block> blocks_;
-    OniDeviceInfo info_;
-    Device* device_ = NULL;
+    OniDeviceInfo infos_[2];
+    std::set<Device*> devices_;
     std::mutex mutex_;
     std::thread clock_;
     std::atomic<bool> is_over_{false};

@@ -3,8 +3,8 @@
 from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
 from adibas.clock import Clock, utc_now
 from adibas.pipeline.live_frames import SensorState
+from adibas.sensors.sources import is_sensor
 from ui.capture.ports import CaptureView
-from ui.capture.sources import is_sensor
 from ui.reminders import remind
 from ui.workspace import Workspace
 

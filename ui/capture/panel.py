@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 from adibas.arrays import UInt8Array
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import SessionSetup
+from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
 from ui.capture.sources import SIZES, SourceChoice, view_title
 
@@ -105,7 +106,8 @@ class SourcePanel(QGroupBox):
     def _show_source(self, source: str) -> None:
         index = self._sources.findData(source)
         if index < 0:
-            self._sources.addItem(Path(source).name, source)
+            name = source if is_sensor(source) else Path(source).name
+            self._sources.addItem(name, source)
             index = self._sources.count() - 1
         self._sources.setCurrentIndex(index)
         self._sources.setToolTip(self._sources.currentText())

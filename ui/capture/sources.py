@@ -8,12 +8,12 @@ from adibas.data.posture import VIEWS
 from adibas.errors import SensorError
 from adibas.sensors import openni2_modes, realsense_library
 from adibas.sensors.ports import SensorDescription
+from adibas.sensors.sources import source_of
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.view_names import VIEW_NAMES
 
 SIMULATOR = "simulator"
-SENSORS = ("openni2", "realsense")
 Sizes: TypeAlias = tuple[tuple[int, int], ...]
 SIZES: Sizes = ((1280, 1024), (640, 480))
 """Of the colour image, (width, height), where a sensor was not asked."""
@@ -47,8 +47,13 @@ def find_sources(recent: tuple[str, ...]) -> tuple[SourceChoice, ...]:
         except SensorError:
             continue
         found += [
-            SourceChoice(f"{sensor.name or name} ({name})", source, color_sizes(sensor), True)
-            for sensor in sensors[:1]
+            SourceChoice(
+                _sensor_title(sensor, name, is_alone=len(sensors) == 1),
+                source_of(source, sensor, sensors),
+                color_sizes(sensor),
+                True,
+            )
+            for sensor in sensors
         ]
     return (*found, *usual_sources(recent))
 
@@ -65,9 +70,11 @@ def color_sizes(sensor: SensorDescription) -> Sizes:
     return tuple(sorted(sizes, reverse=True)) or SIZES
 
 
-def is_sensor(source: str) -> bool:
-    """Say whether a source is a sensor that is plugged in."""
-    return source in SENSORS
+def _sensor_title(sensor: SensorDescription, library: str, *, is_alone: bool) -> str:
+    """Return a sensor's name; of several also what is written on it, or where it is plugged in."""
+    name = sensor.name or library
+    told = name if is_alone else f"{name} {sensor.serial or sensor.uri}"
+    return f"{told} ({library})"
 
 
 def source_for_view(source: str, view: str) -> str:
