@@ -136,18 +136,19 @@ def _intervals(n: int) -> Iterator[Row]:
             fit = fit_camera(BOARD, _named(pixels, camera), params)
             if fit is None:
                 raise ValueError("simulated corners are always enough")
-            for parameter, is_held in _held(fit, camera).items():
+            for parameter, is_held in intervals_held(fit, camera).items():
                 held.setdefault(parameter, []).append(is_held)
         for parameter, hits in held.items():
             share = 100.0 * float(np.mean(hits))
-            low, high = _binomial_interval(sum(hits), len(hits))
+            low, high = binomial_interval(sum(hits), len(hits))
             label = (
                 f"95 % interval of {parameter} holds the truth, {name}, {len(hits)} calibrations"
             )
             yield Row(f"{label} ({low:.1f}-{high:.1f})", share, "%", 95.0, "goal 93-97")
 
 
-def _held(fit: CameraFit, camera: CameraCalibration) -> dict[str, bool]:
+def intervals_held(fit: CameraFit, camera: CameraCalibration) -> dict[str, bool]:
+    """Say of each parameter whether its 95 % interval holds the truth."""
     k = camera.intrinsics
     names = ("k1", "k2", "p1", "p2", "k3")
     truth = {"fx": k.fx, "fy": k.fy, "cx": k.cx, "cy": k.cy}
@@ -159,7 +160,7 @@ def _held(fit: CameraFit, camera: CameraCalibration) -> dict[str, bool]:
     }
 
 
-def _binomial_interval(n_hits: int, n: int) -> tuple[float, float]:
+def binomial_interval(n_hits: int, n: int) -> tuple[float, float]:
     """Return the 95 % interval of a share in percent (Clopper & Pearson 1934)."""
     low = beta.ppf(0.025, n_hits, n - n_hits + 1) if n_hits > 0 else 0.0
     high = beta.ppf(0.975, n_hits + 1, n - n_hits) if n_hits < n else 1.0

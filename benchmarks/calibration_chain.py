@@ -1,0 +1,117 @@
+"""Whole calibrations of rendered pictures: intervals beside the truth; what novices do wrong."""
+
+import math
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.data.board import Board
+from adibas.data.calibration_verdict import Grade
+from adibas.data.printed_boards import PRINTED_BOARDS
+from adibas.pipeline.calibrating import NamedImage, calibrate_camera
+from adibas.simulation.boards import render_board
+from adibas.simulation.boards_novice import MISTAKES, Mistake, novice_set
+from adibas.simulation.boards_poses import random_board_poses
+from adibas.simulation.device import draw_device
+from benchmarks.calibration_fitting import binomial_interval, intervals_held
+from benchmarks.table import Row
+
+SEED = 4242
+N_VIEWS = 20
+N_PROCESSES = 2
+BOARD: Board = PRINTED_BOARDS["A3"].board
+GRADES = {Grade.GOOD: "good", Grade.USABLE: "usable", Grade.REPEAT: "repeat"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChainTrial:
+    """One calibration of one simulated device.
+
+    Attributes
+    ----------
+    squared_px : (n,) array
+        Squared distance of each corner from the truth.
+    held : dict
+        Parameter to whether its 95 % interval holds the truth.
+    n_found : int
+        Pictures in which the board was found.
+    grade : Grade
+        The verdict.
+    """
+
+    squared_px: FloatArray
+    held: dict[str, bool]
+    n_found: int
+    grade: Grade
+
+
+def run_trial(seed: int) -> ChainTrial:
+    """Render 20 pictures at 1280x1024, find the board, fit the camera, judge it."""
+    camera = draw_device(seed).color
+    rng = np.random.default_rng([SEED, seed])
+    poses = random_board_poses(rng, BOARD, camera, N_VIEWS)
+    pictures = [render_board(BOARD, pose, camera, rng) for pose in poses]
+    images = [NamedImage(f"{i:02d}", picture.image) for i, picture in enumerate(pictures)]
+    outcome = calibrate_camera(images, BOARD)
+    if outcome is None:
+        raise ValueError("nothing stops this calibration")
+    squares = [
+        ((image.search.corners.pixels - picture.corners_px[0]) ** 2).sum(axis=1)
+        for image, picture in zip(outcome.images, pictures, strict=True)
+        if image.search.corners is not None
+    ]
+    held = {} if outcome.fit is None else intervals_held(outcome.fit, camera)
+    found_px = np.concatenate(squares) if squares else np.empty(0)
+    return ChainTrial(found_px[~np.isnan(found_px)], held, len(squares), outcome.verdict.grade)
+
+
+def rows(*, quick: bool) -> Iterator[Row]:
+    """Measure; with `quick` ten calibrations."""
+    n = 10 if quick else 1000
+    with ProcessPoolExecutor(N_PROCESSES, get_context("spawn")) as pool:
+        trials = list(pool.map(run_trial, range(n), chunksize=5))
+        told = f"{n} calibrations of {N_VIEWS} rendered pictures 1280x1024, seed {SEED}"
+        yield from _trial_rows(trials, told)
+        for mistake, grade, n_reasons in pool.map(_novice, MISTAKES):
+            label = f"a novice's {mistake.replace('_', ' ')}: {grade}, reasons given"
+            yield Row(label, n_reasons, "")
+
+
+def _trial_rows(trials: list[ChainTrial], told: str) -> Iterator[Row]:
+    squares = np.concatenate([trial.squared_px for trial in trials])
+    rms_px = math.sqrt(float(squares.mean()))
+    found = sum(trial.n_found for trial in trials) / (N_VIEWS * len(trials))
+    yield Row(f"{told}: boards found", 100.0 * found, "%")
+    yield Row(f"{told}: corners, rms over points", rms_px, "px", 0.06, "goal <=")
+    good = np.mean([trial.grade is Grade.GOOD for trial in trials])
+    yield Row(f"{told}: called good", 100.0 * float(good), "%")
+    names = sorted({name for trial in trials for name in trial.held})
+    for name in (*names, "all"):
+        hits = [
+            is_held
+            for trial in trials
+            for parameter, is_held in trial.held.items()
+            if name in (parameter, "all")
+        ]
+        low, high = binomial_interval(sum(hits), len(hits))
+        label = f"{told}: 95 % interval of {name} holds the truth ({low:.1f}-{high:.1f})"
+        yield Row(label, 100.0 * float(np.mean(hits)), "%", 95.0, "goal 93-97")
+
+
+def _novice(mistake: Mistake) -> tuple[str, str, int]:
+    """Return the mistake, the verdict, and how many reasons it gives."""
+    camera = draw_device(1).color
+    rng = np.random.default_rng([SEED, 1])
+    attempt = novice_set(mistake, rng, BOARD, camera)
+    images = [
+        NamedImage(f"{i:02d}", picture.image)
+        for i, picture in enumerate(attempt.pictures(camera, rng))
+    ]
+    outcome = calibrate_camera(images, attempt.told_board)
+    if outcome is None:
+        raise ValueError("nothing stops this calibration")
+    return mistake, GRADES[outcome.verdict.grade], len(outcome.verdict.findings)
