@@ -28,6 +28,18 @@ def compiled_parallel(function: Function) -> Function:
     return cast(Function, _forgiving(numba.njit(cache=True, nogil=True, parallel=True)(function)))
 
 
+def wake_compiler() -> None:
+    """Let numba load what it needs at its first call, a quarter of a second, before somebody waits.
+
+    Compiled functions that the cache has are loaded in milliseconds then.
+    """
+    cast(Callable[[], None], numba.njit(_nothing))()
+
+
+def _nothing() -> None:
+    """Be compiled."""
+
+
 def _forgiving(dispatcher: Any) -> Any:
     """Let a cache that cannot be written cost the next start time, and this one nothing.
 

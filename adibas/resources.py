@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 
-@cache  # asked for every text that is translated
+@cache
 def _root() -> Path:
     frozen = getattr(sys, "_MEIPASS", None)
     if frozen is not None:
@@ -15,6 +15,10 @@ def _root() -> Path:
     return installed if installed.is_dir() else package.parent / "resources"
 
 
+@cache
 def resource_path(*parts: str) -> Path:
-    """Return the path of a file or folder of ``resources/``; it need not exist."""
+    """Return the path of a file or folder of ``resources/``; it need not exist.
+
+    It is kept: every text that is translated asks for the folder of its catalogue.
+    """
     return _root().joinpath(*parts)

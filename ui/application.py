@@ -2,6 +2,8 @@
 
 import logging
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +17,7 @@ from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.appearance import Appearance
 from ui.closing import OrderlyClose
+from ui.collector import look_at_all
 from ui.crash import install_crash_report
 from ui.drafts import Drafts
 from ui.dropping import screen_for
@@ -88,11 +91,21 @@ class Application:
         self._app.installEventFilter(self._watch)
         self.preferences.changed.subscribe(self._on_preferences)
         self.window.may_close = self._closing.may_close
+        self.window.while_building = self._unwatched
         self.window.closing.subscribe(self.close)
         self.window.shown_changed.subscribe(lambda _name: self._rest_sensor())
         self.jobs.changed.subscribe(lambda _job, _done, _total: self._rest_sensor())
         self.window.dropped.subscribe(self._open_dropped)
         self.window.lock_wanted.subscribe(self.lock)
+
+    @contextmanager
+    def _unwatched(self) -> Iterator[None]:
+        """Watch for no touch where none can be: a screen is put together in a third less time."""
+        self._app.removeEventFilter(self._watch)
+        try:
+            yield
+        finally:
+            self._app.installEventFilter(self._watch)
 
     def start(self) -> None:
         """Show the window and open the store."""
@@ -226,6 +239,7 @@ class Application:
         self.workspace.live.end()
         self.workspace.store.close()
         self.workspace = None
+        look_at_all()
 
     def _rest_sensor(self) -> None:
         """Let go of the sensor where no screen shows it and no job may need it."""

@@ -89,6 +89,7 @@ def preload() -> threading.Thread:
         try:
             for module in MODULES:
                 import_module(module)
+            import_module("adibas.kernels").wake_compiler()
         finally:
             take_up()
 

@@ -1,6 +1,7 @@
 """The window: a rail of screens, what is told to the user, and the help beside them."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QEvent, Qt
@@ -48,6 +49,8 @@ class MainWindow(QMainWindow):
     ----------
     may_close : callable
         Asked before the window closes; who says no closes it later.
+    while_building : callable
+        Gives what is entered while widgets are put together, and nobody can touch anything.
     """
 
     def __init__(self, theme: Theme, jobs: JobRunner, preferences: PreferencesFile) -> None:
@@ -57,6 +60,7 @@ class MainWindow(QMainWindow):
         self.shown_changed: Event[[str]] = Event()
         self.lock_wanted: Event[[]] = Event()
         self.may_close: Callable[[], bool] = _yes
+        self.while_building: Callable[[], AbstractContextManager[None]] = nullcontext
         self._theme = theme
         self._preferences = preferences
         self._screens: dict[str, Screen] = {}
@@ -160,11 +164,13 @@ class MainWindow(QMainWindow):
     def show_screen(self, name: str) -> None:
         """Show a screen; the one that was seen is told."""
         before = self._pages.currentWidget()
-        wanted = self.screen_named(name)
+        with self.while_building():
+            wanted = self.screen_named(name)
         if isinstance(before, Screen) and before is not wanted:
             before.left()
-        self._pages.setCurrentWidget(wanted)
-        self._outer.setCurrentIndex(1)
+        with self.while_building():
+            self._pages.setCurrentWidget(wanted)
+            self._outer.setCurrentIndex(1)
         self._rail.show_chosen(name)
         self._help.follow(name)
         wanted.entered()

@@ -8,6 +8,7 @@ import threading
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QDialog,
     QFileDialog,
@@ -239,6 +240,14 @@ def test_it_locks_by_itself(user):
     user.until(lambda: locked(user))
     assert user.window.shown == ""
     assert user.application.workspace is None
+    user.close()
+
+
+def test_a_touch_after_a_long_sleep_locks_on_a_screen_that_was_just_built(user):
+    user.window.show_screen("settings")
+    user.application._watch._touched_s -= 1e6
+    QTest.keyClick(user.window, Key.Key_X)
+    user.until(lambda: locked(user))
     user.close()
 
 
