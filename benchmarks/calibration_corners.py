@@ -2,15 +2,16 @@
 
 import os
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
-from adibas.calibration.finder import find_boards, search_board
+from adibas.calibration.finder import find_board, find_boards, search_board
 from adibas.data.board import Board, BoardCorners
 from adibas.data.calibration import CameraCalibration
 from adibas.data.printed_boards import PRINTED_BOARDS
@@ -40,9 +41,17 @@ LOOKS = {
     "moving 4 px": replace(GOOD, motion_px=(4.0, 1.0)),
     "cluttered room": replace(GOOD, background=CLUTTERED),
 }
+BOARD = PRINTED_BOARDS["A4"].board
+SEED = 11
+REAL_SETS = (
+    ("Bouguet", "bouguet/Image*.tif", Board(12, 13, 0.03)),
+    ("OpenCV left", "opencv_left/left*.jpg", Board(9, 6, 0.025)),
+    ("Kinect v1", "kinect1/LeftRgb*.png", Board(10, 7, 0.03)),
+)
+EXACT = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
 HOLDINGS = {
     "": Holding(),
-    ", tilted 45-65 degrees": Holding(tilt_rad=(0.785, 1.13), frontal_share=0.0),
+    ", tilted 45-60 degrees": Holding(tilt_rad=(0.785, 1.05), frontal_share=0.0),
     ", small squares 6-12 px": Holding(smallest_square_px=6.0, fill=(0.05, 0.12)),
 }
 
@@ -119,22 +128,125 @@ def measure(
     board: Board, look: BoardLook, holding: Holding, n: int, *, with_opencv: bool = True
 ) -> dict[str, Tally]:
     """Let the finders look at the same pictures, one after the other, each on one thread."""
-    exact = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
-    finders = {
-        "ours": lambda gray: search_board(gray, board, "simulated").corners,
-        "OpenCV SB": lambda gray: sb_corners(gray, board, 0),
-        "OpenCV SB exhaustive": lambda gray: sb_corners(gray, board, exact),
+    finders: dict[str, Callable[[UInt8Array], BoardCorners | FloatArray | None]] = {
+        "ours": lambda gray: search_board(gray, board, "simulated").corners
     }
-    if not with_opencv:
-        finders = {"ours": finders["ours"]}
+    if with_opencv:
+        finders["SB"] = lambda gray: sb_corners(gray, board, 0)
+        finders["SB exhaustive"] = lambda gray: sb_corners(gray, board, EXACT)
     tallies = {name: Tally([], []) for name in finders}
-    for picture in pictures(board, look, holding, n, seed=11):
+    for picture in pictures(board, look, holding, n, SEED):
         truth = picture.corners_px[0]
         for name, finder in finders.items():
-            start = time.perf_counter()
+            start = time.thread_time()
             found = finder(picture.image)
-            tallies[name].spent_s += time.perf_counter() - start
+            tallies[name].spent_s += time.thread_time() - start
             if not isinstance(found, BoardCorners):
                 found = _turned_alike(found, truth)
             tallies[name].add(found, truth)
     return tallies
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` few pictures of each kind, and OpenCV on the good ones alone."""
+    cv2.setNumThreads(1)
+    n = 5 if quick else 40
+    measure(BOARD, GOOD, Holding(), 1)
+    for holding_name, holding in HOLDINGS.items():
+        for look_name, look in LOOKS.items():
+            with_opencv = not quick or (look is GOOD and not holding_name)
+            tallies = measure(BOARD, look, holding, n, with_opencv=with_opencv)
+            yield from _simulated_rows(f"{look_name}{holding_name}, {n} pictures", tallies)
+    yield from _boardless_rows()
+    folder = os.environ.get(REAL_DATA)
+    if folder is not None:
+        yield from _real_rows(Path(folder) / "calibration")
+
+
+def _simulated_rows(told: str, tallies: dict[str, Tally]) -> Iterator[Row]:
+    ours, others = tallies["ours"], [name for name in tallies if name != "ours"]
+    yield Row(f"{told}: rms over corners", ours.rms_px, "px", 0.06, "goal <=")
+    for name in others:
+        yield Row(f"{told}: rms", ours.rms_px, "px", tallies[name].rms_px, name)
+    yield Row(f"{told}: rms of error by its own deviation", ours.spread, "", 1.0, "ideal")
+    yield Row(f"{told}: found", 100 * ours.n_found / ours.n_pictures, "%")
+    for name in others:
+        share = 100 * tallies[name].n_found / tallies[name].n_pictures
+        yield Row(f"{told}: found", 100 * ours.n_found / ours.n_pictures, "%", share, name)
+    yield Row(f"{told}: put in a wrong place", ours.n_wrong, "pictures", 0, "goal")
+    for name in others:
+        yield Row(f"{told}: time", ours.time_ms, "ms", tallies[name].time_ms, name)
+
+
+def _boardless_rows() -> Iterator[Row]:
+    """Time what it takes to see that there is no board, 1280 x 1024."""
+    rng = np.random.default_rng(1)
+    images = {
+        "an empty wall": render_boards((), CAMERA, rng, GOOD).image,
+        "a cluttered room": render_boards((), CAMERA, rng, LOOKS["cluttered room"]).image,
+        "white noise": rng.integers(0, 256, (1024, 1280), np.uint8),
+    }
+    for name, image in images.items():
+        if find_boards(image):
+            raise AssertionError(f"a board is seen in {name}")
+        ours_ms = _median_ms(partial(find_boards, image))
+        theirs_ms = _median_ms(partial(sb_corners, image, BOARD, 0))
+        yield Row(f"no board, {name}", ours_ms, "ms", 45.0, "goal <=")
+        yield Row(f"no board, {name}", ours_ms, "ms", theirs_ms, "SB")
+
+
+def _median_ms(look: Callable[[], object]) -> float:
+    spent = []
+    for _ in range(7):
+        start = time.thread_time()
+        look()
+        spent.append(time.thread_time() - start)
+    return 1e3 * float(np.median(spent))
+
+
+def _real_rows(folder: Path) -> Iterator[Row]:
+    """Count the real images in which the board is found, and calibrate OpenCV with the corners."""
+    for name, pattern, board in REAL_SETS:
+        files = sorted(folder.glob(pattern))
+        grays = [_read_gray(file) for file in files]
+        found = [
+            find_board(gray, board, file.name) for gray, file in zip(grays, files, strict=True)
+        ]
+        n_opencv = sum(sb_corners(gray, board, 0) is not None for gray in grays)
+        n_found = sum(corners is not None for corners in found)
+        told = f"{name}, {len(files)} real images"
+        yield Row(f"{told}: found", n_found, "images", n_opencv, "SB")
+        pairs = [(c.pixels, g) for c, g in zip(found, grays, strict=True) if c is not None]
+        refined = [(gradient_corners(gray, pixels), gray) for pixels, gray in pairs]
+        yield Row(
+            f"{told}: rms of OpenCV's calibration (k1 k2 p1 p2) with our corners",
+            _calibration_rms_px(pairs, board),
+            "px",
+            _calibration_rms_px(refined, board),
+            "the same corners by cornerSubPix",
+        )
+
+
+def _read_gray(file: Path) -> UInt8Array:
+    return np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), np.uint8)
+
+
+def gradient_corners(gray: UInt8Array, pixels: FloatArray) -> FloatArray:
+    """Return corners moved by OpenCV's gradient method, in the 11 x 11 window of Bouguet's tool."""
+    known = ~np.isnan(pixels[:, 0])
+    starts = pixels[known].astype(np.float32).reshape(-1, 1, 2)
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4)
+    moved = pixels.copy()
+    moved[known] = cv2.cornerSubPix(gray, starts, (5, 5), (-1, -1), stop).reshape(-1, 2)
+    return moved
+
+
+def _calibration_rms_px(pairs: list[tuple[FloatArray, UInt8Array]], board: Board) -> float:
+    points, pixels = [], []
+    for corners, _ in pairs:
+        known = ~np.isnan(corners[:, 0])
+        points.append(board.points_m()[known].astype(np.float32))
+        pixels.append(corners[known].astype(np.float32).reshape(-1, 1, 2))
+    size = pairs[0][1].shape[::-1]
+    rms, *_ = cv2.calibrateCamera(points, pixels, size, None, None, flags=cv2.CALIB_FIX_K3)
+    return float(rms)

@@ -105,7 +105,7 @@ def saddle_response(level: Float32Array) -> Float32Array:
 
 @compiled
 def peaks(response: Float32Array, least: float, largest_number: int) -> Float32Array:
-    """Return (N, 2) pixels (u, v) above `least` that no pixel of the 5 x 5 around them exceeds.
+    """Return (N, 2) pixels (u, v) above `least` that no pixel of the 5 x 5 around exceeds; of equals the first.
 
     The first `largest_number` of them, row by row.
     """
@@ -117,7 +117,7 @@ def peaks(response: Float32Array, least: float, largest_number: int) -> Float32A
         line = response[row]
         for column in range(REACH, width - REACH):
             value = line[column]
-            if value <= bar or value < line[column - 1] or value <= line[column + 1]:
+            if value <= bar or value < line[column - 1] or value < line[column + 1]:
                 continue
             if not _is_peak(response, row, column):
                 continue

@@ -46,6 +46,10 @@ SAME_PX = 2.0
 """Two candidates so near are one corner."""
 
 
+ROUGH_PX = 0.5
+"""Standard deviation of a saddle's place before the fit, as seen on blurred boards."""
+
+
 @dataclass(frozen=True, slots=True)
 class FinderParams:
     """How boards are found.
@@ -58,6 +62,8 @@ class FinderParams:
         Of the image's longer side: a square is not longer, or no three corners fit a row.
     fewest_share : float
         Of the board's corners; fewer say little about its place.
+    most_shares : float
+        Of the board's corners; a grid with more is another board or a shirt, and not fitted.
     like_share : float
         Of the larger board's squares: a second board with smaller ones is a picture of a board
         or lies far behind, and does not make the search doubtful.
@@ -68,6 +74,7 @@ class FinderParams:
     fit: FitParams = field(default_factory=FitParams)
     longest_share: float = 0.5
     fewest_share: float = 0.35
+    most_shares: float = 3.0
     like_share: float = 0.4
 
 
@@ -132,16 +139,7 @@ def find_boards(gray: UInt8Array, params: FinderParams | None = None) -> tuple[G
     grids : tuple of Grid
         The one with most corners first; at least 3 x 3 corners each.
     """
-    check_shape("gray", gray, (None, None))
-    params = params or FinderParams()
-    gray = np.ascontiguousarray(gray, np.uint8)
-    pyramid = build_pyramid(gray)
-    if not pyramid:
-        return ()
-    found = _lattices(pyramid, max(gray.shape), params)
-    grids = [_grid(lattice, gray, pyramid, params) for lattice in found]
-    worth = [grid for grid in grids if grid is not None]
-    return tuple(sorted(worth, key=lambda grid: -grid.n_seen))
+    return _find(gray, params or FinderParams(), np.inf)
 
 
 def find_board(
@@ -173,7 +171,8 @@ def search_board(
         Corners in the order of `Board.points_m`, or a problem.
     """
     params = params or FinderParams()
-    grids = [without_weak_edges(grid, board) for grid in find_boards(gray, params)]
+    largest = params.most_shares * board.n_corners
+    grids = [without_weak_edges(grid, board) for grid in _find(gray, params, largest)]
     placed = [placement for grid in grids if (placement := place(grid, board)) is not None]
     placed.sort(key=lambda placement: -placement.grid.square_px)
     if not placed:
@@ -186,6 +185,31 @@ def search_board(
         fields = {"seen": best.grid.n_seen, "wanted": board.n_corners}
         return BoardSearch(None, BoardProblem.TOO_FEW, fields)
     return BoardSearch(_board_corners(best, board, image, gray.shape))
+
+
+def _find(gray: UInt8Array, params: FinderParams, largest: float) -> tuple[Grid, ...]:
+    """Return the grids of an image; those of more than `largest` corners are left unfitted."""
+    check_shape("gray", gray, (None, None))
+    gray = np.ascontiguousarray(gray, np.uint8)
+    pyramid = build_pyramid(gray)
+    if not pyramid:
+        return ()
+    found = _lattices(pyramid, max(gray.shape), params)
+    grids = [
+        _grid(lattice, gray, pyramid, params)
+        if lattice.n_known <= largest
+        else _upright(_rough_grid(lattice))
+        for lattice in found
+    ]
+    worth = [grid for grid in grids if grid is not None]
+    return tuple(sorted(worth, key=lambda grid: -grid.n_seen))
+
+
+def _rough_grid(lattice: Lattice) -> Grid:
+    """Return the grid as it was before the fit."""
+    sigma_px = np.where(np.isnan(lattice.fields[..., 0]), np.nan, ROUGH_PX)
+    dots = np.zeros(np.subtract(sigma_px.shape, 1), np.bool_)
+    return Grid(lattice.pixels, sigma_px, lattice.parity == 1, dots)
 
 
 def _lattices(pyramid: Pyramid, longer_side: int, params: FinderParams) -> list[Lattice]:
