@@ -83,11 +83,7 @@ def uncertainty_blocks(fit: CameraFit) -> Iterator[Block]:
         Column(_("middle of all [px]"), TABLE_WIDTH, FINE),
         Column(_("worst [px]"), TABLE_WIDTH, FINE),
         Column(_("worst [mm]"), TABLE_WIDTH, TWO),
-        Column(
-            _("length of {length} m [mm]").format(length=decimal_text(LENGTH_M, 0)),
-            TABLE_WIDTH,
-            TWO,
-        ),
+        Column(length.format(length=decimal_text(LENGTH_M, 0)), TABLE_WIDTH, TWO),
     ]
     cells = [
         (row.distance_m, row.median_px, row.worst_px, row.worst_mm, row.length_mm)

@@ -89,7 +89,7 @@ def _summary(report: CalibrationReport) -> list[Part]:
     parts = [
         Part("", verdict_facts(report)),
         Part(_("What was calibrated"), camera_facts(report)),
-        Part(_("Figures"), numbers, number_format=FINE),
+        Part(_("Results"), numbers, number_format=FINE),
     ]
     checks = [] if report.depth is None else depth_facts(report.depth)
     if checks:

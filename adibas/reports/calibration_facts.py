@@ -23,7 +23,7 @@ from adibas.reports.calibration_rows import (
     length_interval_mm,
 )
 from adibas.reports.facts import intended_use
-from adibas.texts import decimal_text, translate_plural
+from adibas.texts import DECIMAL_COMMA, decimal_text, spoken_language, translate_plural
 from adibas.texts import translate as _
 
 Pairs = list[tuple[str, str]]
@@ -83,7 +83,7 @@ def camera_facts(report: CalibrationReport) -> Pairs:
             _("{columns} x {rows} inner corners, squares of {side} mm").format(
                 columns=board.columns,
                 rows=board.rows,
-                side=decimal_text(MM_PER_M * board.square_m, 2),
+                side=plain_number(MM_PER_M * board.square_m),
             ),
         ),
     ]
@@ -171,6 +171,12 @@ def age_days(report: CalibrationReport) -> int | None:
     """Return how old the calibration was when the report was written; None where not known."""
     made = made_utc(report)
     return None if made is None else max((report.written_utc - made) // timedelta(days=1), 0)
+
+
+def plain_number(value: float) -> str:
+    """Return a number as short as it can be, in the language in use."""
+    text = f"{value:.6g}"
+    return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text
 
 
 def _fit_figures(fit: CameraFit) -> Iterator[Figure]:
