@@ -36,6 +36,7 @@ BRIGHTEST = 0.85
 PLACE_M = 2.0
 """Where the map of uncertainty is drawn for: a patient stands there."""
 
+FINE_CELLS = (31, 41)
 N_CONTOURS = 6
 LARGEST_ARROW = 0.45
 """Of a cell's width, for the longest arrow."""
@@ -106,7 +107,7 @@ def residual_map_figure(fit: CameraFit, width_pt: float, height_pt: float) -> Fi
                 "shrinkB": 0,
             },
         )
-    text = _("Error left [px]: mean (longest arrow {mean}), rms (darkest part {rms})").format(
+    text = _("Error left [px]: longest arrow {mean}, darkest part {rms} (rms)").format(
         mean=decimal_text(longest, 3), rms=decimal_text(greatest, 3)
     )
     _set_title(axes, text)
@@ -116,7 +117,7 @@ def residual_map_figure(fit: CameraFit, width_pt: float, height_pt: float) -> Fi
 def uncertainty_figure(fit: CameraFit, width_pt: float, height_pt: float) -> Figure:
     """Draw where a point that is seen at a patient's distance is, plus or minus, as contours."""
     figure, axes = _image_axes(fit.camera, width_pt, height_pt)
-    found = uncertainty_map(fit, PLACE_M)
+    found = uncertainty_map(fit, PLACE_M, FINE_CELLS)
     sure_mm = np.ma.masked_invalid(MM_PER_M * SURE * found.sd_m)
     us, vs = found.pixels[0, :, 0], found.pixels[:, 0, 1]
     low, high = float(sure_mm.min()), float(sure_mm.max())
@@ -246,7 +247,7 @@ def _label_sides(axes: PolarAxes, largest_deg: float) -> None:
     axes.set_rgrids(
         tuple(np.arange(15.0, largest_deg, 15.0)), angle=-45, fontsize=SMALL_PT, color=INK
     )
-    axes.tick_params(labelsize=SMALL_PT, colors=INK, pad=1)
+    axes.tick_params(labelsize=SMALL_PT, colors=INK, pad=5)
     axes.grid(color=FAINT, linewidth=0.4)
     axes.spines["polar"].set_color(FAINT)
 

@@ -28,6 +28,7 @@ DISTANCES_M = (1.0, 2.0, 3.0, 4.0)
 """The working volume."""
 
 LENGTH_M = 1.0
+MAP_CELLS = (13, 17)
 IN_PIXELS = ("fx", "fy", "cx", "cy")
 
 
@@ -181,11 +182,13 @@ def length_interval_mm(fit: CameraFit, distance_m: float, length_m: float) -> fl
         return known(MM_PER_M * SURE * distance_uncertainty(fit, distance_m, length_m))
 
 
-def uncertainty_map(fit: CameraFit, distance_m: float) -> UncertaintyMap:
+def uncertainty_map(
+    fit: CameraFit, distance_m: float, cells: tuple[int, int] = MAP_CELLS
+) -> UncertaintyMap:
     """Return the uncertainty over the image; NaN beyond the lens model's fold."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FoldWarning)
-        return map_uncertainty(fit, distance_m)
+        return map_uncertainty(fit, distance_m, cells)
 
 
 def known(value: float) -> float | None:

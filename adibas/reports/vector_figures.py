@@ -5,10 +5,11 @@ Nothing is a picture: lines stay sharp on every screen and printer, and text can
 
 from typing import Any
 
+import numpy as np
 from matplotlib.backend_bases import GraphicsContextBase, RendererBase
 from matplotlib.figure import Figure
 from matplotlib.path import Path
-from matplotlib.transforms import Transform
+from matplotlib.transforms import IdentityTransform, Transform
 from reportlab.pdfgen.canvas import FILL_NON_ZERO, Canvas
 from reportlab.platypus import Flowable
 
@@ -89,6 +90,26 @@ class _CanvasRenderer(RendererBase):
             fillMode=FILL_NON_ZERO,
         )
         canvas.restoreState()
+
+    def draw_markers(
+        self,
+        gc: GraphicsContextBase,
+        marker_path: Path,
+        marker_trans: Transform,
+        path: Path,
+        trans: Transform,
+        rgbFace: Any = None,  # noqa: N803
+    ) -> None:
+        """Draw all markers as one path: thousands of small ones make a large file else."""
+        marker = marker_trans.transform_path(marker_path)
+        places = np.asarray(trans.transform(path.vertices))
+        corners = np.asarray(marker.vertices)
+        codes = marker.codes
+        if codes is None:
+            codes = np.array([Path.MOVETO, *[Path.LINETO] * (len(corners) - 1)])
+        everywhere = (places[:, None] + corners).reshape(-1, 2)
+        joined = Path(everywhere, np.tile(codes, len(places)))
+        self.draw_path(gc, joined, IdentityTransform(), rgbFace)
 
     def draw_text(  # noqa: PLR0913, PLR0917  (matplotlib's)
         self,
