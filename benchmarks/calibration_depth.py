@@ -5,7 +5,7 @@ noise, and bursts of 30 depth images. The burst's mean is drawn directly: noise 
 of the simulated sensor (docs/simulation.md), averaged; `burst_of_frames` draws every frame.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -14,19 +14,25 @@ from scipy.stats import beta
 
 from adibas.arrays import Float32Array, FloatArray
 from adibas.calibration.depth_bias import camera_covariance
-from adibas.calibration.extrinsics import DepthFit, DepthFitParams, fit_depth
+from adibas.calibration.extrinsics import DepthFit, DepthFitParams, DepthStart, fit_depth
+from adibas.calibration.extrinsics_model import camera_numbers
 from adibas.calibration.extrinsics_pose import find_pose
 from adibas.calibration.shots import BoardShot, WallShot, cells_on_board, cells_on_wall
 from adibas.data.board import Board, BoardCorners
 from adibas.data.calibration import CameraCalibration, DepthBias
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import pixel_rays, project_distorted
+from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector, rotation_vector
 from adibas.simulation.depth_noise import SUBPIXELS, DepthNoise, DepthSensor
 from adibas.simulation.device import Device, DeviceSpread, draw_device
 
 N_FRAMES = 30
 CORNER_SD_PX = 0.06
+FACTORY = RigidTransform(np.eye(3), np.array([-0.025, 0.0, 0.0]))
+DEPTH_FOCAL_SD, DEPTH_CENTRE_SD_PX = 0.01, 6.0
+"""How well the maker's calibration of the depth camera holds."""
+
 DISTANCES_M = (0.8, 3.5)
 TEST_DISTANCES_M = (0.8, 1.2, 1.6, 2.0, 2.5, 3.0, 3.5)
 BOARD = Board(columns=9, rows=6, square_m=0.04)
@@ -56,6 +62,8 @@ class Setting:
         See `DepthFitParams`.
     has_color_error : bool
         The colour camera's calibration is wrong by as much as its covariance says.
+    has_depth_error : bool
+        Of the depth camera only the maker's calibration is known, and refined.
     """
 
     board: Board = BOARD
@@ -64,6 +72,7 @@ class Setting:
     tilt_rad: float = 0.6
     shift_sd_m: float | None = None
     has_color_error: bool = True
+    has_depth_error: bool = True
 
 
 def true_inverse(
@@ -202,7 +211,16 @@ class Trial:
         turn = self.fit.color_from_depth.rotation @ truth.color_from_depth.rotation.T
         shift_m = self.fit.color_from_depth.translation_m - truth.color_from_depth.translation_m
         bias = _bias_numbers(self.fit.bias) - _bias_numbers(truth.depth_bias)
-        return np.concatenate([rotation_vector(turn), shift_m, bias])
+        all_errors = [rotation_vector(turn), shift_m, bias]
+        if len(self.fit.parameter_names) > sum(len(part) for part in all_errors):
+            all_errors.append(camera_numbers(self.fit.camera) - camera_numbers(self.device.depth))
+        return np.concatenate(all_errors)
+
+
+def factory_depth(camera: CameraCalibration) -> CameraCalibration:
+    """Return what the maker says of all depth cameras of this kind."""
+    middle = Intrinsics(580.0, 580.0, 0.5 * (camera.width - 1), 0.5 * (camera.height - 1))
+    return replace(camera, intrinsics=middle)
 
 
 def _bias_numbers(bias: DepthBias) -> FloatArray:
@@ -238,15 +256,32 @@ def run_trial(seed: int, setting: Setting, *, is_frame_by_frame: bool = False) -
     color, covariance = device.color, np.zeros((0, 0))
     if setting.has_color_error:
         color, names, covariance = wrong_color(device.color, rng)
-    start = RigidTransform(np.eye(3), np.array([-0.025, 0.0, 0.0]))
-    boards: list[BoardShot] = []
-    depth_from_color = device.calibration.color_from_depth.inverse()
+    camera, params = device.depth, DepthFitParams(shift_sd_m=setting.shift_sd_m)
+    if setting.has_depth_error:
+        camera = factory_depth(device.depth)
+        params = replace(params, focal_sd=DEPTH_FOCAL_SD, centre_sd_px=DEPTH_CENTRE_SD_PX)
 
     def burst(inverse: Float32Array, number: int) -> BurstDisparity:
         if is_frame_by_frame:
             return burst_of_frames(inverse, device, 1000 * seed + number)
         return burst_mean(inverse, device, rng)
 
+    boards = _boards(device, (color, camera), setting, rng, burst)
+    walls = _walls(device, setting, rng)
+    fit = fit_depth(DepthStart(camera), boards, walls, FACTORY, params)
+    return Trial(device, fit, names, covariance)
+
+
+def _boards(
+    device: Device,
+    cameras: tuple[CameraCalibration, CameraCalibration],
+    setting: Setting,
+    rng: np.random.Generator,
+    burst: Callable[[Float32Array, int], BurstDisparity],
+) -> list[BoardShot]:
+    color, camera = cameras
+    boards: list[BoardShot] = []
+    depth_from_color = device.calibration.color_from_depth.inverse()
     for number, true_pose in enumerate(board_poses(device, setting, rng)):
         if len(boards) == setting.n_boards:
             break
@@ -258,22 +293,21 @@ def run_trial(seed: int, setting: Setting, *, is_frame_by_frame: bool = False) -
         pose = find_pose(corners, setting.board, color)
         if pose is None:
             continue
-        expected = start.inverse() @ pose.camera_from_board
-        cells = cells_on_board(burst(inverse, number), device.depth, setting.board, expected)
+        expected = FACTORY.inverse() @ pose.camera_from_board
+        cells = cells_on_board(burst(inverse, number), camera, setting.board, expected)
         if cells is not None:
             boards.append(BoardShot(f"board {number}", pose, cells))
-    walls = _walls(device, setting, rng)
-    fit = fit_depth(boards, walls, start, params=DepthFitParams(shift_sd_m=setting.shift_sd_m))
-    return Trial(device, fit, names, covariance)
+    return boards
 
 
 def _walls(device: Device, setting: Setting, rng: np.random.Generator) -> list[WallShot]:
+    camera = factory_depth(device.depth) if setting.has_depth_error else device.depth
     walls = []
     for number in range(setting.n_walls):
         distance_m = np.linspace(*DISTANCES_M, setting.n_walls)[number]
         normal = rotation_from_vector(rng.normal(0.0, 0.1, 3)) @ np.array([0.0, 0.0, 1.0])
         inverse = true_inverse(device, normal / distance_m, None, None)
-        cells = cells_on_wall(burst_mean(inverse, device, rng), device.depth)
+        cells = cells_on_wall(burst_mean(inverse, device, rng), camera)
         if cells is not None:
             walls.append(WallShot(f"wall {number}", cells))
     return walls
@@ -291,8 +325,8 @@ def plane_errors_m(trial: Trial) -> FloatArray:
         inverse = true_inverse(device, np.array([0.0, 0.0, 1.0 / distance_m]), None, None)
         seen = burst_mean(inverse, device, rng)
         exact_m = (1.0 / measured_inverse(inverse, device)).astype(np.float32)
-        corrected_m = trial.fit.bias.correct((1.0 / seen.mean_per_m), device.depth)
-        clean_m = trial.fit.bias.correct(exact_m, device.depth)
+        corrected_m = trial.fit.bias.correct((1.0 / seen.mean_per_m), trial.fit.camera)
+        clean_m = trial.fit.bias.correct(exact_m, trial.fit.camera)
         rays = _rays(device.depth)
         inner = (slice(None, None, 8), slice(None, None, 8))
         m = np.linalg.lstsq(rays[inner].reshape(-1, 3), 1.0 / corrected_m[inner].ravel())[0]

@@ -21,6 +21,7 @@ import numpy as np
 from adibas.arrays import BoolArray, FloatArray, check_shape, read_only
 from adibas.calibration.extrinsics_descent import (
     DepthFitParams,
+    DepthStart,
     Problem,
     pose_problem,
     settled,
@@ -28,19 +29,19 @@ from adibas.calibration.extrinsics_descent import (
     suspects_of,
 )
 from adibas.calibration.extrinsics_model import (
-    EXTRINSIC_NAMES,
     DepthState,
-    bias_names,
     board_rows,
     corrected_inverse,
+    global_names,
+    rays_of,
     with_terms,
 )
 from adibas.calibration.extrinsics_uncertainty import uncertainty_of
 from adibas.calibration.shots import BoardShot, WallShot, fit_inverse_plane, plane_of
-from adibas.data.calibration import DepthBias
+from adibas.data.calibration import CameraCalibration, DepthBias
 from adibas.geometry.rigid import RigidTransform
 
-__all__ = ["DepthFit", "DepthFitParams", "ShotFit", "fit_depth"]
+__all__ = ["DepthFit", "DepthFitParams", "DepthStart", "ShotFit", "fit_depth"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,6 +88,8 @@ class DepthFit:
         As it was given where there are walls alone.
     bias : DepthBias
         Best estimate.
+    camera : CameraCalibration
+        The depth camera, as it was given or refined.
     parameter_names : tuple of str
         What was estimated.
     covariance : (n, n) array
@@ -105,6 +108,7 @@ class DepthFit:
 
     color_from_depth: RigidTransform
     bias: DepthBias
+    camera: CameraCalibration
     parameter_names: tuple[str, ...]
     covariance: FloatArray
     by_camera: FloatArray
@@ -127,23 +131,23 @@ class DepthFit:
 
 
 def fit_depth(
+    depth: DepthStart,
     boards: Sequence[BoardShot],
     walls: Sequence[WallShot] = (),
     start: RigidTransform | None = None,
-    bias: DepthBias | None = None,
     params: DepthFitParams | None = None,
 ) -> DepthFit:
     """Find pose and depth bias of the depth camera.
 
     Parameters
     ----------
+    depth : DepthStart
+        The depth camera; walls alone leave all but the bending terms of its bias as it is.
     boards, walls : sequences of shots
-        One at least. Walls alone refine the bending image terms of `bias`.
+        One at least.
     start : RigidTransform or None
         The maker's ``color_from_depth``, or an earlier one; None: from the planes in closed form,
         or, where they are too parallel, two cameras side by side.
-    bias : DepthBias or None
-        That the walls alone leave as it is.
 
     Raises
     ------
@@ -153,20 +157,21 @@ def fit_depth(
     params = params or DepthFitParams()
     if not boards and not walls:
         raise ValueError("a calibration of the depth needs a board or a wall")
-    bias = with_terms(bias or DepthBias(), params.n_image_terms)
-    problem = pose_problem(boards, walls, start, bias, params)
+    depth = replace(depth, bias=with_terms(depth.bias, params.n_image_terms))
+    problem = pose_problem(boards, walls, start, depth, params)
     state, weights = settled(problem, start_state(problem, start))
     suspects = suspects_of(problem, state, weights)
     if suspects.any():
         kept = [shot for shot, is_out in zip(boards, suspects, strict=True) if not is_out]
-        problem = pose_problem(kept, walls, start, bias, params)
+        problem = pose_problem(kept, walls, start, depth, params)
         state, weights = settled(problem, start_state(problem, state.color_from_depth))
     sure = uncertainty_of(problem, state, weights)
     free = problem.free
-    names = (*EXTRINSIC_NAMES, *bias_names(params.n_image_terms))
+    names = global_names(params.n_image_terms)
     return DepthFit(
         color_from_depth=state.color_from_depth,
         bias=state.bias,
+        camera=state.camera,
         parameter_names=tuple(names[index] for index in free),
         covariance=sure.covariance,
         by_camera=sure.by_camera,
@@ -193,9 +198,8 @@ def _described(
 
 def _of_wall(shot: BoardShot | WallShot, state: DepthState) -> ShotFit:
     cells = shot.cells
-    inverse = corrected_inverse(cells, state.bias)
-    rays = np.column_stack([cells.rays, np.ones(len(cells))])
-    own = fit_inverse_plane(cells.rays, inverse, cells.shares)
+    inverse, rays = corrected_inverse(cells, state.bias, state.camera), rays_of(cells, state.camera)
+    own = fit_inverse_plane(rays[:, :2], inverse, cells.shares)
     distance_m = 1.0 / float(cells.shares @ (rays @ own) / cells.shares.sum())
     spread = float(np.sqrt(np.mean((inverse - rays @ own) ** 2)))
     return ShotFit(

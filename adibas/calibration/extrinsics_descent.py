@@ -5,18 +5,20 @@ Source: Madsen, Nielsen & Tingleff, Methods for non-linear least squares problem
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.calibration.extrinsics_model import (
+    N_CAMERA,
     N_EXTRINSIC,
     DepthState,
     Prior,
     Rows,
     bias_numbers,
     board_rows,
+    camera_numbers,
     corrected_inverse,
     plane_priors,
     wall_rows,
@@ -34,7 +36,7 @@ from adibas.calibration.shots import (
     plane_of,
     total_squares,
 )
-from adibas.data.calibration import DepthBias
+from adibas.data.calibration import CameraCalibration, DepthBias
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 
 N_LINEAR_TERMS = 2
@@ -59,6 +61,9 @@ class DepthFitParams:
         (Boehm 2014).
     image_sd_per_m : float
         How large the image terms may be: 0.02, 2 cm at 2 m at the middle of the border.
+    focal_sd, centre_sd_px : float
+        How wrong focal lengths (as a share) and principal point of the depth camera may be; 0:
+        they are known. Makers give one value for all devices: 0.01 and 6 pixels.
     cut_sigmas : float
         Cells farther off have no weight (biweight): 5.
     largest_distance : float
@@ -80,12 +85,30 @@ class DepthFitParams:
     factor_sd: float = 0.03
     square_sd_per_m: float = 0.01
     image_sd_per_m: float = 0.02
+    focal_sd: float = 0.0
+    centre_sd_px: float = 0.0
     cut_sigmas: float = 5.0
     largest_distance: float = 25.0
     outlier_factor: float = 6.0
     least_left: float = 0.5
     most_steps: int = 40
     done: float = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class DepthStart:
+    """What is known of a depth camera before its calibration.
+
+    Attributes
+    ----------
+    camera : CameraCalibration
+        Its lens stays as it is.
+    bias : DepthBias
+        An earlier one, or none.
+    """
+
+    camera: CameraCalibration
+    bias: DepthBias = field(default_factory=DepthBias)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +121,7 @@ class Problem:
     """Of the boards; the shots after them are walls."""
     corner_variance: float
     start: RigidTransform
-    bias: DepthBias
+    depth: DepthStart
     information: FloatArray
     """Of the globals, beforehand, (n,)."""
     free: IntArray
@@ -128,39 +151,48 @@ def pose_problem(
     boards: Sequence[BoardShot],
     walls: Sequence[WallShot],
     start: RigidTransform | None,
-    bias: DepthBias,
+    depth: DepthStart,
     params: DepthFitParams,
 ) -> Problem:
     """Gather what is seen and known; see `adibas.calibration.extrinsics.fit_depth`."""
     planes = tuple(plane_of(shot.pose) for shot in boards)
     corner_variance = total_squares(boards) if boards else 1.0
     corner_variance = max(corner_variance, LEAST_VARIANCE)
-    n_global = N_EXTRINSIC + 3 + params.n_image_terms
-    information = np.zeros(n_global)
+    n_known = N_EXTRINSIC + 3 + params.n_image_terms
+    information = np.zeros(n_known + N_CAMERA)
     if start is not None and params.shift_sd_m is not None:
         information[3:N_EXTRINSIC] = params.shift_sd_m**-2
     sds = (params.offset_sd_m, params.factor_sd, params.square_sd_per_m)
     information[N_EXTRINSIC : N_EXTRINSIC + 3] = 1.0 / np.square(sds)
-    information[N_EXTRINSIC + 3 :] = params.image_sd_per_m**-2
+    information[N_EXTRINSIC + 3 : n_known] = params.image_sd_per_m**-2
     first = 0 if boards else N_EXTRINSIC + 3 + N_LINEAR_TERMS
+    free = np.arange(first, n_known)
+    k = depth.camera.intrinsics
+    if params.focal_sd > 0 and params.centre_sd_px > 0:
+        sizes = np.array(
+            [params.focal_sd * k.fx, params.focal_sd * k.fy, *[params.centre_sd_px] * 2]
+        )
+        information[n_known:] = sizes**-2
+        free = np.arange(first, n_known + N_CAMERA) if boards else free
     return Problem(
         cells=(*(shot.cells for shot in boards), *(shot.cells for shot in walls)),
         planes=planes,
         priors=tuple(plane_priors(planes, corner_variance)),
         corner_variance=corner_variance,
         start=start or IDENTITY,
-        bias=bias,
+        depth=depth,
         information=information,
-        free=np.arange(first, n_global),
+        free=free,
         params=params,
     )
 
 
 def start_state(problem: Problem, start: RigidTransform | None) -> DepthState:
     """Return the first guess."""
+    start_bias = (problem.depth.bias, problem.depth.camera)
     seen = np.array(
         [
-            fit_inverse_plane(cells.rays, corrected_inverse(cells, problem.bias), cells.shares)
+            fit_inverse_plane(cells.rays, corrected_inverse(cells, *start_bias), cells.shares)
             for cells in problem.cells
         ]
     )
@@ -168,7 +200,7 @@ def start_state(problem: Problem, start: RigidTransform | None) -> DepthState:
     known = np.array([plane.m for plane in problem.planes]).reshape(-1, 3)
     if start is None:
         start = start_extrinsics(known, seen[:n_boards]) or problem.start
-    return DepthState(start, problem.bias, np.concatenate([known, seen[n_boards:]]))
+    return DepthState(start, *start_bias, np.concatenate([known, seen[n_boards:]]))
 
 
 def _prior_slope(problem: Problem, state: DepthState) -> FloatArray:
@@ -179,7 +211,8 @@ def _prior_slope(problem: Problem, state: DepthState) -> FloatArray:
     none = with_terms(DepthBias(), problem.params.n_image_terms)
     away = np.zeros(problem.n_global)
     away[3:N_EXTRINSIC] = state.color_from_depth.translation_m - problem.start.translation_m
-    away[N_EXTRINSIC:] = bias_numbers(state.bias) - bias_numbers(none)
+    away[N_EXTRINSIC:-N_CAMERA] = bias_numbers(state.bias) - bias_numbers(none)
+    away[-N_CAMERA:] = camera_numbers(state.camera) - camera_numbers(problem.depth.camera)
     return problem.information * away
 
 

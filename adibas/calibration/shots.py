@@ -27,7 +27,6 @@ from adibas.data.board import Board
 from adibas.data.calibration import CameraCalibration
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import pixel_rays
-from adibas.geometry.pinhole import normalise
 from adibas.geometry.rigid import RigidTransform
 
 N_PLANE = 3
@@ -82,8 +81,8 @@ class Cells:
     ----------
     rays : (N, 2) array
         Mean (x/z, y/z), without the lens.
-    places : (N, 2) array
-        Mean ((u - cx) / fx, (v - cy) / fy), as `DepthBias.image_term` wants it.
+    pixels : (N, 2) array
+        Mean (u, v).
     inverse_m : (N,) array
         Mean 1/z as measured, 1/metres.
     n_pixels : (N,) array
@@ -93,13 +92,13 @@ class Cells:
     """
 
     rays: FloatArray
-    places: FloatArray
+    pixels: FloatArray
     inverse_m: FloatArray
     n_pixels: FloatArray
     blocks: IntArray
 
     def __post_init__(self) -> None:
-        for array in (self.rays, self.places, self.inverse_m, self.n_pixels, self.blocks):
+        for array in (self.rays, self.pixels, self.inverse_m, self.n_pixels, self.blocks):
             read_only(array)
 
     def __len__(self) -> int:
@@ -317,10 +316,9 @@ def _in_cells(
         means: FloatArray = np.bincount(member, values)[is_full] / counts[is_full]
         return means
 
-    k = depth.intrinsics
     return Cells(
         rays=np.stack([mean(rays[:, 0]), mean(rays[:, 1])], axis=-1),
-        places=normalise(np.stack([mean(columns.astype(float)), mean(rows.astype(float))], -1), k),
+        pixels=np.stack([mean(columns.astype(float)), mean(rows.astype(float))], axis=-1),
         inverse_m=mean(inverse_m.astype(float)),
         n_pixels=counts[is_full].astype(float),
         blocks=np.stack(np.divmod(cells[is_full], across), axis=-1),

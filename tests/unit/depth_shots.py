@@ -68,7 +68,8 @@ def cells_of(plane_depth, is_on, bias, rng, sd_per_m):
     inverse_m = 1.0 / measured_depth_m(true_m[kept], places[kept], bias)
     inverse_m = inverse_m + rng.normal(0.0, 1.0, kept.sum()) * sd_per_m
     n_pixels = np.full(kept.sum(), float(CELL_PX**2))
-    return Cells(places[kept], places[kept].copy(), inverse_m, n_pixels, blocks[kept])
+    pixels = np.stack([u, v], axis=-1)[kept]
+    return Cells(places[kept], pixels, inverse_m, n_pixels, blocks[kept])
 
 
 def board_shot(name, rng, sd_px=0.0, sd_per_m=0.0, bias=BIAS, tilt_rad=0.6):
