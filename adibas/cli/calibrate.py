@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive
-from adibas.errors import CalibrationError
+from adibas.errors import CalibrationError, FileError
 from adibas.files import check_place
-from adibas.texts import message
+from adibas.texts import LANGUAGES, message, spoken_language
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.calibration.lens_models import LensModel
+    from adibas.data.calibration import RgbdCalibration
     from adibas.pipeline.calibrating import CameraOutcome
 
 SUMMARY = message("calibrate a camera from images of a chessboard, or print the chessboard")
@@ -44,6 +45,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--model",
         metavar=_("TERMS"),
         help=_("distortion, such as 'k1 k2 p1 p2' or 'none'; chosen by the images if not given"),
+    )
+    parser.add_argument(
+        "--report",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="REPORT.xlsx|.pdf",
+        help=_("report to write, whatever the verdict; may be given twice, for Excel and PDF"),
+    )
+    parser.add_argument(
+        "--language",
+        choices=tuple(LANGUAGES),
+        default=spoken_language(),
+        help=_("of the report; the program's own if not given"),
     )
     parser.add_argument(
         "--keep-bad",
@@ -89,7 +104,21 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         )
         return WRONG_USAGE
     check_place(arguments.out)
+    _check_reports(arguments.report)
     return _calibrate(arguments, console)
+
+
+def _check_reports(paths: list[Path]) -> None:
+    from adibas.reports.calibration import KINDS
+
+    for path in paths:
+        if path.suffix.lower() not in KINDS:
+            raise FileError(
+                "{file} is no report. Give --report a name that ends in one of: {endings}.",
+                file=path.name or str(path),
+                endings=", ".join(KINDS),
+            )
+        check_place(path)
 
 
 def _print_board(arguments: argparse.Namespace, console: Console) -> int:
@@ -143,11 +172,13 @@ def _calibrate(arguments: argparse.Namespace, console: Console) -> int:
     is_bad = outcome.verdict.grade is Grade.REPEAT
     is_fitted = outcome.fit is not None and outcome.fit.is_settled
     is_written = is_fitted and (arguments.keep_bad or not is_bad)
-    if is_written and outcome.fit is not None:
-        write_calibration(arguments.out, color_calibration(outcome.fit))
+    calibration = color_calibration(outcome.fit) if is_fitted and outcome.fit is not None else None
+    if is_written and calibration is not None:
+        write_calibration(arguments.out, calibration)
     for line in describe_outcome(outcome):
         console.say(line)
     _say_where(arguments, console, outcome, is_written=is_written)
+    _write_reports(arguments, console, outcome, calibration)
     console.give(document(outcome, arguments.out if is_written else None))
     return REPEAT if is_bad else 0
 
@@ -165,6 +196,21 @@ def _say_where(
         )
     else:
         console.warn(_("{file} is not written.").format(file=arguments.out))
+
+
+def _write_reports(
+    arguments: argparse.Namespace,
+    console: Console,
+    outcome: "CameraOutcome",
+    calibration: "RgbdCalibration | None",
+) -> None:
+    from adibas.pipeline.calibration_report import report_of_calibration
+    from adibas.reports.calibration import write_calibration_report
+
+    for path in arguments.report:
+        report = report_of_calibration(outcome, calibration, arguments.language)
+        write_calibration_report(report, path)
+        console.say(_("{file} is written.").format(file=path))
 
 
 def _model(name: str | None) -> "LensModel | None":

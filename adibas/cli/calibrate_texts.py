@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from adibas.calibration.projection_uncertainty import distance_uncertainty, map_uncertainty
 from adibas.calibration.quality import (
     board_errors,
     map_residuals,
@@ -15,13 +14,8 @@ from adibas.calibration.quality import (
 )
 from adibas.data.camera_fit import CameraFit
 from adibas.pipeline.calibrating import CameraOutcome, SearchedImage, parameter_intervals
+from adibas.reports.calibration_rows import LENGTH_M, SURE, UncertaintyRow, uncertainty_rows
 from adibas.texts import translate as _
-
-DISTANCES_M = (1.0, 2.0, 3.0, 4.0)
-"""The working volume."""
-
-LENGTH_M = 1.0
-SURE = 1.959964
 
 
 def describe_outcome(outcome: CameraOutcome) -> Iterator[str]:
@@ -102,20 +96,18 @@ def _fit_document(fit: CameraFit) -> dict[str, object]:
         "covered_share": map_residuals(fit).covered_share,
         "tilts_deg": np.degrees(tilts_rad(fit)).round(1).tolist(),
         "q_mm": _finite(1000.0 * mean_board_error_m(board_errors(fit))),
-        "uncertainty": [_uncertainty(fit, distance_m) for distance_m in DISTANCES_M],
+        "uncertainty": [_uncertainty(row) for row in uncertainty_rows(fit)],
     }
 
 
-def _uncertainty(fit: CameraFit, distance_m: float) -> dict[str, object]:
-    found = map_uncertainty(fit, distance_m)
-    length_m = distance_uncertainty(fit, distance_m, LENGTH_M)
+def _uncertainty(row: UncertaintyRow) -> dict[str, object]:
     return {
-        "distance_m": distance_m,
-        "median_ci95_px": _finite(SURE * float(np.nanmedian(found.sd_px))),
-        "worst_ci95_px": _finite(SURE * float(np.nanmax(found.sd_px))),
-        "worst_ci95_mm": _finite(1000.0 * SURE * float(np.nanmax(found.sd_m))),
+        "distance_m": row.distance_m,
+        "median_ci95_px": row.median_px,
+        "worst_ci95_px": row.worst_px,
+        "worst_ci95_mm": row.worst_mm,
         "length_m": LENGTH_M,
-        "length_ci95_mm": _finite(1000.0 * SURE * length_m),
+        "length_ci95_mm": row.length_mm,
     }
 
 
