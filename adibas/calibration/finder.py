@@ -288,7 +288,7 @@ def _drop_strays(precise: FloatArray, params: GrowthParams) -> None:
 def _upright(grid: Grid) -> Grid:
     """Turn the grid until its columns run to the right of the image."""
     step = np.nanmean(np.diff(grid.pixels, axis=1).reshape(-1, 2), axis=0)
-    quarters = round(np.arctan2(step[1], step[0]) / (np.pi / 2))
+    quarters = -round(np.arctan2(step[1], step[0]) / (np.pi / 2))
     return grid.turned(quarters)
 
 

@@ -13,6 +13,7 @@ FIRST_BLUR = 0.9
 """Of a crossing, in pixels of the level that shows it best; the fit finds the rest."""
 NOTICEABLE_PX = 0.003
 """A curved edge moves the corner less than that: no second fit."""
+FEWEST_FOR_LIGHT = 6
 BLURRED_SHARE = 0.15
 """A blur of so much of a square makes the places of the neighbours matter: a second fit."""
 
@@ -27,7 +28,7 @@ def fit_lattice(
     """
     known = ~np.isnan(lattice.fields[..., U])
     lattice = _away_from_dots(lattice, dots)
-    light = _light(lattice)
+    light = _light(lattice, dots)
     shapes = _shapes(lattice.pixels, light, known, dots)
     bends = slice(BENDS, BENDS + 2)
     shapes[:, bends] = 0.0
@@ -52,8 +53,7 @@ def _away_from_dots(lattice: Lattice, dots: BoolArray) -> Lattice:
 
     A blurred dot pulls the saddle towards itself, out of reach of the fit.
     """
-    wide = np.pad(dots, 1)
-    is_near = wide[:-1, :-1] | wide[:-1, 1:] | wide[1:, :-1] | wide[1:, 1:]
+    is_near = _beside_dots(dots)
     fields = lattice.fields.copy()
     others = lattice.pixels
     others[is_near] = np.nan
@@ -102,21 +102,27 @@ def _shapes(pixels: FloatArray, light: FloatArray, known: BoolArray, dots: BoolA
     return np.concatenate([along, down, bends, rest], axis=-1)[known]
 
 
-def _light(lattice: Lattice) -> FloatArray:
+def _light(lattice: Lattice, dots: BoolArray) -> FloatArray:
     """Return (R, C, 2) the relative change of the light per column and per row.
 
-    That of a quadratic surface through the logarithm of the corners' means.
+    That of a plane through the logarithm of the corners' means: bent surfaces follow the dots.
     """
-    rows, columns = np.indices(lattice.fields.shape[:2]).astype(float)
     known = ~np.isnan(lattice.fields[..., MEAN])
-    terms = np.stack(
-        [np.ones_like(rows), columns, rows, columns**2, columns * rows, rows**2], axis=-1
-    )
+    plain = known & ~_beside_dots(dots)
+    if np.count_nonzero(plain) >= FEWEST_FOR_LIGHT:
+        known = plain
+    rows, columns = np.nonzero(known)
+    terms = np.column_stack([np.ones(len(rows)), columns, rows])
     values = np.log(np.maximum(lattice.fields[known][:, MEAN], 1.0))
-    c = np.linalg.lstsq(terms[known], values, rcond=None)[0]
-    along = c[1] + 2.0 * c[3] * columns + c[4] * rows
-    down = c[2] + c[4] * columns + 2.0 * c[5] * rows
-    return np.stack([along, down], axis=-1)
+    slopes = np.linalg.lstsq(terms, values, rcond=None)[0][1:]
+    return np.broadcast_to(slopes, (*known.shape, 2))
+
+
+def _beside_dots(dots: BoolArray) -> BoolArray:
+    """Return (R, C) which corners belong to a dotted square."""
+    wide = np.pad(dots, 1)
+    beside: BoolArray = wide[:-1, :-1] | wide[:-1, 1:] | wide[1:, :-1] | wide[1:, 1:]
+    return beside
 
 
 def _height(side: FloatArray, edge: FloatArray) -> FloatArray:
