@@ -36,6 +36,8 @@ from adibas.data.camera_fit import CameraFit, ViewFit
 from adibas.geometry.rigid import RigidTransform
 
 NO_COVARIANCE = float("nan")
+LEAST_VIEWS = 2
+"""One gives eight equations, for four numbers of the camera and six of its pose."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +82,7 @@ def fit_camera(
     Returns
     -------
     fit : CameraFit or None
-        None where no image has corners enough for a homography.
+        None where fewer than two images have corners enough for a homography.
 
     Raises
     ------
@@ -92,7 +94,7 @@ def fit_camera(
     points_m = board.points_m()
     homographies = [fit_homography(points_m[:, :2], image.pixels) for image in images]
     usable = [i for i, homography in enumerate(homographies) if homography is not None]
-    if not usable:
+    if len(usable) < LEAST_VIEWS:
         return None
     chosen = [images[i] for i in usable]
     sigmas = np.stack([_shares(image.sigma_px) for image in chosen]) if params.is_weighted else None
