@@ -98,7 +98,8 @@ def write_calibration_pdf(report: CalibrationReport, path: Path) -> None:
             bottomPadding=0,
         )
         document.addPageTemplates(PageTemplate(frames=[space]))
-        lines = (intended_use(), f"ADiBAS {report.version} · {report.sensor or _('not told')}")
+        told = [f"ADiBAS {report.version}", report.sensor]
+        lines = (intended_use(), " · ".join(part for part in told if part))
         canvas = partial(FooterCanvas, lines=lines, page_text=_("Page {page} of {total}"))
         document.build(list(_story(report)), canvasmaker=canvas)
     with written_whole(path) as unfinished:

@@ -43,7 +43,7 @@ LARGEST_ARROW = 0.45
 
 LEAST_POLAR_DEG = 50.0
 HEADROOM = 1.25
-"""For the legend over the bars."""
+"""Over the greatest value, for a legend."""
 
 LONGEST_TITLE = 0.26
 """Characters of a title in a point of the figure's width."""
@@ -190,8 +190,9 @@ def q_figure(report: CalibrationReport, width_pt: float, height_pt: float) -> Fi
     )
     rows = [row for row in image_rows(report) if row.q_mm is not None]
     places = [row.distance_m or 0.0 for row in rows]
-    axes.plot(places, [row.q_mm or 0.0 for row in rows], "o", color=GREEN, markersize=3)
-    axes.set_ylim(bottom=0.0)
+    sizes = [row.q_mm or 0.0 for row in rows]
+    axes.plot(places, sizes, "o", color=GREEN, markersize=3)
+    axes.set_ylim(0.0, HEADROOM * max([*sizes, 1e-3]))
     return figure
 
 
