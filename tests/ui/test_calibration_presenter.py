@@ -303,6 +303,16 @@ def test_a_result_goes_to_a_file_too(wizard, tmp_path):
     assert wizard.told[-1] == ("good", "Written: mine.json")
 
 
+def test_a_report_is_written_as_its_name_says(wizard, tmp_path):
+    wizard.result.report(tmp_path / "none.pdf")
+    wizard.enter().hold(*range(6))
+    wizard.result.compute()
+    for name in ("one.xlsx", "two.pdf", "three"):
+        wizard.result.report(tmp_path / name)
+    written = {path.name: path.read_bytes()[:4] for path in tmp_path.glob("*.*") if path.is_file()}
+    assert written == {"one.xlsx": b"PK\x03\x04", "two.pdf": b"%PDF", "three.pdf": b"%PDF"}
+
+
 @pytest.mark.parametrize(
     ("age", "sentence", "is_urgent"),
     [

@@ -4,7 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from adibas.calibration.files import write_calibration
+from adibas.pipeline.calibration_report import report_of_calibration
 from adibas.pipeline.calibration_session import SensorOutcome
+from adibas.reports.calibration import KINDS, write_calibration_report
+from adibas.texts import spoken_language
 from adibas.texts import translate as _
 from ui.calibration.bench import Bench
 from ui.calibration.ports import CalibrationView
@@ -64,13 +67,32 @@ class ResultPresenter:
         if calibration is None:
             return
 
-        def work(_control: JobControl) -> None:
+        def work(_control: JobControl) -> Path:
             write_calibration(path, calibration)
+            return path
 
-        def done(_none: None) -> None:
-            self._bench.workspace.tell("good", _("Written: {names}").format(names=path.name))
+        self._bench.workspace.jobs.start(_("Writing the calibration"), work, self._on_written)
 
-        self._bench.workspace.jobs.start(_("Writing the calibration"), work, done)
+    def report(self, path: Path) -> None:
+        """Write a report in the window's language: a PDF, or a workbook by its name."""
+        outcome, clock, language = self.outcome, self._bench.clock, spoken_language()
+        if outcome is None:
+            return
+        if path.suffix.lower() not in KINDS:
+            path = path.with_name(f"{path.name}.pdf")
+
+        def work(_control: JobControl) -> Path:
+            previous = None if outcome.previous is None else outcome.previous.calibration
+            report = report_of_calibration(
+                outcome.camera, outcome.calibration, language, previous=previous, clock=clock
+            )
+            write_calibration_report(report, path)
+            return path
+
+        self._bench.workspace.jobs.start(_("Writing the report"), work, self._on_written)
+
+    def _on_written(self, path: Path) -> None:
+        self._bench.workspace.tell("good", _("Written: {names}").format(names=path.name))
 
     def _on_outcome(self, outcome: SensorOutcome) -> None:
         self.outcome = outcome

@@ -114,6 +114,7 @@ class CalibrationScreen(Screen):
             ("compute", presenter.result.compute),
             ("accept", presenter.result.accept),
             ("save", self._ask_place),
+            ("report", self._ask_report),
             ("more", presenter.result.take_more),
             ("discard", presenter.start_anew),
         ):
@@ -240,6 +241,7 @@ class CalibrationScreen(Screen):
             ("compute", not is_result),
             ("accept", is_open),
             ("save", outcome is not None and outcome.calibration is not None),
+            ("report", is_result),
             ("more", is_result),
             ("discard", is_open),
         ):
@@ -279,8 +281,20 @@ class CalibrationScreen(Screen):
         dialog.fileSelected.connect(lambda name: self._presenter.result.save(Path(name)))
         _open(dialog)
 
+    def _ask_report(self) -> None:
+        dialog = QFileDialog(self, _("Write a report"))
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        dialog.setNameFilters([f"{_('PDF files')} (*.pdf)", f"{_('Excel workbooks')} (*.xlsx)"])
+        dialog.setDefaultSuffix("pdf")
+        dialog.filterSelected.connect(
+            lambda chosen: dialog.setDefaultSuffix("xlsx" if "xlsx" in chosen else "pdf")
+        )
+        dialog.selectFile("calibration")
+        dialog.fileSelected.connect(lambda name: self._presenter.result.report(Path(name)))
+        _open(dialog)
 
-_BUTTONS = ("take", "compute", "more", "save", "discard", "accept")
+
+_BUTTONS = ("take", "compute", "more", "report", "save", "discard", "accept")
 
 
 def _texts() -> dict[str, tuple[str, str]]:
@@ -290,6 +304,7 @@ def _texts() -> dict[str, tuple[str, str]]:
         "compute": (_("Cal&culate the calibration"), ""),
         "accept": (_("&Use this calibration"), ""),
         "save": (_("Save to a &file..."), ""),
+        "report": (_("&Write a report..."), ""),
         "more": (_("Take &more pictures"), ""),
         "discard": (_("&Discard everything..."), ""),
     }
