@@ -50,16 +50,26 @@ def calibration_to_json(calibration: RgbdCalibration) -> dict[str, Any]:
     if calibration.covariance is not None:
         document["parameter_names"] = list(calibration.parameter_names)
         document["covariance"] = calibration.covariance.tolist()
-    if calibration.gravity is not None:
-        document["gravity"] = calibration.gravity.tolist()
-    if calibration.floor is not None:
-        document["floor"] = {
-            "normal": calibration.floor.normal.tolist(),
-            "offset_m": calibration.floor.offset_m,
-        }
+    document |= _vertical_to_json(calibration)
     if calibration.valid_region:
         document["valid_region"] = dict(calibration.valid_region)
     return document
+
+
+def _vertical_to_json(calibration: RgbdCalibration) -> dict[str, Any]:
+    part: dict[str, Any] = {}
+    if calibration.gravity is not None:
+        part["gravity"] = calibration.gravity.tolist()
+    if calibration.floor is not None:
+        part["floor"] = {
+            "normal": calibration.floor.normal.tolist(),
+            "offset_m": calibration.floor.offset_m,
+        }
+    if calibration.gravity_sd_rad is not None:
+        part["gravity_sd_rad"] = calibration.gravity_sd_rad
+    if calibration.floor_flatness_m is not None:
+        part["floor_flatness_m"] = calibration.floor_flatness_m
+    return part
 
 
 def calibration_from_json(document: object, file: str) -> RgbdCalibration:
@@ -117,6 +127,8 @@ def _from_document(document: Document) -> RgbdCalibration:
         covariance=covariance,
         gravity=None if gravity is None else numbers("gravity", gravity),
         floor=None if floor is None else _plane(floor),
+        gravity_sd_rad=_number_or_none(document.get("gravity_sd_rad")),
+        floor_flatness_m=_number_or_none(document.get("floor_flatness_m")),
         sensor_serial=str(document.get("sensor_serial") or ""),
         created_utc=str(document.get("created_utc") or ""),
         valid_region=valid_region or {},
@@ -212,6 +224,10 @@ def _needed(name: str, part: Document, key: str) -> object:
     if key not in part:
         raise ValueError(f"{name}.{key} is missing")
     return part[key]
+
+
+def _number_or_none(value: object) -> float | None:
+    return None if value is None else number(value)
 
 
 def number(value: object) -> float:

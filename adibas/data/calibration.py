@@ -151,6 +151,9 @@ class RgbdCalibration:
         Unit vector that points down, in the depth camera's axes.
     floor : Plane or None
         In the depth camera's axes, normal up.
+    gravity_sd_rad, floor_flatness_m : float or None
+        Standard deviation of the angle of `gravity`, and root mean square of the floor about its
+        plane; None where unknown.
     sensor_serial, created_utc : str
         Empty where unknown.
     valid_region : mapping
@@ -167,6 +170,8 @@ class RgbdCalibration:
     covariance: FloatArray | None = None
     gravity: FloatArray | None = None
     floor: Plane | None = None
+    gravity_sd_rad: float | None = None
+    floor_flatness_m: float | None = None
     sensor_serial: str = ""
     created_utc: str = ""
     valid_region: Mapping[str, object] = field(default_factory=dict)

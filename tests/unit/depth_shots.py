@@ -74,6 +74,12 @@ def cells_of(plane_depth, is_on, bias, rng, sd_per_m):
 
 def board_shot(name, rng, sd_px=0.0, sd_per_m=0.0, bias=BIAS, tilt_rad=0.6):
     """Return a shot of a board somewhere; of one that both cameras see."""
+    corners, cells = board_view(rng, sd_px, sd_per_m, bias, tilt_rad)
+    return BoardShot(name, find_pose(corners, BOARD, COLOR), cells)
+
+
+def board_view(rng, sd_px=0.0, sd_per_m=0.0, bias=BIAS, tilt_rad=0.6):
+    """Return corners and cells of a board somewhere."""
     while True:
         pose = random_pose(rng, tilt_rad)
         depth_from_board = COLOR_FROM_DEPTH.inverse() @ pose
@@ -85,9 +91,9 @@ def board_shot(name, rng, sd_px=0.0, sd_per_m=0.0, bias=BIAS, tilt_rad=0.6):
             return (x > -0.1) & (x < 1.0) & (y > -0.1) & (y < 0.7)
 
         cells = cells_of(plane, is_on, bias, rng, sd_per_m)
-        found = find_pose(corners_of(pose, rng, sd_px), BOARD, COLOR)
-        if found is not None and len(cells) >= 12:
-            return BoardShot(name, found, cells)
+        corners = corners_of(pose, rng, sd_px)
+        if find_pose(corners, BOARD, COLOR) is not None and len(cells) >= 12:
+            return corners, cells
 
 
 def wall_shot(name, distance_m, rng, sd_per_m=0.0, bias=BIAS):

@@ -37,6 +37,8 @@ def whole_calibration(fx=1050.1):
         covariance=np.array([[0.3, 0.1], [0.1, 0.2]]),
         gravity=np.array([0.0, 1.0, 0.0]),
         floor=Plane(np.array([0.0, -1.0, 0.0]), 1.1),
+        gravity_sd_rad=0.002,
+        floor_flatness_m=0.003,
         sensor_serial="A1",
         created_utc="2026-11-21T10:00:00+00:00",
         valid_region={"color": [[10, 10], [1270, 1010]]},
@@ -52,6 +54,7 @@ def test_what_was_written_comes_back_bit_by_bit(fx):
     np.testing.assert_array_equal(back.color_from_depth.rotation, TURN)
     np.testing.assert_array_equal(back.covariance, [[0.3, 0.1], [0.1, 0.2]])
     assert back.floor.offset_m == 1.1
+    assert (back.gravity_sd_rad, back.floor_flatness_m) == (0.002, 0.003)
 
 
 def test_a_file_holds_the_contract_s_keys(tmp_path):
@@ -99,6 +102,7 @@ def test_everything_after_the_unit_may_be_missing_and_a_camera_may_stand_alone()
         ({"color": "x"}, "color is no group"),
         ({"color": {"width": [1] * 1000, "fx": 1, "fy": 1, "cx": 0, "cy": 0}}, "a value is no"),
         ({"depth_bias": {"a": None}}, "no number"),
+        ({"gravity_sd_rad": "small"}, "no number"),
         ({"floor": {"normal": [0, -1, 0]}}, r"floor\.offset_m is missing"),
         ({"color_from_depth": {"rotation": [[1, 0], [0, 1]], "translation_m": [0, 0, 0]}}, "shape"),
         ({"color_from_depth": []}, "damaged"),
