@@ -105,9 +105,9 @@ def saddle_response(level: Float32Array) -> Float32Array:
 
 @compiled
 def peaks(response: Float32Array, least: float, largest_number: int) -> Float32Array:
-    """Return (N, 2) pixels (u, v) above `least` that no pixel of the 5 x 5 around exceeds; of equals the first.
+    """Return (N, 2) pixels (u, v) above `least` that no pixel of the 5 x 5 around exceeds.
 
-    The first `largest_number` of them, row by row.
+    Of equals the first; of all the first `largest_number`, row by row.
     """
     height, width = response.shape
     found = np.empty((largest_number, 2), np.float32)
