@@ -27,6 +27,7 @@ from adibas.data.board import Board
 from adibas.data.calibration import CameraCalibration
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import pixel_rays
+from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 
 N_PLANE = 3
@@ -249,6 +250,38 @@ def cells_on_wall(
         return None
     pixels = (chosen[0][kept], chosen[1][kept])
     return _in_cells(pixels, disparity.mean_per_m[pixels], rays[pixels], depth, params)
+
+
+def cells_near_plane(
+    depth_m: Float32Array,
+    depth: CameraCalibration,
+    plane: Plane,
+    params: ShotParams | None = None,
+) -> FloatArray:
+    """Return the (N, 3) means over cells of the points near a plane, such as a floor, in metres.
+
+    Parameters
+    ----------
+    depth_m : (H, W) float32 array
+        Bias corrected, metres; NaN where not measured.
+    plane : Plane
+        In the depth camera's axes, good to some centimetres.
+    """
+    params = params or ShotParams()
+    check_shape("depth_m", depth_m, (depth.height, depth.width))
+    rays = _rays(depth)
+    homogeneous = np.concatenate([rays, np.ones((*rays.shape[:2], 1))], axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        inverse_m = (1.0 / depth_m).astype(np.float32)
+        expected = -(homogeneous @ plane.normal) / plane.offset_m
+        rows, columns = np.nonzero(np.abs(inverse_m - expected) < params.wall_bend_per_m)
+    if not len(rows):
+        return np.empty((0, 3))
+    pixels = (rows, columns)
+    cells = _in_cells(pixels, inverse_m[pixels], rays[pixels], depth, params)
+    if cells is None:
+        return np.empty((0, 3))
+    return _homogeneous(cells.rays) / cells.inverse_m[:, None]
 
 
 def fit_inverse_plane(

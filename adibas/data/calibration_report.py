@@ -3,15 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import Literal
 
 import numpy as np
 
 from adibas.arrays import FloatArray, check_shape, read_only
 from adibas.data.board import Board
-from adibas.data.calibration import DepthBias, RgbdCalibration
+from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.data.calibration_verdict import Verdict
 from adibas.data.camera_fit import CameraFit
+from adibas.data.sentence import Sentence
 from adibas.geometry.rigid import RigidTransform
 from adibas.texts import Message, translate
 
@@ -80,45 +80,26 @@ class ReportedShot:
 
 
 @dataclass(frozen=True, slots=True)
-class ReportedRegistration:
-    """Where a real edge lies in the depth that was moved into the colour image.
-
-    Attributes
-    ----------
-    shift_px : (float, float)
-        Median (u, v) of the depth's edge minus the colour's.
-    spread_px : float
-        95 % of the places of the edge are nearer to it than this.
-    n_places : int
-        Along the edge.
-    """
-
-    shift_px: tuple[float, float]
-    spread_px: float
-    n_places: int
-
-
-@dataclass(frozen=True, slots=True)
 class ReportedVertical:
     """Where down is, and how sure that is.
 
     Attributes
     ----------
-    source : str
-        Of the floor that was seen, or of an accelerometer.
+    is_of_floor : bool
+        By the floor; else by an accelerometer.
     lean_rad, roll_rad : float
-        By which the camera looks down, and is turned clockwise about its axis.
-    residual_m : float
-        Of the floor's points about their plane, root mean square; NaN without a floor.
+        By which the depth camera looks down, and is turned clockwise about its axis.
     sd_rad : float
         Standard deviation of the direction.
+    flatness_m : float
+        Root mean square of the floor about its plane; NaN from an accelerometer.
     """
 
-    source: Literal["floor", "accelerometer"]
+    is_of_floor: bool
     lean_rad: float
     roll_rad: float
-    residual_m: float
     sd_rad: float
+    flatness_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,20 +108,23 @@ class ReportedDrift:
 
     Attributes
     ----------
-    per_hour : float
-        Share of the distance by which depth grows in an hour.
-    sd_per_hour : float
-        Its standard deviation.
+    distance_m : float
+        At which the rates hold.
+    rate_m_s : float
+        Metres a second; positive: surfaces seem to go away.
+    interval_m_s : (float, float)
+        Of 95 %.
     span_s : float
         From the first to the last shot.
-    is_noticed : bool
-        It is more than the noise explains and more than measures bear: the sensor was cold.
+    notice : Sentence or None
+        What to do where it matters.
     """
 
-    per_hour: float
-    sd_per_hour: float
+    distance_m: float
+    rate_m_s: float
+    interval_m_s: tuple[float, float]
     span_s: float
-    is_noticed: bool
+    notice: Sentence | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,16 +137,20 @@ class DepthReport:
         Its pose.
     bias : DepthBias
         Its own error.
+    camera : CameraCalibration
+        Focal lengths and principal point.
     parameter_names : tuple of str
         ``color_from_depth.rx`` (a small turn about the colour camera's axes, radians), ``ry``,
-        ``rz``, ``tx``, ``ty``, ``tz`` (metres), ``depth_bias.a`` and so on; not every one needs
-        to be there.
+        ``rz``, ``tx``, ``ty``, ``tz`` (metres), ``depth_bias.a``, ``depth.fx`` and so on, as far
+        as they were estimated.
     covariance : (n, n) array
         Of these, the colour camera's own error included.
     shots : tuple of ReportedShot
         In the order in which they were taken.
-    registration : ReportedRegistration or None
-        None where no edge was looked at.
+    left_open : tuple of Sentence
+        What the shots do not tell.
+    registration : Sentence or None
+        Whether depth and colour fit on a real edge; None where none was looked at.
     vertical : ReportedVertical or None
         None where it is not known.
     drift : ReportedDrift or None
@@ -171,10 +159,12 @@ class DepthReport:
 
     color_from_depth: RigidTransform
     bias: DepthBias
+    camera: CameraCalibration
     parameter_names: tuple[str, ...]
     covariance: FloatArray
     shots: tuple[ReportedShot, ...] = ()
-    registration: ReportedRegistration | None = None
+    left_open: tuple[Sentence, ...] = ()
+    registration: Sentence | None = None
     vertical: ReportedVertical | None = None
     drift: ReportedDrift | None = None
 

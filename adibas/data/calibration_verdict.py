@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from adibas.texts import Message, message, translate
+from adibas.texts import DECIMAL_COMMA, Message, message, spoken_language, translate
 
 
 class Grade(Enum):
@@ -116,6 +116,14 @@ GRADES: dict[Grade, Message] = {
 }
 
 
+class _Spoken(float):
+    """A number that a sentence shows as the language in use writes it."""
+
+    def __format__(self, spec: str) -> str:
+        text = super().__format__(spec)
+        return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """One thing that is wrong, and how bad that makes the calibration.
@@ -137,7 +145,11 @@ class Finding:
     @property
     def text(self) -> str:
         """The sentence in the language in use: what is wrong, and what to do."""
-        return translate(SENTENCES[self.reason]).format(**self.fields)
+        fields = {
+            name: _Spoken(value) if isinstance(value, float) else value
+            for name, value in self.fields.items()
+        }
+        return translate(SENTENCES[self.reason]).format(**fields)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,16 @@
 """What the report of a calibration shows, out of what the calibration gave."""
 
+import math
+
 import numpy as np
 
 from adibas import __version__
-from adibas.calibration.depth_bias import camera_covariance
+from adibas.calibration.depth_bias import camera_covariance, weak_directions
+from adibas.calibration.drift import STATED_DISTANCE_M, Drift
 from adibas.calibration.extrinsics import DepthFit, ShotFit
 from adibas.calibration.finder import TEXTS
+from adibas.calibration.registration_check import RegistrationCheck
+from adibas.calibration.vertical import Vertical
 from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.calibration_report import (
@@ -13,7 +18,6 @@ from adibas.data.calibration_report import (
     DepthReport,
     ReportedDrift,
     ReportedImage,
-    ReportedRegistration,
     ReportedShot,
     ReportedVertical,
 )
@@ -67,9 +71,9 @@ def report_of_depth(
     fit: DepthFit,
     color: CameraFit,
     *,
-    registration: ReportedRegistration | None = None,
-    vertical: ReportedVertical | None = None,
-    drift: ReportedDrift | None = None,
+    registration: RegistrationCheck | None = None,
+    vertical: Vertical | None = None,
+    drift: Drift | None = None,
 ) -> DepthReport:
     """Return what a report says of the depth camera.
 
@@ -82,15 +86,42 @@ def report_of_depth(
     registration, vertical, drift
         As far as they were looked at.
     """
+    covariance = camera_covariance(fit, color.parameter_names, color.covariance)
     return DepthReport(
         color_from_depth=fit.color_from_depth,
         bias=fit.bias,
+        camera=fit.camera,
         parameter_names=fit.parameter_names,
-        covariance=camera_covariance(fit, color.parameter_names, color.covariance),
+        covariance=covariance,
         shots=tuple(sorted(map(_shot, fit.shots), key=lambda shot: shot.time_s)),
-        registration=registration,
-        vertical=vertical,
-        drift=drift,
+        left_open=weak_directions(fit, covariance),
+        registration=None if registration is None else registration.sentence,
+        vertical=None if vertical is None else _vertical(vertical),
+        drift=None if drift is None else _drift(drift),
+    )
+
+
+def _vertical(vertical: Vertical) -> ReportedVertical:
+    right, down, ahead = vertical.gravity.tolist()
+    return ReportedVertical(
+        is_of_floor=vertical.floor is not None,
+        lean_rad=math.asin(min(max(ahead, -1.0), 1.0)),
+        roll_rad=math.atan2(right, down),
+        sd_rad=vertical.sd_rad,
+        flatness_m=vertical.flatness_m,
+    )
+
+
+def _drift(drift: Drift) -> ReportedDrift:
+    # More of 1/z is nearer.
+    square_m2 = -(STATED_DISTANCE_M**2)
+    low, high = sorted(square_m2 * rate for rate in drift.interval_per_m_s)
+    return ReportedDrift(
+        distance_m=STATED_DISTANCE_M,
+        rate_m_s=drift.rate_m_s(STATED_DISTANCE_M),
+        interval_m_s=(low, high),
+        span_s=drift.span_s,
+        notice=drift.notice(),
     )
 
 

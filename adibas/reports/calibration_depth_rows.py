@@ -52,7 +52,7 @@ class ShotRow:
 
 
 def depth_parameter_rows(depth: DepthReport) -> Iterator[DepthParameterRow]:
-    """Yield the pose of the depth camera, then its own error."""
+    """Yield the pose of the depth camera, its focal lengths and middle, and its own error."""
     turn_deg = np.degrees(rotation_vector(depth.color_from_depth.rotation))
     shift_mm = MM_PER_M * depth.color_from_depth.translation_m
     for axis, value in zip("xyz", turn_deg.tolist(), strict=True):
@@ -60,6 +60,9 @@ def depth_parameter_rows(depth: DepthReport) -> Iterator[DepthParameterRow]:
         yield _row(depth, name, _("deg"), value, math.degrees(1.0))
     for axis, value in zip("xyz", shift_mm.tolist(), strict=True):
         yield _row(depth, f"color_from_depth.t{axis}", "mm", value, MM_PER_M)
+    k = depth.camera.intrinsics
+    for name, value in (("fx", k.fx), ("fy", k.fy), ("cx", k.cx), ("cy", k.cy)):
+        yield _row(depth, f"depth.{name}", "px", value, 1.0)
     yield _row(depth, "depth_bias.a", "mm", MM_PER_M * depth.bias.a, MM_PER_M)
     yield _row(depth, "depth_bias.b", "", depth.bias.b, 1.0)
     yield _row(depth, "depth_bias.c", "1/m", depth.bias.c, 1.0)

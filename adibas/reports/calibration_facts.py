@@ -10,7 +10,12 @@ import numpy as np
 from adibas.calibration.kept import REMIND_AFTER
 from adibas.calibration.quality import board_errors, map_residuals, mean_board_error_m, tilts_rad
 from adibas.calibration.verdict import VerdictParams
-from adibas.data.calibration_report import CalibrationReport, DepthReport
+from adibas.data.calibration_report import (
+    CalibrationReport,
+    DepthReport,
+    ReportedDrift,
+    ReportedVertical,
+)
 from adibas.data.calibration_verdict import GRADES, Grade
 from adibas.data.camera_fit import CameraFit
 from adibas.reports.calibration_depth_rows import rms_of_shots_mm
@@ -27,6 +32,8 @@ from adibas.texts import DECIMAL_COMMA, decimal_text, spoken_language, translate
 from adibas.texts import translate as _
 
 Pairs = list[tuple[str, str]]
+
+SECONDS_PER_MINUTE = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,22 +140,12 @@ def depth_facts(depth: DepthReport) -> Pairs:
     """Return what was checked of the depth, in words."""
     facts = []
     if depth.registration is not None:
-        u_px, v_px = depth.registration.shift_px
-        text = _(
-            "The depth's edge lies {u} px to the right and {v} px below the colour's; 95 % of "
-            "{n} places are nearer than {spread} px."
-        ).format(
-            u=decimal_text(u_px, 1),
-            v=decimal_text(v_px, 1),
-            n=depth.registration.n_places,
-            spread=decimal_text(depth.registration.spread_px, 1),
-        )
-        facts.append((_("Registration on a real edge"), text))
+        facts.append((_("Registration on a real edge"), depth.registration.text))
     if depth.vertical is not None:
-        facts.append((_("Vertical"), _vertical_text(depth)))
+        facts.append((_("Vertical"), _vertical_text(depth.vertical)))
     if depth.drift is not None:
-        facts.append((_("Warm-up"), _drift_text(depth)))
-    return facts
+        facts.append((_("Warm-up"), _drift_text(depth.drift)))
+    return facts + [(_("Left open"), sentence.text) for sentence in depth.left_open]
 
 
 def remark(row: ImageRow) -> str | None:
@@ -213,11 +210,8 @@ def _depth_figures(depth: DepthReport) -> Iterator[Figure]:
     yield Figure(_("Error of the boards' depth that is left, rms [mm]"), left_mm, 2)
 
 
-def _vertical_text(depth: DepthReport) -> str:
-    vertical = depth.vertical
-    if vertical is None:
-        return ""
-    source = _("the floor") if vertical.source == "floor" else _("an accelerometer")
+def _vertical_text(vertical: ReportedVertical) -> str:
+    source = _("the floor") if vertical.is_of_floor else _("an accelerometer")
     text = _(
         "By {source}: the camera looks {lean} degrees down and is turned {roll} degrees clockwise, "
         "plus or minus {sure} degrees (95 %)."
@@ -227,27 +221,24 @@ def _vertical_text(depth: DepthReport) -> str:
         roll=decimal_text(math.degrees(vertical.roll_rad), 2),
         sure=decimal_text(math.degrees(SURE * vertical.sd_rad), 2),
     )
-    if math.isnan(vertical.residual_m):
+    if math.isnan(vertical.flatness_m):
         return text
-    residual = _("Residual of the floor: {residual} mm rms.").format(
-        residual=decimal_text(MM_PER_M * vertical.residual_m, 1)
+    residual = _("The floor lies within {residual} mm (rms) of its plane.").format(
+        residual=decimal_text(MM_PER_M * vertical.flatness_m, 1)
     )
     return f"{text} {residual}"
 
 
-def _drift_text(depth: DepthReport) -> str:
-    drift = depth.drift
-    if drift is None:
-        return ""
-    measured = _(
-        "The depth changed by {share} % in an hour, plus or minus {sure} % (95 %)."
+def _drift_text(drift: ReportedDrift) -> str:
+    if drift.notice is not None:
+        return drift.notice.text
+    low_mm, high_mm = (SECONDS_PER_MINUTE * MM_PER_M * rate_m_s for rate_m_s in drift.interval_m_s)
+    return _(
+        "No drift that matters in {minutes} minutes: {low} to {high} mm a minute at {distance} m "
+        "(95 %)."
     ).format(
-        share=decimal_text(100.0 * drift.per_hour, 2),
-        sure=decimal_text(100.0 * SURE * drift.sd_per_hour, 2),
+        minutes=decimal_text(drift.span_s / SECONDS_PER_MINUTE, 1),
+        low=decimal_text(low_mm, 2),
+        high=decimal_text(high_mm, 2),
+        distance=decimal_text(drift.distance_m, 0),
     )
-    advice = (
-        _("The sensor was still warming up: let it run for half an hour and calibrate again.")
-        if drift.is_noticed
-        else _("No warming up is noticed.")
-    )
-    return f"{measured} {advice}"

@@ -2,10 +2,10 @@
 
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future
 from typing import TypeVar
 
 from adibas.errors import SensorError
+from adibas.sensors.permanent_threads import PermanentThread
 
 Answer = TypeVar("Answer")
 
@@ -14,7 +14,7 @@ LIMIT_S = 10.0
 
 
 class TimeLimit:
-    """Asks one library one thing at a time, each in a thread of its own.
+    """Asks one library one thing at a time, in a thread of its own.
 
     Nothing can stop a library that hangs: its thread is left alone, ends with the program, and
     nothing more is asked until it answers after all.
@@ -36,6 +36,7 @@ class TimeLimit:
         self._limit_s = limit_s
         self._gave_up = gave_up
         self._is_free = threading.Lock()
+        self._thread: PermanentThread | None = None
 
     def ask(self, question: Callable[[], Answer]) -> Answer:
         """Return what `question` returns, or raise what it raises.
@@ -47,17 +48,15 @@ class TimeLimit:
         """
         if not self._is_free.acquire(timeout=self._limit_s):
             raise self._silence()
-        answer: Future[Answer] = Future()
 
-        def run() -> None:
+        def run() -> Answer:
             try:
-                answer.set_result(question())
-            except BaseException as error:  # noqa: BLE001  (raised again where it was asked)
-                answer.set_exception(error)
+                return question()
             finally:
                 self._is_free.release()
 
-        threading.Thread(target=run, name=f"ask {self._library}", daemon=True).start()
+        self._thread = self._thread or PermanentThread()
+        answer = self._thread.begin(run)
         try:
             return answer.result(self._limit_s)
         except TimeoutError:

@@ -15,6 +15,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QLocale, QTimer
 
 from adibas.errors import AdibasError
 from adibas.pipeline.live import SensorState
+from adibas.sensors.permanent_threads import THREAD_NAME
 from adibas.sessions import SessionStore, open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from tests.unit.store_samples import use_keyring
@@ -43,7 +44,7 @@ def nothing_left_behind(qapp) -> Iterator[None]:
     yield
     qapp.processEvents()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-    threads = set(threading.enumerate()) - threads_before
+    threads = {one for one in threading.enumerate() if one.name != THREAD_NAME} - threads_before
     for thread in threads:
         thread.join(SECONDS_FOR_THREADS)
     windows = [w for w in qapp.topLevelWidgets() if w not in windows_before and w.isVisible()]

@@ -7,6 +7,7 @@ import pytest
 from adibas.errors import SensorError
 from adibas.sensors import openni2_library
 from adibas.sensors.answering import TimeLimit
+from adibas.sensors.permanent_threads import THREAD_NAME, LentThreads, PermanentThread
 
 
 @pytest.fixture
@@ -21,10 +22,6 @@ def hanging():
 
     yield hang, let_go, has_begun
     let_go.set()
-
-
-def threads_that_ask():
-    return [one for one in threading.enumerate() if one.name == "ask Camera"]
 
 
 def test_an_answer_and_an_error_come_as_they_are():
@@ -51,11 +48,13 @@ def test_a_library_that_hangs_is_told_and_not_asked_again_until_it_answers(hangi
         assert told.value.fields == {"library": "Camera"}
     assert has_begun.is_set()
     assert given_up == [True]
-    (thread,) = threads_that_ask()
-    assert thread.daemon, "the program must be able to end"
+    threads = [one for one in threading.enumerate() if one.name == THREAD_NAME]
+    assert threads
+    assert all(one.daemon for one in threads), "the program must be able to end"
     let_go.set()
-    thread.join(60.0)
-    assert limit.ask(lambda: "well again") == "well again"
+    patient = TimeLimit("Camera")
+    vars(patient).update(_is_free=vars(limit)["_is_free"], _thread=vars(limit)["_thread"])
+    assert patient.ask(lambda: "well again") == "well again"
 
 
 def test_two_who_ask_are_answered_one_after_the_other():
@@ -82,3 +81,23 @@ def test_a_library_that_hangs_while_it_is_loaded_holds_nobody_else(monkeypatch):
     monkeypatch.setattr(openni2_library, "_loading", threading.Lock())
     with vars(openni2_library)["_loading"], pytest.raises(SensorError, match="still being loaded"):
         openni2_library.load_openni2()
+
+
+def test_a_permanent_thread_does_everything_itself_and_in_order():
+    thread, done = PermanentThread(), []
+    for number in range(5):
+        thread.begin(lambda number=number: done.append((number, threading.get_ident())))
+    own = thread.call(threading.get_ident)
+    assert done == [(number, own) for number in range(5)]
+    assert own != threading.get_ident()
+    with pytest.raises(ZeroDivisionError):
+        thread.call(lambda: 1 // 0)
+    assert thread.call(threading.get_ident) == own, "it goes on after an error"
+
+
+def test_a_lent_thread_has_one_borrower_at_a_time_and_is_used_again():
+    threads = LentThreads()
+    one, other = threads.borrow(), threads.borrow()
+    assert one is not other
+    threads.give_back(one)
+    assert threads.borrow() is one

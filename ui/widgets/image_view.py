@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFocusEvent,
@@ -27,6 +27,7 @@ from ui.widgets.image_geometry import ImagePlacement
 from ui.widgets.overlay_painter import GRAB_PX, paint_overlays
 from ui.widgets.overlays import Dot, Overlay
 
+GROUND = QColor("#11161B")
 WHEEL_STEP = 1.2
 DRAG_PX = 4
 """A press that moves less is a click."""
@@ -151,8 +152,8 @@ class ImageView(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
         painter = QPainter(self)
-        painter.fillRect(event.rect(), QColor("#11161B"))
         if self._image.isNull():
+            painter.fillRect(event.rect(), GROUND)
             painter.setPen(QColor("#B3C0CB"))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self._placeholder)
         else:
@@ -169,8 +170,12 @@ class ImageView(QWidget):
             image = self._fitted_image()
             size = image.deviceIndependentSize()
             left, top = (self.width() - size.width()) / 2, (self.height() - size.height()) / 2
-            painter.drawImage(QPoint(round(left), round(top)), image)
+            covered = QRect(round(left), round(top), int(size.width()), int(size.height()))
+            for beside in _beside(self.rect(), covered):
+                painter.fillRect(beside, GROUND)
+            painter.drawImage(covered.topLeft(), image)
             return
+        painter.fillRect(self.rect(), GROUND)
         painter.save()
         is_small = place.scale < 1
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, is_small)
@@ -382,6 +387,18 @@ class ImageView(QWidget):
     def _place(self, placement: ImagePlacement) -> None:
         self._placement = placement
         self.update()
+
+
+def _beside(whole: QRect, covered: QRect) -> tuple[QRect, ...]:
+    """Return what is left of `whole` above, below, and at the sides."""
+    top, bottom = covered.top() - whole.top(), whole.bottom() - covered.bottom()
+    left, right = covered.left() - whole.left(), whole.right() - covered.right()
+    return (
+        whole.adjusted(0, 0, 0, -bottom - covered.height()),
+        whole.adjusted(0, top + covered.height(), 0, 0),
+        whole.adjusted(0, top, -right - covered.width(), -bottom),
+        whole.adjusted(left + covered.width(), top, 0, -bottom),
+    )
 
 
 def _step_px(modifiers: Qt.KeyboardModifier) -> float:

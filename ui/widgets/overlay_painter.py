@@ -113,22 +113,34 @@ def _anchor(overlay: Line | Curve | Text) -> tuple[float, float]:
 
 
 def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:
-    letters, border = _letters(text, painter.font().toString())
-    painter.translate(at)
-    painter.fillPath(border, BORDER)
-    painter.fillPath(letters, QColor(DRAWN[role]))
-    painter.translate(-at)
+    ratio = painter.device().devicePixelRatioF()
+    image, offset = _letters(text, painter.font().toString(), role, ratio)
+    place = (at + offset) * ratio  # on whole pixels of the screen: it is copied then
+    painter.drawImage(QPointF(round(place.x()), round(place.y())) / ratio, image)
 
 
 @lru_cache(maxsize=N_TEXTS_KEPT)
-def _letters(text: str, font_words: str) -> tuple[QPainterPath, QPainterPath]:
-    """Return letters that begin at (0, 0), and the border about them; they are dear to make."""
+def _letters(text: str, font_words: str, role: Role, ratio: float) -> tuple[QImage, QPointF]:
+    """Return letters with a border, and where the image is if they begin at (0, 0).
+
+    They are dear to make: as an image they cost nothing where the same text is drawn again.
+    """
     font = QFont()
     font.fromString(font_words)
     letters = QPainterPath()
     letters.addText(0.0, 0.0, font, text)
-    stroker = QPainterPathStroker(QPen(BORDER, 3.0))
-    return letters, stroker.createStroke(letters)
+    border = QPainterPathStroker(QPen(BORDER, 3.0)).createStroke(letters)
+    box = border.boundingRect().toAlignedRect()
+    image = QImage(box.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
+    image.setDevicePixelRatio(ratio)
+    image.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(image)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.translate(-box.topLeft())
+    painter.fillPath(border, BORDER)
+    painter.fillPath(letters, QColor(DRAWN[role]))
+    painter.end()
+    return image, QPointF(box.topLeft())
 
 
 def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) -> None:

@@ -1,0 +1,14 @@
+"""Calibration: corners, fits and depth beside the truth and beside OpenCV; real boards."""
+
+from collections.abc import Iterable
+
+from benchmarks import calibration_chain, calibration_corners
+from benchmarks import calibration_fitting as fitting
+from benchmarks.table import Row
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure one part after the other; errors of corners count as rms over points."""
+    yield from calibration_corners.rows(quick=quick)
+    yield from fitting.rows(quick=quick)
+    yield from calibration_chain.rows(quick=quick)
