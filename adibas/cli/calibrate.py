@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         action="append",
         default=[],
-        metavar="REPORT.xlsx|.pdf",
+        metavar=_("REPORT.xlsx|.pdf"),
         help=_("report to write, whatever the verdict; may be given twice, for Excel and PDF"),
     )
     parser.add_argument(

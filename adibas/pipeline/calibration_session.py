@@ -13,6 +13,7 @@ from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.calibration_verdict import SENTENCES, Grade, Reason
 from adibas.data.frames import SourceInfo
+from adibas.data.sentence import Sentence
 from adibas.errors import AdibasError, CalibrationError
 from adibas.geometry.pinhole import Intrinsics
 from adibas.pipeline.calibrating import (
@@ -31,8 +32,11 @@ from adibas.pipeline.calibration_pictures import (
 from adibas.pipeline.calibration_watch import Moment, MomentWatch
 from adibas.pipeline.learning import PICTURE_SUFFIXES, read_picture
 from adibas.pipeline.live_frames import LiveFrame
+from adibas.texts import Message, message
 
 Progress = Callable[[int, int], None]
+
+OTHER_SIZE = message("It has {width} x {height} pixels, not {wanted_width} x {wanted_height}.")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +107,7 @@ class RefusedImage:
     """A saved image that was not taken, and why."""
 
     name: str
-    reason: AdibasError
+    reason: Sentence
 
 
 class CalibrationSession:
@@ -235,11 +239,13 @@ class CalibrationSession:
         for done, path in enumerate(paths):
             progress(done, len(paths))
             try:
-                picture = self._saved(path)
+                found: NewPicture | Sentence = self._saved(path)
             except AdibasError as error:
-                refused.append(RefusedImage(path.name, error))
+                found = Sentence(Message(error.message_id), error.fields)
+            if isinstance(found, Sentence):
+                refused.append(RefusedImage(path.name, found))
             else:
-                taken.append(self.keep(picture))
+                taken.append(self.keep(found))
         return tuple(taken), tuple(refused)
 
     def outcome(self, clock: Clock = utc_now) -> SensorOutcome:
@@ -314,23 +320,20 @@ class CalibrationSession:
     def _stance(self, picture: KeptPicture) -> Stance | None:
         return self._watch.stance_of(picture.corners)
 
-    def _saved(self, path: Path) -> NewPicture:
+    def _saved(self, path: Path) -> NewPicture | Sentence:
+        """Return the picture in a file, or why there is none of this board."""
         color_rgb = read_picture(path)
         height, width = color_rgb.shape[:2]
         if (width, height) != self.sensor.color_size:
-            raise CalibrationError(
-                "It has {width} x {height} pixels, not {wanted_width} x {wanted_height}.",
-                width=width,
-                height=height,
-                wanted_width=self.sensor.color_size[0],
-                wanted_height=self.sensor.color_size[1],
-            )
+            wanted_width, wanted_height = self.sensor.color_size
+            fields = {"wanted_width": wanted_width, "wanted_height": wanted_height}
+            return Sentence(OTHER_SIZE, {"width": width, "height": height, **fields})
         searched = search_image(NamedImage(path.name, as_gray(color_rgb)), self.board)
         search = searched.search
         if search.problem is not None:
-            raise CalibrationError(TEXTS[search.problem], **search.fields)
+            return Sentence(TEXTS[search.problem], search.fields)
         if search.corners is not None and search.corners.is_mirrored:
-            raise CalibrationError(SENTENCES[Reason.MIRRORED])
+            return Sentence(SENTENCES[Reason.MIRRORED])
         return NewPicture(color_rgb, searched)
 
 

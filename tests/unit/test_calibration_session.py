@@ -346,7 +346,7 @@ def test_saved_pictures_are_taken_or_refused_each_with_its_reason(kept, tmp_path
     taken, refused = session.read_images(paths, lambda *done: told.append(done))
     session.add(*taken)
     assert [one.searched.name for one in session.pictures] == ["a.png"]
-    reasons = {one.name: one.reason.message_id for one in refused}
+    reasons = {one.name: one.reason.message for one in refused}
     assert list(reasons) == ["b.png", "c.png", "d.png", "e.png"]
     assert "pixels, not" in reasons["b.png"]
     assert reasons["c.png"] == TEXTS[BoardProblem.NO_BOARD]

@@ -68,7 +68,7 @@ class BoardPanel(QGroupBox):
         texts = (_("Si&ze"), _("C&orners across"), _("Corners &down"), _("S&quare"))
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
-        self._square.setSuffix(" mm")
+        self._square.setSuffix(_(" mm"))
         self._sizes.setItemText(self._sizes.findData(OWN), _("Own board"))
         self._note.setText(_("Count the corners inside, where four squares meet."))
         self._print.setText(_("&Print the board..."))

@@ -20,8 +20,8 @@ from adibas.pipeline.calibration_session import (
 from adibas.pipeline.calibration_watch import Moment
 from adibas.pipeline.learning import read_picture
 from adibas.pipeline.live_frames import LiveFrame, SensorState
-from adibas.texts import describe, translate_plural
 from adibas.texts import translate as _
+from adibas.texts import translate_plural
 from ui.calibration.bench import Bench
 from ui.calibration.ports import CalibrationView, Shown
 from ui.calibration.result_presenter import ResultPresenter
@@ -345,7 +345,7 @@ _ImagesRead = tuple[CalibrationSession, tuple[KeptPicture, ...], tuple[RefusedIm
 
 def _reasons(refused: Sequence[RefusedImage]) -> list[str]:
     """Say of the first refused pictures why, and of the others how many."""
-    sentences = [f"{one.name}: {describe(one.reason)}" for one in refused[:MOST_REASONS]]
+    sentences = [f"{one.name}: {one.reason.text}" for one in refused[:MOST_REASONS]]
     n_more = len(refused) - MOST_REASONS
     if n_more > 0:
         more = translate_plural(
