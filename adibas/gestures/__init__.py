@@ -1,0 +1,1 @@
+"""Gestures: from joints over time to what was done, from when to when."""

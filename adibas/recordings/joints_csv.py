@@ -1,0 +1,193 @@
+"""Joints over time as a table: `joints.csv`, one row a frame and person.
+
+Columns: ``timestamp_s``, optionally ``person``, then ``<joint>_x_m``, ``<joint>_y_m``,
+``<joint>_z_m`` and ``<joint>_confidence`` for each joint; an empty cell means not seen.
+"""
+
+import csv
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.sentence import Sentence
+from adibas.data.skeleton_track import NS_PER_S, SkeletonTrack
+from adibas.errors import RecordingError
+from adibas.files import written_whole
+from adibas.texts import message
+
+SUFFIX = ".joints.csv"
+ROWS_A_BLOCK = 5000
+PARTS = ("x_m", "y_m", "z_m", "confidence")
+COLUMNS = tuple(f"{joint}_{part}" for joint in JOINT_NAMES for part in PARTS)
+
+
+@dataclass(frozen=True, slots=True)
+class JointFile:
+    """What a file of joints holds, one track for each person, and what was left out of it."""
+
+    tracks: tuple[SkeletonTrack, ...]
+    notices: tuple[Sentence, ...] = ()
+
+
+def recording_name(path: Path) -> str:
+    """Return NAME of ``NAME.joints.csv`` or ``NAME.csv``."""
+    name = path.name
+    return name.removesuffix(SUFFIX) if name.endswith(SUFFIX) else path.stem
+
+
+def read_joints_csv(path: Path) -> JointFile:
+    """Read joints over time.
+
+    Rows whose time is not after the row before (of the same person) are left out, and a notice
+    says how many.
+
+    Raises
+    ------
+    RecordingError
+        The file is missing, has no time or joints, or a cell is no number.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            cells = _read(path, file)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(
+            "{file} cannot be read: {reason}. Check that it is a table of joints (CSV).",
+            file=path.name,
+            reason=getattr(error, "strerror", None) or str(error),
+        ) from error
+    tracks, notices = [], []
+    for person in np.unique(cells[:, 1]):
+        rows = cells[cells[:, 1] == person]
+        kept, said = _forward(path, rows)
+        notices += said
+        tracks.append(_track(rows[kept], int(person)))
+    return JointFile(tuple(tracks), tuple(notices))
+
+
+def write_joints_csv(path: Path, tracks: Sequence[SkeletonTrack]) -> None:
+    """Write joints over time, frames of all persons in the order of their times.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    with written_whole(path) as unfinished, unfinished.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("timestamp_s", "person", *COLUMNS))
+        writer.writerows(_rows(tracks))
+
+
+def _rows(tracks: Sequence[SkeletonTrack]) -> Iterator[list[str]]:
+    order = sorted(
+        (int(when), track.person, index, number)
+        for number, track in enumerate(tracks)
+        for index, when in enumerate(track.timestamps_ns)
+    )
+    for when, person, index, number in order:
+        track = tracks[number]
+        values = np.column_stack([track.joints_m[index], track.confidence[index]])
+        seconds, rest = divmod(when, NS_PER_S)
+        texts = ["" if np.isnan(value) else f"{value:.6g}" for value in values.ravel()]
+        yield [f"{seconds}.{rest:09d}", str(person), *texts]
+
+
+def _read(path: Path, file: TextIO) -> FloatArray:
+    """Return (rows, 2 + 60): time, person, and the cells in the order of `COLUMNS`."""
+    reader = csv.reader(file)
+    header = [name.strip() for name in next(reader, [])]
+    if "timestamp_s" not in header or not set(header) & set(COLUMNS):
+        raise RecordingError(
+            "{file} is no table of joints: its first line must name timestamp_s and columns such "
+            "as head_x_m. Give a file that `adibas pose` wrote.",
+            file=path.name,
+        )
+    wanted = ("timestamp_s", "person", *COLUMNS)
+    places = [(k, header.index(name)) for k, name in enumerate(wanted) if name in header]
+    blocks = []
+    while rows := list(islice(reader, ROWS_A_BLOCK)):
+        line = reader.line_num - len(rows) + 1
+        rows = [row for row in rows if row]
+        block = np.full((len(rows), len(wanted)), np.nan)
+        for into, column in places:
+            block[:, into] = _numbers(path, rows, column, line)
+        blocks.append(block)
+    cells = np.concatenate(blocks) if blocks else np.empty((0, len(wanted)))
+    return _checked(path, cells)
+
+
+def _numbers(path: Path, rows: list[list[str]], column: int, line: int) -> list[float]:
+    try:
+        return [float(row[column] or "nan") for row in rows]
+    except (ValueError, IndexError) as error:
+        at = next(k for k, row in enumerate(rows) if not _is_number(row, column))
+        raise RecordingError(
+            "{file}, line {line}: a cell is missing or no number. Leave a cell empty where a "
+            "joint was not seen.",
+            file=path.name,
+            line=line + at,
+        ) from error
+
+
+def _is_number(row: list[str], column: int) -> bool:
+    try:
+        float(row[column] or "nan")
+    except (ValueError, IndexError):
+        return False
+    return True
+
+
+def _checked(path: Path, cells: FloatArray) -> FloatArray:
+    cells[np.isnan(cells[:, 1]), 1] = 1.0
+    if not len(cells):
+        raise RecordingError("{file} has no frames. Record again.", file=path.name)
+    if not np.isfinite(cells[:, :2]).all() or np.isinf(cells).any():
+        raise RecordingError(
+            "{file} has a frame without a time, or an infinite number in it. Every row needs its "
+            "timestamp_s.",
+            file=path.name,
+        )
+    return cells
+
+
+def _forward(path: Path, rows: FloatArray) -> tuple[BoolArray, list[Sentence]]:
+    """Return which rows come after all before them, and what is to be said of the others."""
+    times_ns = np.round(rows[:, 0] * NS_PER_S)
+    latest = np.maximum.accumulate(np.concatenate([[-np.inf], times_ns[:-1]]))
+    kept = times_ns > latest
+    notices = []
+    if n_same := int((times_ns == latest).sum()):
+        notices.append(
+            Sentence(
+                message("{file}: {n} frames repeat the time of the frame before; left out."),
+                {"file": path.name, "n": n_same},
+            )
+        )
+    if n_back := int((times_ns < latest).sum()):
+        notices.append(
+            Sentence(
+                message(
+                    "{file}: {n} frames go back in time (the first at {at} s); left out. The "
+                    "clock was set or files were joined."
+                ),
+                {"file": path.name, "n": n_back, "at": float(rows[times_ns < latest][0, 0])},
+                decimals=3,
+            )
+        )
+    return kept, notices
+
+
+def _track(rows: FloatArray, person: int) -> SkeletonTrack:
+    cells = rows[:, 2:].reshape(len(rows), len(JOINT_NAMES), len(PARTS))
+    joints_m = cells[:, :, :3].copy()
+    joints_m[np.isnan(joints_m).any(axis=2)] = np.nan
+    confidence = np.where(np.isnan(joints_m[:, :, 0]), np.nan, cells[:, :, 3])
+    return SkeletonTrack(
+        np.round(rows[:, 0] * NS_PER_S).astype(np.int64), joints_m, confidence, person
+    )

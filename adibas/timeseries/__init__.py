@@ -1,0 +1,1 @@
+"""Alignment of series in time, and filters: pure maths on arrays."""
