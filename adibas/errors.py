@@ -41,6 +41,10 @@ class MarkerError(AdibasError):
     """A colour model is unusable, or the markers do not suffice."""
 
 
+class ProtocolError(AdibasError):
+    """A protocol cannot be read, or does not fit what was captured."""
+
+
 class ReportError(AdibasError):
     """A report cannot be written."""
 
