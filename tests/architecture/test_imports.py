@@ -9,7 +9,20 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-HEAVY = {"cv2", "numba", "scipy", "openpyxl", "PySide6", "pyqtgraph", "mcap", "openni", "PIL"}
+HEAVY = {
+    "cv2",
+    "numba",
+    "scipy",
+    "openpyxl",
+    "PySide6",
+    "pyqtgraph",
+    "mcap",
+    "openni",
+    "PIL",
+    "ezc3d",
+    "hmmlearn",
+    "sklearn",
+}
 
 
 def modules_after(statement):
