@@ -9,7 +9,7 @@ disparity; Khoshelham & Elberink, Sensors 12 (2012), for the noise.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -57,6 +57,11 @@ class ShotParams:
     board_bend_per_m, wall_bend_per_m : float
         By which a plane may be bent, as 1/z, by noise and device: 0.004 (16 mm at 2 m) over a
         board, 0.006 over the whole image.
+    floor_bend_per_m : float
+        Likewise of a floor after correction: 0.002 (2 cm at 3 m). A wall that rises from it is
+        within this for one row of pixels.
+    floor_cell_share : float
+        Of a cell's pixels that must be floor: 0.8. Others lie at the foot of a wall or person.
     largest_error_per_m : float
         Of the device's 1/z: 0.03 (2 cm at 0.8 m, 12 cm at 2 m). Farther from where the board is
         expected is something else.
@@ -70,6 +75,8 @@ class ShotParams:
     cut_sigmas: float = 4.0
     board_bend_per_m: float = 0.004
     wall_bend_per_m: float = 0.006
+    floor_bend_per_m: float = 0.002
+    floor_cell_share: float = 0.8
     largest_error_per_m: float = 0.03
     least_share: float = 0.5
 
@@ -258,23 +265,25 @@ def cells_near_plane(
     plane: Plane,
     params: ShotParams | None = None,
 ) -> FloatArray:
-    """Return the (N, 3) means over cells of the points near a plane, such as a floor, in metres.
+    """Return the (N, 3) means over cells of the points on a floor, in metres.
 
     Parameters
     ----------
     depth_m : (H, W) float32 array
         Bias corrected, metres; NaN where not measured.
     plane : Plane
-        In the depth camera's axes, good to some centimetres.
+        In the depth camera's axes, good to a few millimetres.
     """
     params = params or ShotParams()
+    least = round(params.floor_cell_share * params.cell_px**2)
+    params = replace(params, least_cell_px=least)
     check_shape("depth_m", depth_m, (depth.height, depth.width))
     rays = _rays(depth)
     homogeneous = np.concatenate([rays, np.ones((*rays.shape[:2], 1))], axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         inverse_m = (1.0 / depth_m).astype(np.float32)
         expected = -(homogeneous @ plane.normal) / plane.offset_m
-        rows, columns = np.nonzero(np.abs(inverse_m - expected) < params.wall_bend_per_m)
+        rows, columns = np.nonzero(np.abs(inverse_m - expected) < params.floor_bend_per_m)
     if not len(rows):
         return np.empty((0, 3))
     pixels = (rows, columns)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from adibas.data.sentence import Sentence
 from adibas.texts import DECIMAL_COMMA, Message, message, spoken_language, translate
 
 
@@ -35,6 +36,7 @@ class Reason(Enum):
     NOT_FLAT = "views contradict one another"
     UNSETTLED = "no solution"
     UNCERTAIN = "uncertain"
+    DEPTH = "depth camera"
 
 
 SENTENCES: dict[Reason, Message] = {
@@ -102,6 +104,7 @@ SENTENCES: dict[Reason, Message] = {
         "These images do not determine the camera. Take new ones, with the board near and far, "
         "tilted, and in all parts of the image."
     ),
+    Reason.DEPTH: message("The depth camera is not well calibrated."),
     Reason.UNCERTAIN: message(
         "A length of {length_mm:.0f} mm at {distance_m:.1f} m would be uncertain by {error_mm:.1f} "
         "mm; {limit_mm:.1f} mm is good. Take more images, with the board nearer, tilted more, and "
@@ -136,15 +139,20 @@ class Finding:
         USABLE or REPEAT.
     fields : mapping
         What stands at the places of its sentence.
+    sentence : Sentence or None
+        In place of the reason's own: the checks of the depth camera each bring theirs.
     """
 
     reason: Reason
     grade: Grade
     fields: Mapping[str, object] = field(default_factory=dict)
+    sentence: Sentence | None = None
 
     @property
     def text(self) -> str:
         """The sentence in the language in use: what is wrong, and what to do."""
+        if self.sentence is not None:
+            return self.sentence.text
         fields = {
             name: _Spoken(value) if isinstance(value, float) else value
             for name, value in self.fields.items()

@@ -9,6 +9,7 @@ edges, time and floor are looked at last.
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from threading import Event
 
 from adibas.calibration.board_scale import check_scale
@@ -24,8 +25,8 @@ from adibas.errors import CalibrationError
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 from adibas.pipeline.calibrating_depth_checks import (
     drift_of,
-    graded,
     registration_of,
+    verdict_of,
     vertical_of,
 )
 from adibas.pipeline.calibrating_depth_moments import Seen, Stopped, Watch, look_at
@@ -42,6 +43,7 @@ __all__ = [
     "DepthOutcome",
     "DepthRequest",
     "calibrate_depth",
+    "calibrate_seen",
     "starting_point",
 ]
 
@@ -96,6 +98,38 @@ def calibrate_depth(
         return None
     params = replace(params, fit=_fit_params(request.calibration, start, params))
     return _calibrated(seen, start, request, params, clock)
+
+
+def calibrate_seen(
+    seen: Sequence[Seen],
+    color: RgbdCalibration,
+    info: SourceInfo,
+    board: Board,
+    *,
+    clock: Clock = utc_now,
+) -> DepthOutcome:
+    """Calibrate the depth camera from still moments that are at hand already.
+
+    Parameters
+    ----------
+    seen : sequence of Seen
+        Of one sensor.
+    color : RgbdCalibration
+        Of the colour camera alone.
+    info : SourceInfo
+        Of the sensor, which knows its depth camera roughly.
+    board : Board
+        That is seen.
+
+    Raises
+    ------
+    CalibrationError
+        As `calibrate_depth`.
+    """
+    params = DepthCalibratingParams()
+    start = starting_point(color, info)
+    params = replace(params, fit=_fit_params(color, start, params))
+    return _calibrated(seen, start, DepthRequest(Path(), color, board), params, clock)
 
 
 def starting_point(calibration: RgbdCalibration, info: SourceInfo) -> RgbdCalibration:
@@ -166,7 +200,7 @@ def _calibrated(
     scale = None
     if request.board is not None:
         scale = check_scale(used, request.board, fit.color_from_depth, params.scale)
-    grade, notices = graded(fit, covariance, (scale, registration, drift), params)
+    verdict = verdict_of(fit, covariance, (scale, registration, drift), params)
     return DepthOutcome(
         plain if vertical is None else with_depth(plain, fit, vertical),
         fit,
@@ -175,9 +209,8 @@ def _calibrated(
         drift,
         vertical,
         len(seen),
-        notices,
+        verdict,
         scale,
-        grade,
     )
 
 

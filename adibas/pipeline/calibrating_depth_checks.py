@@ -18,7 +18,7 @@ from adibas.calibration.registration_check import (
 from adibas.calibration.shots import cells_near_plane
 from adibas.calibration.vertical import Vertical, vertical_from_floor
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.calibration_verdict import Grade
+from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.sentence import Sentence
 from adibas.pipeline.calibrating_depth_moments import Seen
 from adibas.pipeline.calibrating_depth_types import DepthCalibratingParams
@@ -85,32 +85,35 @@ def drift_of(fit: DepthFit) -> Drift | None:
     )
 
 
-def graded(
+def verdict_of(
     fit: DepthFit,
     covariance: FloatArray,
     checks: tuple[BoardScale | None, RegistrationCheck | None, Drift | None],
     params: DepthCalibratingParams,
-) -> tuple[Grade, tuple[Sentence, ...]]:
+) -> Verdict:
     """Return what the calibration is worth, and why it is not better."""
     scale, registration, drift = checks
     boards = [shot for shot in fit.shots if np.isfinite(shot.error_per_m)]
-    worst: list[Sentence] = []
-    others: list[Sentence] = []
+    findings: list[Finding] = []
     if scale is not None and scale.is_wrong:
-        worst.append(scale.sentence)
+        findings.append(_finding(Grade.REPEAT, scale.sentence))
     if boards:
         n_used = sum(not shot.is_outlier for shot in boards)
         if n_used < params.good_boards:
             few = Sentence(FEW_BOARDS, {"n": n_used, "wanted": params.good_boards})
-            (worst if n_used < params.least_boards else others).append(few)
-        others += _about_boards(fit)
-        others += weak_directions(fit, covariance)
+            grade = Grade.REPEAT if n_used < params.least_boards else Grade.USABLE
+            findings.append(_finding(grade, few))
+        others = [*_about_boards(fit), *weak_directions(fit, covariance)]
+        findings += [_finding(Grade.USABLE, sentence) for sentence in others]
     if registration is not None and registration.result is RegistrationResult.SHIFTED:
-        others.append(registration.sentence)
+        findings.append(_finding(Grade.USABLE, registration.sentence))
     drifts = None if drift is None else drift.notice()
-    others += [] if drifts is None else [drifts]
-    grade = Grade.REPEAT if worst else Grade.USABLE if others else Grade.GOOD
-    return grade, (*worst, *others)
+    findings += [] if drifts is None else [_finding(Grade.USABLE, drifts)]
+    return Verdict(tuple(findings))
+
+
+def _finding(grade: Grade, sentence: Sentence) -> Finding:
+    return Finding(Reason.DEPTH, grade, sentence=sentence)
 
 
 def _about_boards(fit: DepthFit) -> list[Sentence]:

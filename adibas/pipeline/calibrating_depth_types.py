@@ -15,10 +15,9 @@ from adibas.calibration.shots import ShotParams
 from adibas.calibration.vertical import Vertical
 from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.calibration_verdict import GRADES, Grade
+from adibas.data.calibration_verdict import Verdict
 from adibas.data.sentence import Sentence
 from adibas.pipeline.still_moments import StillParams
-from adibas.texts import translate
 
 Progress = Callable[[int, int], None]
 
@@ -114,12 +113,10 @@ class DepthOutcome:
         From the floor, where one is seen.
     n_still : int
         Still moments in the recording.
-    notices : tuple of Sentence
-        What the reader should know, the worst first; empty for a good calibration.
+    verdict : Verdict
+        What it is worth, and why it is not better.
     scale : BoardScale or None
         Of the board's squares by depth; None without a board.
-    grade : Grade
-        What it is worth.
     """
 
     calibration: RgbdCalibration
@@ -129,10 +126,11 @@ class DepthOutcome:
     drift: Drift | None
     vertical: Vertical | None
     n_still: int
-    notices: tuple[Sentence, ...]
+    verdict: Verdict
     scale: BoardScale | None = None
-    grade: Grade = Grade.GOOD
 
-    def sentences(self) -> tuple[str, ...]:
-        """Return the grade and the notices in the language in use."""
-        return translate(GRADES[self.grade]), *(notice.text for notice in self.notices)
+    @property
+    def notices(self) -> tuple[Sentence, ...]:
+        """What the reader should know, the worst first; empty for a good calibration."""
+        findings = self.verdict.findings
+        return tuple(found.sentence for found in findings if found.sentence is not None)
