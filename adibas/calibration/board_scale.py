@@ -44,7 +44,8 @@ class ScaleParams:
         Of `a`, `b - 1` and `c`: 5 mm, 0.01, 0.003; together 8 mm at 0.6 m and 23 mm at 2 m, as
         devices scatter (Boehm 2014: 1-3 cm at 2-3 m).
     noise_per_m : float
-        Of one board's mean 1/z, the hand's tremor included: 0.0003.
+        Of one board's mean 1/z, the hand's tremor included: 0.0003; more where the boards scatter
+        more.
     least_error : float
         Smaller errors are not worth a word: 0.02, see `adibas.calibration.verdict`.
     """
@@ -109,13 +110,13 @@ def check_scale(
     by_depth_m, by_image_m = np.array([_distances_m(shot, color_from_depth) for shot in shots]).T
     # factor * by_image = a + b z + c z^2: known beforehand are a, b - 1 and c, but not the factor.
     slopes = np.column_stack([by_image_m, -np.ones_like(by_depth_m), -by_depth_m, -(by_depth_m**2)])
-    sds = (params.offset_sd_m, params.factor_sd, params.square_sd_per_m)
-    weights = (params.noise_per_m * by_depth_m**2) ** -2
-    information = slopes.T @ (weights[:, None] * slopes)
-    information[1:, 1:] += np.diag(1.0 / np.square(sds))
-    away = slopes.T @ (weights * (by_depth_m - by_image_m))
-    factor = 1.0 + float(np.linalg.solve(information, away)[0])
-    sd = float(np.sqrt(np.linalg.inv(information)[0, 0]))
+    away_m = by_depth_m - by_image_m
+    errors, covariance = _solved(slopes, away_m, by_depth_m, params.noise_per_m, params)
+    # What the device errs from place to place of its image is noise here, and often more of it.
+    left = (away_m - slopes @ errors) / by_depth_m**2
+    noise_per_m = max(params.noise_per_m, float(np.sqrt(left @ left / max(len(left) - 1, 1))))
+    errors, covariance = _solved(slopes, away_m, by_depth_m, noise_per_m, params)
+    factor, sd = 1.0 + float(errors[0]), float(np.sqrt(covariance[0, 0]))
     low, high = factor - SURE * sd, factor + SURE * sd
     is_wrong = not low <= 1.0 <= high and abs(factor - 1.0) > params.least_error
     side_mm = MILLIMETRES * board.square_m
@@ -127,6 +128,22 @@ def check_scale(
     }
     sentence = Sentence(WRONG if is_wrong else RIGHT, fields)
     return BoardScale(factor, (low, high), len(shots), is_wrong, sentence)
+
+
+def _solved(
+    slopes: FloatArray,
+    away_m: FloatArray,
+    by_depth_m: FloatArray,
+    noise_per_m: float,
+    params: ScaleParams,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the factor's and the device's errors, and their covariance."""
+    sds = (params.offset_sd_m, params.factor_sd, params.square_sd_per_m)
+    weights = (noise_per_m * by_depth_m**2) ** -2
+    information = slopes.T @ (weights[:, None] * slopes)
+    information[1:, 1:] += np.diag(1.0 / np.square(sds))
+    covariance = np.asarray(np.linalg.inv(information), float)
+    return covariance @ (slopes.T @ (weights * away_m)), covariance
 
 
 def _distances_m(shot: BoardShot, color_from_depth: RigidTransform) -> FloatArray:

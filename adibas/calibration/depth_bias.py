@@ -68,14 +68,14 @@ def with_depth(
     Parameters
     ----------
     calibration : RgbdCalibration
-        Of the colour camera; its covariance is joined with that of the fit. What it said of the
-        depth camera is replaced.
+        Of the colour camera; its covariance is joined with that of the fit. What the fit did not
+        estimate keeps the value and the covariance that it had: walls alone do not tell a pose.
     fit : DepthFit
         By that colour camera.
     vertical : Vertical or None
         None leaves gravity and floor as they are.
     """
-    names, covariance = _color_part(calibration)
+    names, covariance = _kept_part(calibration, fit)
     slopes = camera_slopes(fit, names)
     n = len(names)
     joint = np.zeros((n + len(fit.parameter_names),) * 2)
@@ -102,12 +102,12 @@ def with_depth(
     )
 
 
-def _color_part(calibration: RgbdCalibration) -> tuple[tuple[str, ...], FloatArray]:
-    """Return names and covariance of the colour camera's parameters; none where unknown."""
+def _kept_part(calibration: RgbdCalibration, fit: DepthFit) -> tuple[tuple[str, ...], FloatArray]:
+    """Return names and covariance of what the fit did not estimate; none where unknown."""
     names = calibration.parameter_names
     if calibration.covariance is None:
         return (), np.zeros((0, 0))
-    chosen = [index for index, name in enumerate(names) if name.startswith(COLOR)]
+    chosen = [index for index, name in enumerate(names) if name not in fit.parameter_names]
     return (
         tuple(names[index] for index in chosen),
         calibration.covariance[np.ix_(chosen, chosen)],

@@ -4,6 +4,12 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from adibas.cli.calibrate_depth import (
+    add_depth_arguments,
+    are_recordings,
+    color_of_recordings,
+    run_depth,
+)
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive
 from adibas.errors import CalibrationError, FileError
@@ -12,6 +18,7 @@ from adibas.texts import LANGUAGES, message, spoken_language
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
+    from adibas.calibration.camera_fitting import FittingParams
     from adibas.calibration.lens_models import LensModel
     from adibas.data.calibration import RgbdCalibration
     from adibas.pipeline.calibrating import CameraOutcome
@@ -30,7 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         type=Path,
         metavar=_("IMAGE"),
-        help=_("images of the board, ten or more, each from another place and with another tilt"),
+        help=_(
+            "images of the board, ten or more, each from another place and with another tilt; or a "
+            "recording in which it is held still at such places"
+        ),
     )
     parser.add_argument(
         "--board",
@@ -77,6 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_("calibration.json to write, or the PDF of the board"),
     )
+    add_depth_arguments(parser)
     add_json(parser)
 
 
@@ -95,6 +106,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     """Calibrate, say what it is worth, and write it; or write the board."""
     if arguments.print_board is not None:
         return _print_board(arguments, console)
+    if arguments.depth:
+        return _calibrate_depth(arguments, console)
     if not arguments.images or arguments.board is None or arguments.square_mm is None:
         console.warn(
             _(
@@ -106,6 +119,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     check_place(arguments.out)
     _check_reports(arguments.report)
     return _calibrate(arguments, console)
+
+
+def _calibrate_depth(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.calibration.camera_fitting import FittingParams
+
+    check_place(arguments.out)
+    _check_reports(arguments.report)
+    return run_depth(arguments, console, FittingParams(model=_model(arguments.model)))
 
 
 def _check_reports(paths: list[Path]) -> None:
@@ -147,32 +168,21 @@ def _calibrate(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.calibration.camera_fitting import FittingParams
     from adibas.calibration.files import write_calibration
     from adibas.cli.calibrate_texts import describe_outcome, document
-    from adibas.data.board import Board
     from adibas.data.calibration_verdict import Grade
-    from adibas.pipeline.calibrating import (
-        CalibratingParams,
-        calibrate_camera,
-        color_calibration,
-        read_images,
-    )
+    from adibas.pipeline.calibrating import color_calibration
+    from adibas.pipeline.calibrating_recording import serial_of
 
-    columns, rows = arguments.board
-    board = Board(columns, rows, arguments.square_mm / 1000.0)
-    params = CalibratingParams(fitting=FittingParams(model=_model(arguments.model)))
-    with console.progress(_("Looking for the board")) as progress:
-        outcome = calibrate_camera(
-            read_images(arguments.images),
-            board,
-            params,
-            n_images=len(arguments.images),
-            progress=progress,
-        )
-    if outcome is None:
-        raise ValueError("nothing can stop this calibration")
+    fitting = FittingParams(model=_model(arguments.model))
+    is_recorded = are_recordings(arguments.images)
+    find = color_of_recordings if is_recorded else _color_of_images
+    outcome = find(arguments, console, fitting)
     is_bad = outcome.verdict.grade is Grade.REPEAT
     is_fitted = outcome.fit is not None and outcome.fit.is_settled
     is_written = is_fitted and (arguments.keep_bad or not is_bad)
-    calibration = color_calibration(outcome.fit) if is_fitted and outcome.fit is not None else None
+    serial = serial_of(arguments.images) if is_recorded else ""
+    calibration = None
+    if is_fitted and outcome.fit is not None:
+        calibration = color_calibration(outcome.fit, serial)
     if is_written and calibration is not None:
         write_calibration(arguments.out, calibration)
     for line in describe_outcome(outcome):
@@ -181,6 +191,27 @@ def _calibrate(arguments: argparse.Namespace, console: Console) -> int:
     _write_reports(arguments, console, outcome, calibration)
     console.give(document(outcome, arguments.out if is_written else None))
     return REPEAT if is_bad else 0
+
+
+def _color_of_images(
+    arguments: argparse.Namespace, console: Console, fitting: "FittingParams"
+) -> "CameraOutcome":
+    from adibas.data.board import Board
+    from adibas.pipeline.calibrating import CalibratingParams, calibrate_camera, read_images
+
+    columns, rows = arguments.board
+    board = Board(columns, rows, arguments.square_mm / 1000.0)
+    with console.progress(_("Looking for the board")) as progress:
+        outcome = calibrate_camera(
+            read_images(arguments.images),
+            board,
+            CalibratingParams(fitting=fitting),
+            n_images=len(arguments.images),
+            progress=progress,
+        )
+    if outcome is None:
+        raise ValueError("nothing can stop this calibration")
+    return outcome
 
 
 def _say_where(

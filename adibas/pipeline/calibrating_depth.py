@@ -29,7 +29,13 @@ from adibas.pipeline.calibrating_depth_checks import (
     verdict_of,
     vertical_of,
 )
-from adibas.pipeline.calibrating_depth_moments import Seen, Stopped, Watch, look_at
+from adibas.pipeline.calibrating_depth_moments import (
+    Seen,
+    Stopped,
+    Watch,
+    look_at,
+    nothing_stands_still,
+)
 from adibas.pipeline.calibrating_depth_types import (
     DepthCalibratingParams,
     DepthOutcome,
@@ -239,10 +245,7 @@ def _fitted(
 def _nothing(seen: Sequence[Seen]) -> CalibrationError:
     """Return the error that says why there is nothing to calibrate from."""
     if not seen:
-        return CalibrationError(
-            "Nothing stands still in the recording. Hold the board still for two seconds at each "
-            "place; the sensor must not move."
-        )
+        return nothing_stands_still()
     reasons = Counter(
         Sentence(moment.hindrance, moment.fields).text
         for moment in seen

@@ -17,7 +17,7 @@ from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.calibration_verdict import SENTENCES, Reason
 from adibas.data.frames import depth_in_metres
 from adibas.data.surface import BurstDisparity
-from adibas.errors import RecordingError
+from adibas.errors import CalibrationError, RecordingError
 from adibas.markers.disparity import fuse_depth
 from adibas.pipeline.calibrating_depth_types import (
     DepthCalibratingParams,
@@ -68,6 +68,14 @@ class Seen:
     fields: Mapping[str, object] = field(default_factory=dict)
 
 
+def nothing_stands_still() -> CalibrationError:
+    """Return the error of a recording without any rest."""
+    return CalibrationError(
+        "Nothing stands still in the recording. Hold the board still for two seconds at each "
+        "place; the sensor must not move."
+    )
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BoardSight:
     """Where the board stood in a burst, or why that is not known."""
@@ -85,7 +93,12 @@ class Watch:
     """Reads the frames of recordings, counts them, and ends where the caller wants to."""
 
     def __init__(
-        self, paths: Sequence[Path], progress: Progress | None, stop: Event | None
+        self,
+        paths: Sequence[Path],
+        progress: Progress | None,
+        stop: Event | None,
+        *,
+        n_looks: int = 2,
     ) -> None:
         self._progress = progress
         self._stop = stop
@@ -93,10 +106,10 @@ class Watch:
         self._total = 0
         for path in paths:
             with open_recording(path) as reader:
-                self._total += 2 * len(reader)
+                self._total += n_looks * len(reader)
 
     def count(self) -> None:
-        """Tell of one frame that is done; every frame may be looked at twice."""
+        """Tell of one frame that is done; every frame may be looked at `n_looks` times."""
         if self._stop is not None and self._stop.is_set():
             raise Stopped
         self._done = min(self._done + 1, self._total)

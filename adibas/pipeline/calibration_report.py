@@ -1,17 +1,18 @@
 """What the report of a calibration shows, out of what the calibration gave."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from adibas import __version__
-from adibas.calibration.depth_bias import camera_covariance, weak_directions
+from adibas.calibration.depth_bias import weak_directions
 from adibas.calibration.drift import STATED_DISTANCE_M, Drift
-from adibas.calibration.extrinsics import DepthFit, ShotFit
+from adibas.calibration.extrinsics import ShotFit
 from adibas.calibration.finder import TEXTS
-from adibas.calibration.registration_check import RegistrationCheck
 from adibas.calibration.vertical import Vertical
 from adibas.clock import Clock, utc_now
+from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.calibration_report import (
     CalibrationReport,
@@ -21,8 +22,9 @@ from adibas.data.calibration_report import (
     ReportedShot,
     ReportedVertical,
 )
-from adibas.data.camera_fit import CameraFit
+from adibas.data.calibration_verdict import Grade, Verdict
 from adibas.pipeline.calibrating import CameraOutcome, SearchedImage
+from adibas.pipeline.calibrating_depth_types import DepthOutcome
 
 
 def report_of_calibration(
@@ -45,7 +47,7 @@ def report_of_calibration(
     language : str
         Two letters.
     depth : DepthReport or None
-        See `report_of_depth`.
+        See `report_of_depth_outcome`.
     previous : RgbdCalibration or None
         The one before of the same sensor.
     clock : callable
@@ -67,37 +69,54 @@ def report_of_calibration(
     )
 
 
-def report_of_depth(
-    fit: DepthFit,
-    color: CameraFit,
-    *,
-    registration: RegistrationCheck | None = None,
-    vertical: Vertical | None = None,
-    drift: Drift | None = None,
-) -> DepthReport:
-    """Return what a report says of the depth camera.
-
-    Parameters
-    ----------
-    fit : DepthFit
-        Of the depth camera.
-    color : CameraFit
-        Of the colour camera, whose error is joined to that of the depth camera.
-    registration, vertical, drift
-        As far as they were looked at.
-    """
-    covariance = camera_covariance(fit, color.parameter_names, color.covariance)
+def report_of_depth_outcome(outcome: DepthOutcome) -> DepthReport:
+    """Return what a report says of a depth camera that was calibrated by a recording."""
+    fit, vertical, drift = outcome.fit, outcome.vertical, outcome.drift
+    registration = outcome.registration
     return DepthReport(
         color_from_depth=fit.color_from_depth,
         bias=fit.bias,
         camera=fit.camera,
         parameter_names=fit.parameter_names,
-        covariance=covariance,
+        covariance=np.array(outcome.covariance),
         shots=tuple(sorted(map(_shot, fit.shots), key=lambda shot: shot.time_s)),
-        left_open=weak_directions(fit, covariance),
+        left_open=weak_directions(fit, outcome.covariance),
         registration=None if registration is None else registration.sentence,
         vertical=None if vertical is None else _vertical(vertical),
         drift=None if drift is None else _drift(drift),
+    )
+
+
+def report_of_sensor(
+    outcome: DepthOutcome,
+    color: CameraOutcome | None,
+    board: Board,
+    language: str,
+    clock: Clock = utc_now,
+) -> CalibrationReport:
+    """Return the report of a whole sensor, with one verdict.
+
+    Parameters
+    ----------
+    outcome : DepthOutcome
+        Of the depth camera.
+    color : CameraOutcome or None
+        Of the colour camera; None where it was calibrated before.
+    board : Board
+        That was shown.
+    language : str
+        Two letters.
+    """
+    color = color or CameraOutcome(board, (), None, Verdict())
+    grades = list(Grade)
+    findings = (*color.verdict.findings, *outcome.verdict.findings)
+    worst_first = sorted(findings, key=lambda found: -grades.index(found.grade))
+    return report_of_calibration(
+        replace(color, verdict=Verdict(tuple(worst_first))),
+        outcome.calibration,
+        language,
+        depth=report_of_depth_outcome(outcome),
+        clock=clock,
     )
 
 

@@ -1,0 +1,207 @@
+"""`adibas calibrate RECORDING`: the colour camera of a recording, and with `--depth` the depth."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.console import Console
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.calibration.camera_fitting import FittingParams
+    from adibas.data.board import Board
+    from adibas.data.calibration import RgbdCalibration
+    from adibas.pipeline.calibrating import CameraOutcome
+    from adibas.pipeline.calibrating_depth import DepthOutcome
+
+REPEAT = 1
+WRONG_USAGE = 2
+RECORDINGS = (".mcap", ".oni")
+
+
+def add_depth_arguments(parser: argparse.ArgumentParser) -> None:
+    """Offer what the depth camera needs."""
+    group = parser.add_argument_group(_("depth camera, from recordings of a board or a wall"))
+    group.add_argument(
+        "--depth",
+        action="store_true",
+        help=_("calibrate the depth camera of the recordings as well"),
+    )
+    group.add_argument(
+        "--wall",
+        action="store_true",
+        help=_("a flat wall that fills the image is in the recordings, with or without a board"),
+    )
+    group.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("of the colour camera; it is calibrated by the recordings if not given"),
+    )
+
+
+def are_recordings(paths: Sequence[Path]) -> bool:
+    """Say whether the files are recordings and not images."""
+    return bool(paths) and all(path.suffix.lower() in RECORDINGS or path.is_dir() for path in paths)
+
+
+def board_of(arguments: argparse.Namespace) -> "Board | None":
+    """Return the board that was said; None where its size or that of its squares was not."""
+    from adibas.data.board import Board
+
+    if arguments.board is None or arguments.square_mm is None:
+        return None
+    columns, rows = arguments.board
+    return Board(columns, rows, arguments.square_mm / 1000.0)
+
+
+def missing(arguments: argparse.Namespace) -> str | None:
+    """Return what is lacking of the command line; None where nothing is."""
+    board = board_of(arguments)
+    if not are_recordings(arguments.images):
+        return _(
+            "To calibrate the depth camera, give recordings, such as: adibas calibrate B.mcap "
+            "--depth --board 9x6 --square-mm 25 --out C.json"
+        )
+    if board is None and (arguments.calibration is None or not arguments.wall):
+        return _(
+            "Give the board's inner corners and the side of its squares, such as --board 9x6 "
+            "--square-mm 25. A wall alone needs --wall and the --calibration of the sensor."
+        )
+    if board is None and arguments.report:
+        return _("A wall alone has no report. Leave --report out, or record a board as well.")
+    return None
+
+
+def run_depth(arguments: argparse.Namespace, console: Console, fitting: "FittingParams") -> int:
+    """Calibrate the depth camera, and the colour camera where that is not done."""
+    problem = missing(arguments)
+    if problem is not None:
+        console.warn(problem)
+        return WRONG_USAGE
+    color, calibration = _color(arguments, console, fitting)
+    if calibration is None:
+        return REPEAT
+    outcome = _depth(arguments, console, calibration)
+    _tell(arguments, console, outcome, color)
+    return REPEAT if _is_bad(outcome, color) else 0
+
+
+def color_of_recordings(
+    arguments: argparse.Namespace, console: Console, fitting: "FittingParams"
+) -> "CameraOutcome":
+    """Calibrate the colour camera of the recordings."""
+    from adibas.pipeline.calibrating import CalibratingParams
+    from adibas.pipeline.calibrating_recording import calibrate_color_of
+
+    board = board_of(arguments)
+    if board is None:
+        raise ValueError("a board is needed")
+    params = CalibratingParams(fitting=fitting)
+    with console.progress(_("Looking for the board")) as progress:
+        outcome = calibrate_color_of(arguments.images, board, params, progress=progress)
+    if outcome is None:
+        raise ValueError("nothing can stop this calibration")
+    return outcome
+
+
+def _color(
+    arguments: argparse.Namespace, console: Console, fitting: "FittingParams"
+) -> "tuple[CameraOutcome | None, RgbdCalibration | None]":
+    """Return the colour camera as it was given, or by the recordings; None where it is bad."""
+    from adibas.calibration.files import read_calibration
+    from adibas.cli.calibrate_texts import describe_outcome, document
+    from adibas.data.calibration_verdict import Grade
+    from adibas.pipeline.calibrating import color_calibration
+    from adibas.pipeline.calibrating_recording import serial_of
+
+    if arguments.calibration is not None:
+        return None, read_calibration(arguments.calibration)
+    outcome = color_of_recordings(arguments, console, fitting)
+    fit = outcome.fit
+    is_fitted = fit is not None and fit.is_settled
+    is_bad = outcome.verdict.grade is Grade.REPEAT
+    if fit is None or not is_fitted or (is_bad and not arguments.keep_bad):
+        for line in describe_outcome(outcome):
+            console.say(line)
+        console.warn(_("{file} is not written.").format(file=arguments.out))
+        console.give({"out": None, "color": document(outcome, None)})
+        return outcome, None
+    return outcome, color_calibration(fit, serial_of(arguments.images))
+
+
+def _depth(
+    arguments: argparse.Namespace, console: Console, calibration: "RgbdCalibration"
+) -> "DepthOutcome":
+    from adibas.pipeline.calibrating_depth import DepthRequest, calibrate_depth
+
+    first, *more = arguments.images
+    request = DepthRequest(
+        first,
+        calibration,
+        board_of(arguments),
+        has_wall=arguments.wall,
+        more_recordings=tuple(more),
+    )
+    with console.progress(_("Calibrating the depth camera")) as progress:
+        outcome = calibrate_depth(request, progress)
+    if outcome is None:
+        raise ValueError("nothing can stop this calibration")
+    return outcome
+
+
+def _is_bad(outcome: "DepthOutcome", color: "CameraOutcome | None") -> bool:
+    from adibas.data.calibration_verdict import Grade
+
+    verdicts = [outcome.verdict, *([] if color is None else [color.verdict])]
+    return any(verdict.grade is Grade.REPEAT for verdict in verdicts)
+
+
+def _tell(
+    arguments: argparse.Namespace,
+    console: Console,
+    outcome: "DepthOutcome",
+    color: "CameraOutcome | None",
+) -> None:
+    """Write what was found, and say where."""
+    from adibas.calibration.files import write_calibration
+    from adibas.cli.calibrate_depth_texts import depth_document, describe_depth
+    from adibas.cli.calibrate_texts import describe_outcome, document
+
+    is_written = arguments.keep_bad or not _is_bad(outcome, color)
+    if is_written:
+        write_calibration(arguments.out, outcome.calibration)
+    for line in () if color is None else describe_outcome(color):
+        console.say(line)
+    for line in describe_depth(outcome):
+        console.say(line)
+    if is_written:
+        console.say(_("{file} is written.").format(file=arguments.out))
+    else:
+        console.warn(
+            _("{file} is not written; add --keep-bad to write it all the same.").format(
+                file=arguments.out
+            )
+        )
+    _write_reports(arguments, console, outcome, color)
+    found = depth_document(outcome, arguments.out if is_written else None)
+    console.give(found if color is None else found | {"color": document(color, None)})
+
+
+def _write_reports(
+    arguments: argparse.Namespace,
+    console: Console,
+    outcome: "DepthOutcome",
+    color: "CameraOutcome | None",
+) -> None:
+    from adibas.pipeline.calibration_report import report_of_sensor
+    from adibas.reports.calibration import write_calibration_report
+
+    board = board_of(arguments)
+    if board is None:
+        raise ValueError("a report needs a board")
+    for path in arguments.report:
+        report = report_of_sensor(outcome, color, board, arguments.language)
+        write_calibration_report(report, path)
+        console.say(_("{file} is written.").format(file=path))
