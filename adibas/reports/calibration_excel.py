@@ -1,13 +1,11 @@
 """The Excel report of a calibration."""
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 
 from openpyxl import Workbook
 
 from adibas.data.calibration_report import CalibrationReport
-from adibas.files import written_whole
 from adibas.reports.calibration_blocks import (
     FINE,
     ONE,
@@ -30,6 +28,7 @@ from adibas.reports.calibration_rows import (
     known,
     parameter_rows,
 )
+from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.sheets import (
     Column,
     Part,
@@ -37,9 +36,7 @@ from adibas.reports.sheets import (
     add_blocks,
     add_parts,
     add_table,
-    discard_unsaved,
 )
-from adibas.texts import speaking
 from adibas.texts import translate as _
 
 PARAMETER = "0.000000"
@@ -56,16 +53,7 @@ def write_calibration_workbook(report: CalibrationReport, path: Path) -> None:
     FileError
         The disk is full, or the folder cannot be written.
     """
-    workbook = Workbook(write_only=True)
-    encoded = io.BytesIO()
-    with written_whole(path) as unfinished:
-        try:
-            with speaking(report.language):
-                _add_sheets(workbook, report)
-            workbook.save(encoded)
-        finally:
-            discard_unsaved(workbook)
-        unfinished.write_bytes(encoded.getvalue())
+    write_in_memory(path, report.language, lambda workbook: _add_sheets(workbook, report))
 
 
 def _add_sheets(workbook: Workbook, report: CalibrationReport) -> None:

@@ -1,6 +1,5 @@
 """The Excel report of a session."""
 
-import io
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TypeAlias
@@ -9,7 +8,6 @@ from openpyxl import Workbook
 
 from adibas.arrays import UInt8Array
 from adibas.data.report import CaptureReport, SessionReport
-from adibas.files import written_whole
 from adibas.reports.facts import (
     capture_facts,
     capture_names,
@@ -17,10 +15,10 @@ from adibas.reports.facts import (
     notices,
     session_facts,
 )
+from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.pictures import draw_markers, picture_of
 from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows, remark
-from adibas.reports.sheets import Column, Part, Value, add_parts, add_table, discard_unsaved
-from adibas.texts import speaking
+from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
 from adibas.texts import translate as _
 
 PICTURE_HEIGHT_PX = 720
@@ -43,17 +41,7 @@ def write_workbook(report: SessionReport, path: Path) -> None:
     ReportError
         The pictures cannot be as the report asks.
     """
-    workbook = Workbook(write_only=True)
-    encoded = io.BytesIO()
-    with written_whole(path) as unfinished:
-        try:
-            with speaking(report.language):
-                _add_sheets(workbook, report)
-            # In memory first: a zip file on a full disk would complain once more when deleted.
-            workbook.save(encoded)
-        finally:
-            discard_unsaved(workbook)
-        unfinished.write_bytes(encoded.getvalue())
+    write_in_memory(path, report.language, lambda workbook: _add_sheets(workbook, report))
 
 
 def _add_sheets(workbook: Workbook, report: SessionReport) -> None:
