@@ -4,8 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from adibas.errors import RecordingError
 from adibas.recordings import create_recording, open_recording
+from adibas.recordings.part_file import cannot_record, part_paths
 from adibas.recordings.ports import RecordingOptions, RecordingReader
 
 
@@ -78,6 +81,35 @@ def write_all(
             if progress is not None:
                 progress(number, len(reader))
     return ConversionSummary(writer.n_frames, writer.n_dropped, reader.notice)
+
+
+def remove_unfinished_copies(reader: RecordingReader, target: Path) -> None:
+    """Remove what a killed process left of writing the same recording as `target`.
+
+    Frames of another recording stay. Not for a reader of such a file itself.
+
+    Raises
+    ------
+    RecordingError
+        It may not be removed.
+    """
+    for part in part_paths(target):
+        if _begins_as(part, reader):
+            try:
+                part.unlink()
+            except OSError as error:
+                raise cannot_record(part, error) from error
+
+
+def _begins_as(part: Path, reader: RecordingReader) -> bool:
+    """Say whether all frames of a part file are the first ones of this recording."""
+    try:
+        with open_recording(part) as begun:
+            times_ns = begun.timestamps_ns
+    except RecordingError:
+        return False
+    n_frames = len(times_ns)
+    return n_frames > 0 and np.array_equal(times_ns, reader.timestamps_ns[:n_frames])
 
 
 def _is_same(source: Path, target: Path) -> bool:

@@ -8,6 +8,7 @@ import os
 import time
 from contextlib import suppress
 from io import FileIO
+from itertools import count, takewhile
 from pathlib import Path
 
 from adibas.errors import RecordingError
@@ -98,6 +99,12 @@ class PartFile:
 def part_path_of(path: Path, number: int = 1) -> Path:
     """Return the name under which `path` grows; a higher `number` where that one is taken."""
     return path.with_name(f"{path.stem}.part{'' if number == 1 else number}{path.suffix}")
+
+
+def part_paths(path: Path) -> tuple[Path, ...]:
+    """Return the part files of `path` that there are."""
+    numbered = (part_path_of(path, number) for number in count(1))
+    return tuple(takewhile(Path.is_file, numbered))
 
 
 def _open_part(path: Path) -> tuple[Path, FileIO]:

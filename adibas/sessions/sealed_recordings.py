@@ -6,7 +6,7 @@ from pathlib import Path
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError, StoreError
 from adibas.files import FULL, flush_folder
-from adibas.recordings.convert import ConversionSummary, write_all
+from adibas.recordings.convert import ConversionSummary, remove_unfinished_copies, write_all
 from adibas.recordings.mcap_reader import McapReader
 from adibas.recordings.mcap_writer import McapWriter
 from adibas.recordings.part_file import part_path_of
@@ -116,6 +116,8 @@ class SealedRecordings(SealedFolder):
     ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 
+        What an earlier export that was killed left of it at this place is removed.
+
         Parameters
         ----------
         path : Path
@@ -136,6 +138,7 @@ class SealedRecordings(SealedFolder):
             A frame is damaged, or `path` cannot be written. Nothing is left there.
         """
         with self.open(recording_id, key) as reader:
+            remove_unfinished_copies(reader, path)
             is_mcap = path.suffix.lower() == ".mcap"
             return write_all(reader, path, plain=is_mcap, progress=progress)
 

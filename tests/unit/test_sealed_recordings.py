@@ -7,6 +7,7 @@ import os
 import random
 import struct
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -394,6 +395,31 @@ def test_an_export_of_a_damaged_recording_leaves_nothing(recordings, tmp_path):
     with pytest.raises(RecordingError, match="Frame 1"):
         recordings.export(ID, KEY, tmp_path / "out.mcap")
     assert not list(tmp_path.glob("*.mcap"))
+
+
+def test_what_a_killed_export_left_goes_with_the_next_one(recordings, tmp_path):
+    record(recordings, make_frames(6))
+    path = tmp_path / "out.mcap"
+    recordings.export(ID, KEY, path)
+    whole = path.read_bytes()
+    left = [tmp_path / "out.part.mcap", tmp_path / "out.part2.mcap"]
+    for number, part in enumerate(left, 1):
+        part.write_bytes(whole[: number * len(whole) // 3])
+    recordings.export(ID, KEY, path)
+    assert [item.name for item in tmp_path.glob("*.mcap")] == ["out.mcap"]
+
+
+def test_what_was_left_of_another_recording_is_not_touched_by_an_export(recordings, tmp_path):
+    record(recordings, make_frames(3))
+    other = [replace(frame, timestamp_ns=frame.timestamp_ns + 1) for frame in make_frames(3)]
+    part = tmp_path / "out.part.mcap"
+    with create_recording(part, INFO) as writer:
+        for frame in other:
+            writer.write(frame)
+    (tmp_path / "out.part2.mcap").write_bytes(b"no recording")
+    recordings.export(ID, KEY, tmp_path / "out.mcap")
+    names = {"out.mcap", "out.part.mcap", "out.part2.mcap"}
+    assert {item.name for item in tmp_path.glob("*.mcap")} == names
 
 
 def test_a_full_disk_is_told_and_keeps_the_frames(recordings, monkeypatch):
