@@ -1,28 +1,15 @@
 """The PDF report of a calibration: a page of words and numbers, and a page of plots."""
 
-import io
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 from reportlab.lib.colors import Color, HexColor
-from reportlab.lib.pagesizes import A4
-from reportlab.platypus import (
-    BaseDocTemplate,
-    Flowable,
-    Frame,
-    PageBreak,
-    PageTemplate,
-    Spacer,
-    Table,
-    TableStyle,
-)
+from reportlab.platypus import Flowable, PageBreak, Spacer, Table, TableStyle
 
 from adibas.data.calibration_report import CalibrationReport
 from adibas.data.calibration_verdict import GRADES, Grade
 from adibas.data.camera_fit import CameraFit
-from adibas.files import written_whole
 from adibas.reports.calibration_depth_plots import bias_figure, shots_figure
 from adibas.reports.calibration_facts import camera_facts, figures, general_facts, next_step
 from adibas.reports.calibration_pdf_tables import (
@@ -44,22 +31,13 @@ from adibas.reports.calibration_plots import (
     uncertainty_figure,
 )
 from adibas.reports.facts import intended_use
-from adibas.reports.pdf_layout import (
-    HEADING,
-    MARGIN,
-    TEXT,
-    WIDTH,
-    FooterCanvas,
-    facts_table,
-    paragraph,
-    prepare_fonts,
-    title,
-)
+from adibas.reports.pdf_document import write_document
+from adibas.reports.pdf_layout import HEADING, TEXT, WIDTH, facts_table, paragraph, title
 from adibas.reports.vector_figures import FigureFlowable
-from adibas.texts import speaking
+from adibas.texts import message
 from adibas.texts import translate as _
 
-FOOTER_HEIGHT = 34
+DOCUMENT = message("Calibration report")
 COLORS: dict[Grade, Color] = {
     Grade.GOOD: HexColor(0x2E7D4F),
     Grade.USABLE: HexColor(0xC77800),
@@ -76,38 +54,19 @@ def write_calibration_pdf(report: CalibrationReport, path: Path) -> None:
     FileError
         The disk is full, or the folder cannot be written.
     """
-    prepare_fonts()
-    encoded = io.BytesIO()
-    with speaking(report.language):
-        document = BaseDocTemplate(
-            encoded,
-            pagesize=A4,
-            title=_("Calibration report"),
-            author="ADiBAS",
-            creator=f"ADiBAS {report.version}",
-            lang=report.language,
-        )
-        space = Frame(
-            MARGIN,
-            MARGIN + FOOTER_HEIGHT,
-            WIDTH,
-            A4[1] - 2 * MARGIN - FOOTER_HEIGHT,
-            leftPadding=0,
-            rightPadding=0,
-            topPadding=0,
-            bottomPadding=0,
-        )
-        document.addPageTemplates(PageTemplate(frames=[space]))
-        told = [f"ADiBAS {report.version}", report.sensor]
-        lines = (intended_use(), " · ".join(part for part in told if part))
-        canvas = partial(FooterCanvas, lines=lines, page_text=_("Page {page} of {total}"))
-        document.build(list(_story(report)), canvasmaker=canvas)
-    with written_whole(path) as unfinished:
-        unfinished.write_bytes(encoded.getvalue())
+    told = [f"ADiBAS {report.version}", report.sensor]
+    line = " · ".join(part for part in told if part)
+    write_document(
+        path,
+        report.language,
+        report.version,
+        DOCUMENT,
+        lambda: (_story(report), (intended_use(), line)),
+    )
 
 
 def _story(report: CalibrationReport) -> Iterator[Flowable]:
-    yield title(_("Calibration report"))
+    yield title(_(DOCUMENT))
     yield _verdict(report)
     yield Spacer(1, GAP)
     yield facts_table([*camera_facts(report), *general_facts(report)])

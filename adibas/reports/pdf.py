@@ -1,14 +1,10 @@
 """The PDF report of a session: a page that sums up, then every view with picture and numbers."""
 
-import io
-from functools import partial
 from pathlib import Path
 
-from reportlab.lib.pagesizes import A4
-from reportlab.platypus import BaseDocTemplate, Flowable, Frame, PageBreak, PageTemplate
+from reportlab.platypus import Flowable, PageBreak
 
 from adibas.data.report import SessionReport
-from adibas.files import written_whole
 from adibas.reports.facts import (
     calibration_age,
     calibration_text,
@@ -19,24 +15,15 @@ from adibas.reports.facts import (
     notices,
     session_facts,
 )
-from adibas.reports.pdf_layout import (
-    MARGIN,
-    WIDTH,
-    FooterCanvas,
-    facts_table,
-    note,
-    picture_row,
-    prepare_fonts,
-    title,
-    wrapped_table,
-)
+from adibas.reports.pdf_document import write_document
+from adibas.reports.pdf_layout import facts_table, note, picture_row, title, wrapped_table
 from adibas.reports.pdf_views import ViewPage, view_flowables
 from adibas.reports.pictures import draw_markers, picture_of
-from adibas.texts import speaking
+from adibas.texts import message
 from adibas.texts import translate as _
 
 PICTURE_HEIGHT_PX = 1100
-FOOTER_HEIGHT = 34
+HEADING = message("Posture report")
 
 
 def write_pdf(report: SessionReport, path: Path) -> None:
@@ -52,32 +39,13 @@ def write_pdf(report: SessionReport, path: Path) -> None:
     ReportError
         The pictures cannot be as the report asks.
     """
-    prepare_fonts()
-    encoded = io.BytesIO()
-    with speaking(report.language):
-        document = BaseDocTemplate(
-            encoded,
-            pagesize=A4,
-            title=_("Posture report"),
-            author="ADiBAS",
-            creator=f"ADiBAS {report.version}",
-            lang=report.language,
-        )
-        space = Frame(
-            MARGIN,
-            MARGIN + FOOTER_HEIGHT,
-            WIDTH,
-            A4[1] - 2 * MARGIN - FOOTER_HEIGHT,
-            leftPadding=0,
-            rightPadding=0,
-            topPadding=0,
-            bottomPadding=0,
-        )
-        document.addPageTemplates(PageTemplate(frames=[space]))
-        canvas = partial(FooterCanvas, lines=_footer(report), page_text=_("Page {page} of {total}"))
-        document.build(_story(report), canvasmaker=canvas)
-    with written_whole(path) as unfinished:
-        unfinished.write_bytes(encoded.getvalue())
+    write_document(
+        path,
+        report.language,
+        report.version,
+        HEADING,
+        lambda: (_story(report), _footer(report)),
+    )
 
 
 def _story(report: SessionReport) -> list[Flowable]:
@@ -93,7 +61,7 @@ def _story(report: SessionReport) -> list[Flowable]:
         for name, capture in zip(capture_names(report), report.captures, strict=True)
     ]
     story: list[Flowable] = [
-        title(_("Posture report")),
+        title(_(HEADING)),
         facts_table([*session_facts(report), *general_facts(report)]),
         picture_row([(page.name, page.picture_rgb) for page in pages]),
     ]

@@ -1,0 +1,1 @@
+"""Joint angles over time and ranges of movement, from the fifteen joints."""

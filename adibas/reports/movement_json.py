@@ -1,0 +1,75 @@
+"""The numbers of a movement as JSON, and its curves as CSV."""
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+from adibas.data.movement import Movement
+from adibas.files import written_whole
+from adibas.reports.movement_rows import range_rows, symmetry_rows
+
+
+def movement_to_json(movement: Movement) -> dict[str, Any]:
+    """Return the document of ``adibas movement --json``: ranges and symmetry without the curves."""
+    ranges = zip(movement.ranges, range_rows(movement), strict=True)
+    pairs = zip(movement.symmetries, symmetry_rows(movement), strict=True)
+    provenance = movement.provenance
+    return {
+        "origin": movement.origin,
+        "duration_s": float(movement.times_s[-1] - movement.times_s[0]),
+        "rate_hz": None if math.isnan(movement.rate_hz) else movement.rate_hz,
+        "vertical_measured": movement.is_up_measured,
+        "smoothing": dict(movement.smoothing),
+        "ranges": [
+            {
+                "angle": found.name,
+                "least_deg": row.least_deg,
+                "greatest_deg": row.greatest_deg,
+                "range_deg": row.range_deg,
+                "extreme_ci95_deg": row.sure_deg,
+                "least_at_s": row.least_at_s,
+                "greatest_at_s": row.greatest_at_s,
+                "fastest_deg_s": row.fastest_deg_s,
+                "seen_percent": row.seen_percent,
+            }
+            for found, row in ranges
+        ],
+        "symmetry": [
+            {
+                "angle": found.name,
+                "left_deg": row.left_deg,
+                "right_deg": row.right_deg,
+                "index_percent": row.index_percent,
+            }
+            for found, row in pairs
+        ],
+        "notices": [notice.text for notice in movement.notices],
+        "provenance": {
+            "recording_sha256": provenance.recording_sha256,
+            "calibration": provenance.calibration,
+            "version": provenance.version,
+            "parameters": dict(provenance.parameters),
+        },
+    }
+
+
+def write_movement_csv(movement: Movement, path: Path) -> None:
+    """Write every angle over time, degrees; empty = not seen.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    with (
+        written_whole(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("time_s", *(f"{curve.name}_deg" for curve in movement.curves)))
+        for row, time_s in enumerate(movement.times_s.tolist()):
+            cells = (float(curve.deg[row]) for curve in movement.curves)
+            writer.writerow(
+                (f"{time_s:.6f}", *("" if math.isnan(deg) else f"{deg:.4f}" for deg in cells))
+            )

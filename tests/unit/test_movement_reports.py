@@ -1,0 +1,149 @@
+"""A movement in Excel, PDF, CSV, C3D and TRC."""
+
+import csv
+import json
+
+import ezc3d
+import numpy as np
+import openpyxl
+import pypdf
+import pytest
+
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.skeleton_track import track_of
+from adibas.errors import FileError, ReportError
+from adibas.movement.joint_angles import INDEX
+from adibas.movement.measuring import measure_movement
+from adibas.reports.motion_files import upright_axes, write_c3d
+from adibas.reports.movement import MOVEMENT_KINDS, write_movement
+from adibas.reports.movement_json import movement_to_json
+from tests.unit.movement_samples import bending, source
+
+
+@pytest.fixture(scope="module")
+def movement():
+    track = bending(noise_m=0.002)
+    joints_m = track.joints_m.copy()
+    joints_m[40:70, INDEX["left_hand"]] = np.nan
+    return measure_movement(track_of(track.times_s, joints_m), source(patient="P-7"))
+
+
+def test_the_workbook_holds_ranges_symmetry_and_curves_as_numbers(movement, tmp_path):
+    file = tmp_path / "m.xlsx"
+    write_movement(movement, file, "en")
+    book = openpyxl.load_workbook(file)
+    assert book.sheetnames == ["Summary", "Ranges", "Symmetry", "Angles over time"]
+    ranges = {row[0]: row[1:] for row in book["Ranges"].iter_rows(min_row=2, values_only=True)}
+    elbow = next(one for one in movement.ranges if one.name == "right_elbow_flexion")
+    least, greatest, span, sure, *_times, seen = ranges["Elbow: flexion, right side"]
+    expected = (elbow.least_deg, elbow.greatest_deg, elbow.range_deg)
+    assert (least, greatest, span) == pytest.approx(expected)
+    assert sure == pytest.approx(1.96 * elbow.sd_deg)
+    assert seen == 100.0
+    sides = {row[0]: row for row in book["Symmetry"].iter_rows(min_row=2, values_only=True)}
+    assert sides["Elbow: flexion"][4] == pytest.approx(-28.6, abs=4)
+    assert sides["Knee: flexion"][4] is None
+    assert sides["Knee: flexion"][5] == "neither side moved enough to compare"
+    rows = list(book["Angles over time"].iter_rows(min_row=2, values_only=True))
+    assert len(rows) == len(movement.times_s)
+    at = [cell.value for cell in book["Angles over time"][1]].index("Elbow: flexion, left side [°]")
+    assert rows[50][at] is None
+    assert rows[10][at] == pytest.approx(movement.curves[at - 1].deg[10])
+    words = {cell.value for row in book["Summary"].iter_rows() for cell in row}
+    assert {"P-7", "markers on the skin", "5.0"} <= words
+    assert len(book["Summary"]._images) == 1
+
+
+def test_the_pdf_says_it_in_the_readers_language(movement, tmp_path):
+    file = tmp_path / "m.pdf"
+    write_movement(movement, file, "es")
+    text = "".join(page.extract_text() for page in pypdf.PdfReader(file).pages)
+    elbow = next(one for one in movement.ranges if one.name == "right_elbow_flexion")
+    assert f"{elbow.greatest_deg:.1f}".replace(".", ",") in text
+    assert "Movement report" not in text
+
+
+def test_csv_has_every_angle_at_every_time(movement, tmp_path):
+    file = tmp_path / "m.csv"
+    write_movement(movement, file, "en")
+    with file.open(newline="") as opened:
+        header, *rows = csv.reader(opened)
+    at = header.index("left_elbow_flexion_deg")
+    assert rows[50][at] == ""
+    assert float(rows[10][at]) == pytest.approx(movement.curves[at - 1].deg[10], abs=1e-4)
+    assert len(rows) == len(movement.times_s)
+
+
+def test_c3d_gives_the_joints_back_upright_and_in_millimetres(movement, tmp_path):
+    file = tmp_path / "m.c3d"
+    write_movement(movement, file, "en")
+    read = ezc3d.c3d(str(file))
+    assert read["parameters"]["POINT"]["LABELS"]["value"] == list(JOINT_NAMES)
+    assert read["parameters"]["POINT"]["RATE"]["value"][0] == pytest.approx(30.0)
+    points = read["data"]["points"]
+    head, foot = points[:3, INDEX["head"], 0], points[:3, INDEX["left_foot"], 0]
+    assert 1400 < head[2] - foot[2] < 1800, "z is up"
+    assert head[1] == pytest.approx(2500, abs=20), "y is away from the camera"
+    right, left = points[:3, INDEX["right_hip"], 0], points[:3, INDEX["left_hip"], 0]
+    assert right[0] < left[0], "x is to the right of the picture: the patient faces the camera"
+    assert np.isnan(points[:3, INDEX["left_hand"], 50]).all()
+    assert read["data"]["meta_points"]["residuals"][0, INDEX["left_hand"], 50] == -1
+    lengths = np.linalg.norm(points[:3, INDEX["left_hip"]] - points[:3, INDEX["left_knee"]], axis=0)
+    expected_m = np.linalg.norm(
+        movement.joints_m[:, INDEX["left_hip"]] - movement.joints_m[:, INDEX["left_knee"]], axis=1
+    )
+    np.testing.assert_allclose(lengths, 1000 * expected_m, atol=1e-2)
+
+
+def test_trc_has_one_line_a_frame_and_y_up(movement, tmp_path):
+    file = tmp_path / "m.trc"
+    write_movement(movement, file, "en")
+    lines = file.read_text("utf-8").splitlines()
+    assert lines[2].split("\t")[2:5] == [str(len(movement.times_s)), "15", "mm"]
+    names = [name for name in lines[3].split("\t")[2:] if name]
+    assert names == list(JOINT_NAMES)
+    rows = [line.split("\t") for line in lines[6:]]
+    assert len(rows) == len(movement.times_s)
+    assert {len(row) for row in rows} == {2 + 45}
+    head, foot = (
+        np.array(rows[0][2 + 3 * INDEX[name] :][:3], float) for name in ("head", "left_foot")
+    )
+    assert 1400 < (head - foot)[1] < 1800
+    assert rows[50][2 + 3 * INDEX["left_hand"]] == ""
+
+
+def test_upright_axes_are_a_right_handed_turn():
+    up = np.array([0.1, -0.9, -0.3])
+    axes = upright_axes(up)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    np.testing.assert_allclose(axes @ (up / np.linalg.norm(up)), [0, 0, 1], atol=1e-12)
+
+
+def test_json_says_no_number_where_there_is_none(movement):
+    document = json.loads(json.dumps(movement_to_json(movement), allow_nan=False))
+    by_name = {one["angle"]: one for one in document["ranges"]}
+    assert by_name["left_elbow_flexion"]["seen_percent"] == pytest.approx(80.0)
+    assert document["duration_s"] == pytest.approx(149 / 30)
+    single = measure_movement(bending(n_frames=1), source())
+    assert movement_to_json(single)["rate_hz"] is None
+
+
+def test_c3d_refuses_more_frames_than_it_counts(tmp_path):
+    long = bending(n_frames=2)
+    times_s = np.array([0.0, 70_000 / 30])
+    track = track_of(np.linspace(*times_s, 70_001), np.repeat(long.joints_m[:1], 70_001, axis=0))
+    with pytest.raises(ReportError, match="65535"):
+        write_c3d(measure_movement(track, source()), tmp_path / "m.c3d")
+
+
+def test_another_ending_is_a_mistake_of_the_program(movement, tmp_path):
+    with pytest.raises(ValueError, match="docx"):
+        write_movement(movement, tmp_path / "m.docx", "en")
+
+
+@pytest.mark.parametrize("kind", MOVEMENT_KINDS)
+def test_a_place_that_is_no_folder_is_told(movement, tmp_path, kind):
+    (tmp_path / "file").touch()
+    with pytest.raises(FileError):
+        write_movement(movement, tmp_path / "file" / f"m{kind}", "en")
