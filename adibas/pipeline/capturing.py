@@ -28,7 +28,7 @@ from adibas.pipeline.provenance import provenance_of
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
 from adibas.sessions import NewCapture, SessionStore
-from adibas.texts import describe, message
+from adibas.texts import message
 
 POLL_S = 0.1
 
@@ -186,7 +186,7 @@ def analyse_capture(
         try:
             found = analyse_burst(_counted(burst, progress), calibration, target, params)
         except MarkerError as error:
-            notices.append(describe(error) if error.fields else error.message_id)
+            notices.append(error.message_id)  # shown in the reader's language later
         else:
             notices += [NOT_FOUND] * (not found.markers)
             notices += doubts_about(found.markers)

@@ -241,9 +241,8 @@ def check_selective(detections: Detections, target: MarkerTarget, params: Postur
             )
     elif detections.matched_share > params.greatest_matched_share:
         raise MarkerError(
-            "The learned colour fits {percent} % of the body. Learn it again with a lower "
-            "sensitivity, or take markers of a colour that neither skin nor clothes have.",
-            percent=round(100 * detections.matched_share),
+            "The learned colour fits too much of the body. Learn it again with a lower "
+            "sensitivity, or take markers of a colour that neither skin nor clothes have."
         )
 
 

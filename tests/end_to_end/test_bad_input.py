@@ -178,7 +178,7 @@ def colors_file(path, centroid, threshold):
 @pytest.mark.parametrize(
     ("centroid", "threshold", "word"),
     [
-        ([50, 0, 0], 300, "fits 100 % of the body"),
+        ([50, 0, 0], 300, "fits too much of the body"),
         ([50, 100, -100], 1, "No marker was found"),
     ],
 )

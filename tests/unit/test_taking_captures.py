@@ -3,6 +3,7 @@
 import errno
 import functools
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from adibas.sensors.ports import DepthCamera
 from adibas.sessions import open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.simulation.scenes import open_scene
+from adibas.texts import speaking
 from tests.unit.live_rig import UNPLUGGED, Sources, Told, frame, numbered
 
 N_FRAMES = 4
@@ -173,6 +175,18 @@ def test_a_capture_without_markers_is_kept_for_those_set_by_hand(store, session_
     assert taken.detected == ()
     assert taken.notices == (capturing.NOT_SOUGHT,)
     assert store.captures.surface(taken.capture_id) is not None
+
+
+def test_why_no_markers_were_found_is_told_in_any_language(
+    store, session_id, scene, target, showing
+):
+    everything = replace(target, threshold=150.0)
+    view = showing(SceneCamera(scene))
+    with speaking("es"):
+        taken = capture(store, view, session_id, everything)
+    (notice,) = taken.notices
+    assert notice.startswith("The learned colour fits too much of the body.")
+    assert "{" not in notice
 
 
 def test_an_empty_room_is_captured_with_a_notice(store, session_id, showing, target):
