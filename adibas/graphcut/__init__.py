@@ -1,0 +1,1 @@
+"""Energies of labellings of an image, and graph cuts that lower them."""

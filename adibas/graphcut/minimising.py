@@ -1,0 +1,195 @@
+"""Labels of little energy, by moves that are each the best of their kind.
+
+Source: Boykov, Veksler & Zabih, Fast approximate energy minimization via graph cuts, PAMI 23
+(2001). Expansion needs a metric Omega; Omega_2 of the thesis (0, 1, 5, 10) is none, since
+10 > 1 + 1, so its moves are swaps.
+"""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import AnyArray, check_shape, read_only
+from adibas.graphcut.energy import LabelEnergy
+from adibas.graphcut.move_kernels import find_borders, make_move
+from adibas.graphcut.start_kernels import settle_labels
+
+MAX_CYCLES = 30
+"""Through all labels, or pairs of them; real pictures need 2 to 5."""
+START_SWEEPS = 20
+NO_LABEL = -1
+N_COUNTERS = 5
+N_NODE_ROWS = 5
+N_MARK_ROWS = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Labelling:
+    """What a minimisation found.
+
+    Attributes
+    ----------
+    labels : (N,) int8 array
+        Of the graph's pixels.
+    energy : int
+        In units of the energy.
+    n_cuts : int
+        Binary cuts made.
+    """
+
+    labels: AnyArray
+    energy: int
+    n_cuts: int
+
+    def __post_init__(self) -> None:
+        read_only(self.labels)
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """One binary cut.
+
+    Attributes
+    ----------
+    value : int
+        The energy of the cut less that where every pixel stays (in a swap: is ``alpha``).
+    gain : int
+        By how much the energy rises: 0 or less.
+    """
+
+    value: int
+    gain: int
+
+
+def minimise(energy: LabelEnergy, start: AnyArray | None = None) -> Labelling:
+    """Lower the energy by expansions where Omega is a metric, else by swaps.
+
+    Parameters
+    ----------
+    energy : LabelEnergy
+        Of N pixels.
+    start : (N,) integer array or None
+        Labels to begin with; None takes `start_labels`.
+
+    Returns
+    -------
+    Labelling
+        No single move of that kind lowers its energy. The same input gives the same labels.
+    """
+    return expand(energy, start) if energy.is_metric else swap(energy, start)
+
+
+def expand(
+    energy: LabelEnergy, start: AnyArray | None = None, max_cycles: int = MAX_CYCLES
+) -> Labelling:
+    """Lower the energy by alpha-expansion: label by label, until none gains.
+
+    Raises
+    ------
+    ValueError
+        Omega breaks the triangle inequality: use `swap`.
+    """
+    if not energy.is_metric:
+        raise ValueError("alpha-expansion needs a metric table of penalties: use swap")
+    moves = _Moves(energy, start)
+    n_labels = len(energy.penalties)
+    n_idle = n_cuts = 0
+    while n_idle < n_labels and n_cuts < max_cycles * n_labels:
+        gain = moves.make(n_cuts % n_labels).gain
+        # A label that has just been expanded gains nothing more by itself.
+        n_idle = n_idle + 1 if gain == 0 else 1
+        n_cuts += 1
+    return Labelling(moves.labels, energy.of(moves.labels), n_cuts)
+
+
+def swap(
+    energy: LabelEnergy, start: AnyArray | None = None, max_cycles: int = MAX_CYCLES
+) -> Labelling:
+    """Lower the energy by alpha-beta swap: pair by pair of labels, until none gains.
+
+    A pair is left out where since its last swap nothing changed in or beside its pixels.
+    """
+    moves = _Moves(energy, start)
+    n_labels = len(energy.penalties)
+    touched_at = np.zeros(n_labels, np.int64)
+    swapped_at = np.full((n_labels, n_labels), -1, np.int64)
+    n_cuts = 0
+    for _ in range(max_cycles):
+        n_before = n_cuts
+        for alpha, beta in itertools.combinations(range(n_labels), 2):
+            if swapped_at[alpha, beta] < touched_at[[alpha, beta]].max():
+                n_cuts += 1
+                moves.make(alpha, beta)
+                touched_at[moves.is_touched > 0] = n_cuts
+                swapped_at[alpha, beta] = n_cuts
+        if n_cuts == n_before:
+            break
+    return Labelling(moves.labels, energy.of(moves.labels), n_cuts)
+
+
+def move(
+    energy: LabelEnergy, labels: AnyArray, alpha: int, beta: int | None = None
+) -> tuple[AnyArray, Move]:
+    """Make one expansion of `alpha`, or one swap with `beta`; return the new (N,) labels."""
+    moves = _Moves(energy, labels)
+    made = moves.make(alpha, NO_LABEL if beta is None else beta)
+    return moves.labels, made
+
+
+def cheapest_labels(energy: LabelEnergy) -> AnyArray:
+    """Return (N,) int8: the likeliest label of each pixel by itself, the first of equals."""
+    labels: AnyArray = energy.costs.argmin(axis=0).astype(np.int8)
+    return labels
+
+
+def start_labels(energy: LabelEnergy) -> AnyArray:
+    """Return (N,) int8: the likeliest labels after each pixel has looked at its neighbours.
+
+    With a strong lambda the cuts are several times faster from there than from the likeliest
+    labels alone.
+    """
+    labels = cheapest_labels(energy)
+    settle_labels(energy.arcs(), energy.penalties, energy.costs, labels, START_SWEEPS)
+    return labels
+
+
+class _Moves:
+    """The tables of `pair_kernels` for one energy, and labels that moves change in place."""
+
+    def __init__(self, energy: LabelEnergy, start: AnyArray | None) -> None:
+        n_labels, n_pixels = energy.costs.shape
+        self._energy = energy
+        self._arcs = energy.arcs()
+        self._nodes = np.full((N_NODE_ROWS, n_pixels), -1, np.int32)
+        self._marks = np.zeros((N_MARK_ROWS, n_pixels), np.int8)
+        self._counters = np.zeros(N_COUNTERS, np.int64)
+        self._is_border = np.zeros(n_pixels, np.int8)
+        self.is_touched = np.zeros(n_labels, np.int8)
+        self.labels = start_labels(energy) if start is None else _checked(energy, start)
+        find_borders(self._arcs, self.labels, self._is_border)
+
+    def make(self, alpha: int, beta: int = NO_LABEL) -> Move:
+        self.is_touched[:] = 0
+        value, gain = make_move(
+            self._arcs,
+            self._nodes,
+            self._marks,
+            self._counters,
+            self._energy.penalties,
+            self._energy.costs,
+            self.labels,
+            self._is_border,
+            self.is_touched,
+            alpha,
+            beta,
+        )
+        return Move(int(value), int(gain))
+
+
+def _checked(energy: LabelEnergy, start: AnyArray) -> AnyArray:
+    check_shape("start", start, (energy.graph.n_pixels,))
+    if start.size and not 0 <= start.min() <= start.max() < len(energy.penalties):
+        raise ValueError(f"start must hold labels 0 to {len(energy.penalties) - 1}")
+    labels: AnyArray = np.array(start, dtype=np.int8)
+    return labels
