@@ -124,6 +124,6 @@ def spoken_language() -> str:
 
 
 def decimal_text(value: float, n_decimals: int) -> str:
-    """Return a number as a reader of the language in use expects it on paper."""
-    text = f"{value:.{n_decimals}f}"
+    """Return a number as a reader of the language in use expects it on paper; never a ``-0``."""
+    text = f"{value:z.{n_decimals}f}"
     return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text

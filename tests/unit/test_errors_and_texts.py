@@ -129,3 +129,7 @@ def test_no_text_stays_no_text(tmp_path, monkeypatch):
 def test_numbers_on_paper_have_the_decimal_mark_of_the_language(language, text):
     with speaking(language):
         assert decimal_text(float(text.replace(",", ".")), 2) == text
+
+
+def test_what_is_rounded_to_nothing_has_no_sign():
+    assert [decimal_text(value, 1) for value in (-0.04, -0.06, 0.04)] == ["0.0", "-0.1", "0.0"]
