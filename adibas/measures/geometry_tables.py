@@ -2,15 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from itertools import combinations, permutations
-from typing import NamedTuple
+from itertools import combinations
 
 import numpy as np
 
-from adibas.arrays import FloatArray, IntArray
 from adibas.data.markers import Marker
 from adibas.data.measures import AngleMeasure, DistanceMeasure
-from adibas.geometry.uncertainty import independent, uncertain_angles, uncertain_distances
+from adibas.geometry.uncertainty import uncertain_angles, uncertain_distances
+from adibas.measures.marker_errors import placed_markers
 
 
 def all_distances(markers: Sequence[Marker]) -> tuple[DistanceMeasure, ...]:
@@ -27,7 +26,7 @@ def all_distances(markers: Sequence[Marker]) -> tuple[DistanceMeasure, ...]:
     distances : tuple of DistanceMeasure
         In the markers' order: the first with each later one, then the second, and so on.
     """
-    placed, positions_m, errors = _positions(markers)
+    placed, positions_m, errors = placed_markers(markers)
     pairs = np.array(list(combinations(range(len(placed)), 2)), np.int64).reshape(-1, 2)
     found = uncertain_distances(positions_m[pairs], errors.joint(pairs))
     return tuple(
@@ -53,7 +52,7 @@ def all_angles(markers: Sequence[Marker]) -> tuple[AngleMeasure, ...]:
         Triplets in the markers' order; of each the angle at its first, second and third marker.
         Where two markers coincide there is no angle.
     """
-    placed, positions_m, errors = _positions(markers)
+    placed, positions_m, errors = placed_markers(markers)
     triplets = np.array(
         [
             corners
@@ -76,36 +75,3 @@ def all_angles(markers: Sequence[Marker]) -> tuple[AngleMeasure, ...]:
         )
         if not math.isnan(value)
     )
-
-
-class _Errors(NamedTuple):
-    """(N, 3, 3) covariances of N markers, and the (N, 3, n) moves under causes they share."""
-
-    covariances_m2: FloatArray
-    shared_m: FloatArray
-
-    def joint(self, groups: IntArray) -> FloatArray:
-        """Return the (n, 3 m, 3 m) covariances of n groups of m markers."""
-        joint = independent(*(self.covariances_m2[members] for members in groups.T))
-        n_members = groups.shape[1]
-        for i, j in permutations(range(n_members), 2):
-            shared_m2 = self.shared_m[groups[:, i]] @ self.shared_m[groups[:, j]].swapaxes(1, 2)
-            joint[:, 3 * i : 3 * i + 3, 3 * j : 3 * j + 3] = shared_m2
-        return joint
-
-
-def _positions(markers: Sequence[Marker]) -> tuple[list[Marker], FloatArray, _Errors]:
-    """Return the markers that have a position, their (N, 3) positions and errors."""
-    placed = [marker for marker in markers if marker.position_m is not None]
-    positions_m = np.array([marker.position_m for marker in placed], float).reshape(-1, 3)
-    covariances_m2 = np.array([marker.covariance_m2 for marker in placed], float)
-    return placed, positions_m, _Errors(covariances_m2.reshape(-1, 3, 3), _shared(placed))
-
-
-def _shared(placed: Sequence[Marker]) -> FloatArray:
-    """Return the (N, 3, n) shared moves; none where they are unknown or not of one calibration."""
-    moves_m = [marker.shared_m for marker in placed]
-    known = [move_m for move_m in moves_m if move_m is not None]
-    if len(known) < len(placed) or len({move_m.shape for move_m in known}) != 1:
-        return np.zeros((len(placed), 3, 0))
-    return np.stack(known)
