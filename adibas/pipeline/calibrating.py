@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from threading import Event
 
@@ -178,7 +178,6 @@ def fit_searched(
     images: Iterable[SearchedImage],
     board: Board,
     params: CalibratingParams | None = None,
-    scale_checks: tuple[ScaleCheck, ...] = (),
 ) -> CameraOutcome:
     """Fit and judge a camera from images that were searched already.
 
@@ -190,8 +189,6 @@ def fit_searched(
         That they show.
     params : CalibratingParams or None
         How.
-    scale_checks : tuple of ScaleCheck
-        Distances of boards by a depth sensor: they show a wrong size of the squares.
 
     Raises
     ------
@@ -204,14 +201,32 @@ def fit_searched(
         raise CalibrationError("There are no images to calibrate from. Give some of the board.")
     corners = [image.search.corners for image in images if image.search.corners is not None]
     fit = fit_camera(board, corners, params.fitting) if corners else None
+    return judged(CameraOutcome(board, images, fit, Verdict()), params=params.verdict)
+
+
+def judged(
+    outcome: CameraOutcome,
+    scale_checks: tuple[ScaleCheck, ...] = (),
+    params: VerdictParams | None = None,
+) -> CameraOutcome:
+    """Return the same with the verdict that its images, its fit and the depth give.
+
+    Parameters
+    ----------
+    outcome : CameraOutcome
+        Whose verdict is left aside.
+    scale_checks : tuple of ScaleCheck
+        Distances of boards by a depth sensor: they show a wrong size of the squares.
+    """
+    searched = [image for image in outcome.images if image.search.corners is not None]
     evidence = Evidence(
-        board,
-        [image.search for image in images],
-        fit,
-        [image.blur_px for image in images if image.search.corners is not None],
+        outcome.board,
+        [image.search for image in outcome.images],
+        outcome.fit,
+        [image.blur_px for image in searched],
         scale_checks,
     )
-    return CameraOutcome(board, images, fit, judge(evidence, params.verdict))
+    return replace(outcome, verdict=judge(evidence, params))
 
 
 def color_calibration(

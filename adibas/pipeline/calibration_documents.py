@@ -39,6 +39,13 @@ def searched_to_json(searched: SearchedImage, board: Board) -> dict[str, Any]:
         "name": searched.name,
         "size": list(searched.size),
         "blur_px": _or_none(searched.blur_px),
+        **corners_to_json(corners),
+    }
+
+
+def corners_to_json(corners: BoardCorners) -> dict[str, Any]:
+    """Return the document of corners; whose they are stands elsewhere."""
+    return {
         "pixels": [[_or_none(u), _or_none(v)] for u, v in corners.pixels.tolist()],
         "sigma_px": [_or_none(sigma) for sigma in corners.sigma_px.tolist()],
         "is_mirrored": corners.is_mirrored,
@@ -53,20 +60,38 @@ def searched_from_json(document: Document) -> SearchedImage:
     ValueError, KeyError, TypeError
         It is no document of a picture.
     """
+    corners = _corners(document, document)
+    blur_px = _or_nan(document["blur_px"])
+    size = (corners.height, corners.width)
+    return SearchedImage(corners.image, size, BoardSearch(corners), blur_px)
+
+
+def still_from_json(document: Document) -> BoardCorners | None:
+    """Return the mean corners of the time of a picture's depth; None where it has none.
+
+    Raises
+    ------
+    ValueError, KeyError, TypeError
+        It is no document of a picture.
+    """
+    return _corners(document, document["still"]) if "still" in document else None
+
+
+def _corners(document: Document, found: Document) -> BoardCorners:
+    """Return corners `found` in the picture of a document."""
     height, width = (int(side) for side in document["size"])
-    is_mirrored = document["is_mirrored"]
+    is_mirrored = found["is_mirrored"]
     corners = BoardCorners(
         image=str(document["name"]),
         width=width,
         height=height,
-        pixels=np.array([[_or_nan(u), _or_nan(v)] for u, v in document["pixels"]]).reshape(-1, 2),
-        sigma_px=np.array([_or_nan(sigma) for sigma in document["sigma_px"]]),
+        pixels=np.array([[_or_nan(u), _or_nan(v)] for u, v in found["pixels"]]).reshape(-1, 2),
+        sigma_px=np.array([_or_nan(sigma) for sigma in found["sigma_px"]]),
         is_mirrored=None if is_mirrored is None else bool(is_mirrored),
     )
     if len(corners.pixels) != board_from_json(document["board"]).n_corners:
         raise ValueError("the picture has another number of corners than its board")
-    blur_px = _or_nan(document["blur_px"])
-    return SearchedImage(corners.image, (height, width), BoardSearch(corners), blur_px)
+    return corners
 
 
 def _or_none(value: float) -> float | None:

@@ -26,8 +26,10 @@ from adibas.pipeline.calibrating import SearchedImage
 from adibas.pipeline.calibration_documents import (
     board_from_json,
     board_to_json,
+    corners_to_json,
     searched_from_json,
     searched_to_json,
+    still_from_json,
 )
 
 BOARD_FILE = "board.json"
@@ -54,12 +56,15 @@ class NewPicture:
     disparity : BurstDisparity or None
         Of the depth camera at that time, as measured; None where nothing says that board and
         camera stood still, or there is none.
+    still_corners : BoardCorners or None
+        Their mean over the time of that depth.
     """
 
     color_rgb: UInt8Array
     searched: SearchedImage
     taken_ns: int = 0
     disparity: BurstDisparity | None = None
+    still_corners: BoardCorners | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,6 +85,8 @@ class KeptPicture:
         Where there is depth; see `read_disparity`.
     preview_rgb : (H', W', 3) uint8 array
         The same picture, small.
+    still_corners : BoardCorners or None
+        Their mean over the time of that depth.
     """
 
     number: int
@@ -88,6 +95,7 @@ class KeptPicture:
     color_file: Path
     depth_file: Path | None
     preview_rgb: UInt8Array
+    still_corners: BoardCorners | None = None
 
     @property
     def corners(self) -> BoardCorners:
@@ -174,9 +182,18 @@ class PictureFolder:
             with written_whole(depth_file) as unfinished:
                 _write_disparity(unfinished, picture.disparity)
             document["depth_sha256"] = _digest(depth_file)
+        if picture.still_corners is not None:
+            document["still"] = corners_to_json(picture.still_corners)
         _write_json(_document_of(color_file), document)
-        preview = _preview(picture.color_rgb)
-        return KeptPicture(number, searched, picture.taken_ns, color_file, depth_file, preview)
+        return KeptPicture(
+            number,
+            searched,
+            picture.taken_ns,
+            color_file,
+            depth_file,
+            _preview(picture.color_rgb),
+            picture.still_corners,
+        )
 
     def remove(self, pictures: Iterable[KeptPicture]) -> None:
         """Take pictures away for good.
@@ -274,6 +291,7 @@ def _read_picture(path: Path) -> tuple[Board, KeptPicture] | None:
             color_file,
             depth_file if has_depth else None,
             preview,
+            still_from_json(document),
         )
     except (*_DAMAGED, cv2.error):
         return None

@@ -11,7 +11,7 @@ from adibas.calibration.kept import KeptCalibration, KeptCalibrations, sensor_ke
 from adibas.clock import Clock, to_text, utc_now
 from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.calibration_verdict import SENTENCES, Grade, Reason
+from adibas.data.calibration_verdict import SENTENCES, Grade, Reason, Verdict
 from adibas.data.frames import SourceInfo
 from adibas.data.sentence import Sentence
 from adibas.errors import AdibasError, CalibrationError
@@ -21,7 +21,15 @@ from adibas.pipeline.calibrating import (
     NamedImage,
     color_calibration,
     fit_searched,
+    judged,
     search_image,
+)
+from adibas.pipeline.calibrating_depth import DepthOutcome
+from adibas.pipeline.calibrating_pictures import (
+    calibrate_depth_of,
+    check_scales,
+    has_depth_camera,
+    joined,
 )
 from adibas.pipeline.calibration_pictures import (
     KeptPicture,
@@ -82,19 +90,22 @@ class SensorOutcome:
     Attributes
     ----------
     camera : CameraOutcome
-        Of the colour camera, with the verdict.
+        Of the colour camera, with the verdict on both cameras.
     calibration : RgbdCalibration or None
         As it would be kept; None where nothing could be fitted.
     previous : KeptCalibration or None
         The newest one before of the same sensor.
     comparison : Comparison or None
         With that.
+    depth : DepthOutcome or None
+        Of the depth camera; None where there is none, or no picture tells of it.
     """
 
     camera: CameraOutcome
     calibration: RgbdCalibration | None
     previous: KeptCalibration | None
     comparison: Comparison | None
+    depth: DepthOutcome | None = None
 
     @property
     def is_good_enough(self) -> bool:
@@ -256,15 +267,31 @@ class CalibrationSession:
         CalibrationError
             There is no picture, or a calibration of this sensor is damaged.
         """
-        pictures, board = self.pictures, self.board
-        camera = fit_searched((one.searched for one in pictures), board)
-        if camera.fit is None or not camera.fit.is_settled:
+        pictures, board, info = self.pictures, self.board, self.sensor.info
+        camera = self._camera(pictures, board)
+        fit = camera.fit
+        if fit is None or not fit.is_settled:
             return SensorOutcome(camera, None, None, None)
-        color = color_calibration(camera.fit, self.sensor.key, clock)
-        calibration = self._joined(color)
+        color = color_calibration(fit, self.sensor.key, clock)
+        depth: DepthOutcome | Verdict | None = None
+        if has_depth_camera(info) and not _is_of_wrong_scale(camera):
+            depth = calibrate_depth_of(pictures, board, color, info, clock)
+            verdict = depth if isinstance(depth, Verdict) else depth.verdict
+            camera = replace(camera, verdict=joined(camera.verdict, verdict))
+        depth = None if isinstance(depth, Verdict) else depth
+        calibration = self._joined(color, depth)
         previous = self._kept.newest(self.sensor.key, sizes_of(calibration))
         comparison = None if previous is None else compare(previous.calibration, calibration)
-        return SensorOutcome(camera, calibration, previous, comparison)
+        return SensorOutcome(camera, calibration, previous, comparison, depth)
+
+    def _camera(self, pictures: Sequence[KeptPicture], board: Board) -> CameraOutcome:
+        """Fit and judge the colour camera, and judge again with what the depth says of scale."""
+        searched = tuple(one.searched for one in pictures)
+        camera = fit_searched(searched, board)
+        if camera.fit is None or not camera.fit.is_settled:
+            return camera
+        checks = check_scales(pictures, board, camera.fit.camera, self.sensor.info)
+        return judged(camera, checks) if checks else camera
 
     def accept(self, outcome: SensorOutcome, clock: Clock = utc_now) -> Path:
         """Keep what the pictures gave, for use from now on; the pictures have served and go.
@@ -292,22 +319,31 @@ class CalibrationSession:
         self._folder.clear()
         return path
 
-    def _joined(self, color: RgbdCalibration) -> RgbdCalibration:
-        """Return what is known of the sensor, with its colour camera as it is now."""
+    def _joined(self, color: RgbdCalibration, depth: DepthOutcome | None) -> RgbdCalibration:
+        """Return what is known of the sensor, with its cameras as they are now."""
         before = self.sensor.info.calibration
         if before is None:
             return replace(color, depth_unit_m=self.sensor.info.depth_unit_m)
-        return replace(
+        known = color if depth is None else depth.calibration
+        joined = replace(
             before,
             color=color.color,
             rms_px=color.rms_px,
-            parameter_names=color.parameter_names,
-            covariance=color.covariance,
+            parameter_names=known.parameter_names,
+            covariance=known.covariance,
             sensor_serial=color.sensor_serial,
             created_utc=color.created_utc,
             valid_region=color.valid_region,
             gravity=None,  # the sensor may stand elsewhere tomorrow
             floor=None,
+        )
+        if depth is None:
+            return joined
+        return replace(
+            joined,
+            depth=known.depth,
+            color_from_depth=known.color_from_depth,
+            depth_bias=known.depth_bias,
         )
 
     def _take(self, pictures: tuple[KeptPicture, ...]) -> None:
@@ -335,6 +371,10 @@ class CalibrationSession:
         if search.corners is not None and search.corners.is_mirrored:
             return Sentence(SENTENCES[Reason.MIRRORED])
         return NewPicture(color_rgb, searched)
+
+
+def _is_of_wrong_scale(camera: CameraOutcome) -> bool:
+    return any(finding.reason is Reason.SCALE for finding in camera.verdict.findings)
 
 
 def images_in(chosen: Sequence[Path]) -> tuple[Path, ...]:

@@ -14,6 +14,8 @@ from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
 from adibas.markers.disparity import DisparitySum
 from adibas.pipeline.calibrating import SearchedImage
+from adibas.pipeline.calibrating_depth_moments import mean_corners
+from adibas.pipeline.calibrating_depth_types import DepthCalibratingParams
 from adibas.pipeline.calibration_pictures import NewPicture
 from adibas.pipeline.hints import NO_COLOR
 from adibas.pipeline.live_frames import LiveFrame
@@ -42,12 +44,15 @@ class WatchParams:
     least_share, greatest_sd_per_m : float
         Of the depth's mean: a pixel needs readings in half of the frames, and flickers by less
         than 0.02 (8 cm at 2 m) while the board stands still.
+    depth : DepthCalibratingParams
+        What the depth's calibration takes for still.
     """
 
     guidance: GuidanceParams = field(default_factory=GuidanceParams)
     verdict: VerdictParams = field(default_factory=VerdictParams)
     least_share: float = 0.5
     greatest_sd_per_m: float = 0.02
+    depth: DepthCalibratingParams = field(default_factory=DepthCalibratingParams)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +111,7 @@ class MomentWatch:
         self._params = params or WatchParams()
         self._still = StillWatch(self._params.guidance)
         self._depth: DisparitySum | None = None
+        self._found: list[BoardCorners] = []
 
     def stance_of(self, corners: BoardCorners) -> Stance | None:
         """Return how the board stands in a picture, by the same camera as in all others."""
@@ -126,7 +132,7 @@ class MomentWatch:
         if corners is not None and len(corners.pixels) != self.board.n_corners:
             search, corners = None, None  # of the board before, which was chosen a moment ago
         still_share = self._still.see(corners, frame.timestamp_ns)
-        self._add_depth(frame, still_share)
+        self._add_depth(frame, corners if still_share > 0.0 else None)
         if search is None or corners is None:
             return _without_board(frame, search)
         stance = self.stance_of(corners)
@@ -136,7 +142,7 @@ class MomentWatch:
     def picture(self, frame: LiveFrame) -> NewPicture | None:
         """Return a frame as a picture, whatever hinders; None where no board is seen in it.
 
-        It brings the mean depth since board and camera stand still, if they do.
+        It brings depth and corners on average since board and camera stand still, if they do.
         """
         search, color_rgb = frame.board, frame.color_rgb
         if search is None or search.corners is None or color_rgb is None:
@@ -147,7 +153,8 @@ class MomentWatch:
             return None
         blur = blur_px(as_gray(color_rgb), self.board, search.corners)
         searched = SearchedImage("", color_rgb.shape[:2], search, blur)
-        return NewPicture(color_rgb, searched, frame.timestamp_ns, self._mean_depth())
+        disparity, corners = self._mean_depth(), self._mean_corners()
+        return NewPicture(color_rgb, searched, frame.timestamp_ns, disparity, corners)
 
     def _hindrance(
         self,
@@ -177,18 +184,27 @@ class MomentWatch:
         limit_px = self._params.verdict.blur_px * max(corners.width / 1280.0, 0.5)
         return not blur_px(as_gray(frame.color_rgb), self.board, corners) <= limit_px
 
-    def _add_depth(self, frame: LiveFrame, still_share: float) -> None:
-        if still_share == 0.0 or frame.depth_m is None:
+    def _add_depth(self, frame: LiveFrame, corners: BoardCorners | None) -> None:
+        """Add what stands still; without corners it does not."""
+        if corners is None or frame.depth_m is None:
             self._depth = None
+            self._found = []
             return
         if self._depth is None:
             self._depth = DisparitySum(DepthBias())
         self._depth.add(frame.depth_m)
+        self._found.append(corners)
 
     def _mean_depth(self) -> BurstDisparity | None:
         if self._depth is None:
             return None
         return self._depth.result(self._params.least_share, self._params.greatest_sd_per_m)
+
+    def _mean_corners(self) -> BoardCorners | None:
+        if not self._found:
+            return None
+        found = mean_corners(self._found, self._params.depth.largest_move_px)
+        return found if found.n_seen else None
 
 
 def _without_board(frame: LiveFrame, search: BoardSearch | None) -> Moment:

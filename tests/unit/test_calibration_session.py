@@ -32,6 +32,7 @@ from tests.unit.board_pictures import (
     CAMERA,
     INFO,
     N_POSES,
+    depth_raw,
     live_frame,
     picture,
 )
@@ -128,10 +129,12 @@ def test_the_depth_of_the_still_board_comes_along(kept):
     session.add(session.keep(session.picture(live_frame(0, 0.5))))
     take(opened(kept), 2)  # a single frame says nothing of standing still
     with_depth, without = opened(kept).pictures
-    disparity = read_disparity(with_depth)
+    disparity, corners = read_disparity(with_depth), with_depth.still_corners
+    np.testing.assert_array_equal(corners.pixels, with_depth.corners.pixels)  # of the same picture
+    assert corners.sigma_px == pytest.approx(with_depth.corners.sigma_px / np.sqrt(5))
     assert disparity.n_frames == 5
-    assert disparity.mean_per_m == pytest.approx(1 / 1.5)
-    assert read_disparity(without) is None
+    assert disparity.mean_per_m == pytest.approx(1000.0 / depth_raw(0))
+    assert (read_disparity(without), without.still_corners) == (None, None)
 
 
 def test_depth_that_was_damaged_since_is_an_error_in_words(kept):
@@ -308,7 +311,7 @@ def test_an_accepted_calibration_is_the_newest_of_its_sensor_and_ends_the_sessio
         assert opened(kept).pictures == ()
     assert outcome.previous.made_utc == NOW
     assert outcome.comparison.largest_change_m == pytest.approx(0.0, abs=1e-9)
-    newest = kept.newest("SN1", ((640, 480), (64, 48)))
+    newest = kept.newest("SN1", ((640, 480), (320, 240)))
     assert newest.made_utc == NOW + timedelta(days=1)
     assert newest.calibration.color == outcome.calibration.color
 
