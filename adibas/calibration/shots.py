@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.ndimage import binary_opening, maximum_filter
 
 from adibas.arrays import (
     BoolArray,
@@ -255,8 +256,18 @@ def cells_on_wall(
     kept = _on_plane(rays[chosen], disparity.mean_per_m[chosen], params, params.wall_bend_per_m)
     if kept.sum() < params.least_share * disparity.mean_per_m.size:
         return None
-    pixels = (chosen[0][kept], chosen[1][kept])
+    is_wall = np.zeros(disparity.mean_per_m.shape, bool)
+    is_wall[chosen[0][kept], chosen[1][kept]] = True
+    is_other = np.isfinite(disparity.mean_per_m) & ~is_wall
+    rows, columns = np.nonzero(is_wall & ~_near(is_other, params.margin_px))
+    pixels = (rows, columns)
     return _in_cells(pixels, disparity.mean_per_m[pixels], rays[pixels], depth, params)
+
+
+def _near(is_other: BoolArray, margin_px: float) -> BoolArray:
+    """Say which pixels are near other things; the first rows of a floor are hardly off a wall."""
+    surfaces = binary_opening(is_other, np.ones((3, 3), bool))
+    return np.asarray(maximum_filter(surfaces, size=2 * round(margin_px) + 1), bool)
 
 
 def cells_near_plane(

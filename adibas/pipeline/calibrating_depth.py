@@ -150,6 +150,11 @@ def starting_point(calibration: RgbdCalibration, info: SourceInfo) -> RgbdCalibr
         raise CalibrationError(
             "The calibration has no colour camera. Calibrate it first, from images of the board."
         )
+    if info.is_depth_registered:
+        raise CalibrationError(
+            "The sensor moved the depth into the colour image while it recorded, and that cannot "
+            "be undone. Record again with the sensor's own registration switched off."
+        )
     serials = {calibration.sensor_serial, info.sensor_serial} - {""}
     if len(serials) > 1:
         raise CalibrationError(

@@ -1,0 +1,289 @@
+"""From a recording of a board to the calibration of the whole sensor, by pipeline and command."""
+
+import contextlib
+import io
+import json
+import math
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from adibas.calibration.files import read_calibration, write_calibration
+from adibas.cli import main
+from adibas.data.board import BoardCorners
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration_verdict import Grade
+from adibas.errors import CalibrationError, RecordingError
+from adibas.geometry.rigid import rotation_vector
+from adibas.pipeline.calibrating_depth import (
+    DepthRequest,
+    calibrate_depth,
+    starting_point,
+)
+from adibas.pipeline.calibrating_depth_moments import mean_corners, spread_over
+from adibas.pipeline.calibrating_recording import calibrate_color_of
+from adibas.pipeline.still_moments import Moment
+from adibas.simulation.boards_device import factory_info
+from adibas.texts import use_language
+from tests.unit.board_recordings import (
+    BOARD,
+    DEVICE,
+    HEIGHT_M,
+    board_moments,
+    color_alone,
+    record_moments,
+    wall_moments,
+)
+
+TRUTH = DEVICE.calibration
+TOLD = ["--board", "9x6", "--square-mm", "100"]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def english():
+    use_language("en")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("depth")
+
+
+@pytest.fixture(scope="module")
+def recording(folder):
+    moments = [*board_moments(8, 1), *wall_moments([1.2])]
+    return record_moments(folder / "board.mcap", moments)
+
+
+@pytest.fixture(scope="module")
+def told(folder, recording):
+    """Run the command as a user does, and return its document."""
+    write_calibration(folder / "color.json", color_alone())
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):
+        code = main(
+            [
+                *("calibrate", str(recording), "--depth", "--wall", *TOLD, "--json"),
+                *("--calibration", str(folder / "color.json")),
+                *("--out", str(folder / "whole.json")),
+                *("--report", str(folder / "whole.pdf"), "--language", "en"),
+            ]
+        )
+    assert code == 0
+    return json.loads(out.getvalue())
+
+
+@pytest.fixture(scope="module")
+def found(folder, told):
+    assert told["out"] == str(folder / "whole.json")
+    return read_calibration(folder / "whole.json")
+
+
+def refusal(request, **changes):
+    with pytest.raises((CalibrationError, RecordingError)) as caught:
+        calibrate_depth(replace(request, **changes))
+    return str(caught.value)
+
+
+def test_the_recording_gives_the_pose_of_the_depth_camera(found):
+    truth = TRUTH.color_from_depth
+    turn = found.color_from_depth.rotation @ truth.rotation.T
+    assert np.linalg.norm(rotation_vector(turn)) < math.radians(0.1)
+    np.testing.assert_allclose(
+        found.color_from_depth.translation_m, truth.translation_m, atol=0.004
+    )
+    np.testing.assert_allclose(
+        [found.depth.intrinsics.fx, found.depth.intrinsics.fy],
+        [DEVICE.depth.intrinsics.fx, DEVICE.depth.intrinsics.fy],
+        rtol=0.003,
+    )
+
+
+def test_the_depth_is_right_to_some_millimetres_after_correction(found):
+    k = DEVICE.depth.intrinsics
+    x, y = (np.arange(640.0) - k.cx) / k.fx, ((np.arange(480.0) - k.cy) / k.fy)[:, None]
+    bias = TRUTH.depth_bias
+    p, q, r, s, t = bias.image_term
+    square = bias.c + p * x + q * y + r * x * x + s * x * y + t * y * y
+    for true_m in (1.0, 1.5, 2.0, 2.5):
+        # What the device shows of a wall: the root of a + b z + c z^2 = truth.
+        root = np.sqrt(bias.b**2 + 4.0 * square * (true_m - bias.a))
+        shown_m = (2.0 * (true_m - bias.a) / (bias.b + root)).astype(np.float32)
+        errors_m = found.corrected_depth(shown_m) - true_m
+        assert np.sqrt(np.mean(errors_m**2)) < 0.0045
+        assert np.sqrt(np.mean((shown_m - true_m) ** 2)) > 2.0 * np.sqrt(np.mean(errors_m**2))
+
+
+def test_the_floor_gives_gravity(found):
+    np.testing.assert_allclose(found.gravity, [0.0, 1.0, 0.0], atol=0.004)
+    assert found.floor.offset_m == pytest.approx(HEIGHT_M, abs=0.01)
+    assert 0.0 < found.gravity_sd_rad < 0.01
+    assert 0.0 < found.floor_flatness_m < 0.01
+
+
+def test_the_calibration_brings_its_covariance(found):
+    names = found.parameter_names
+    assert {"color_from_depth.tz", "depth_bias.b", "depth.fx"} <= set(names)
+    sds = np.sqrt(np.diag(found.covariance))
+    assert ((sds > 0) & (sds < 5.0)).all()
+    shift_sds = [sds[names.index(f"color_from_depth.t{axis}")] for axis in "xyz"]
+    away_m = found.color_from_depth.translation_m - TRUTH.color_from_depth.translation_m
+    assert (np.abs(away_m) < 4.0 * np.array(shift_sds)).all()
+
+
+def test_the_document_tells_what_was_seen(told):
+    assert told["verdict"]["grade"] != Grade.REPEAT.value
+    assert sum(not shot["is_wall"] for shot in told["shots"]) == 8
+    assert told["n_still_moments"] == 9
+    low, high = told["scale"]["ci95"]
+    assert low < 1.0 < high
+    assert not told["scale"]["is_wrong"]
+    assert told["vertical"]["ci95_deg"] < 0.5
+    assert told["parameters"]["depth_bias.b"]["ci95"][0] > 0.9
+
+
+def test_the_report_is_written(folder, told):
+    assert told["out"]
+    assert (folder / "whole.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_colour_camera_comes_from_the_same_recording(recording):
+    steps = []
+    outcome = calibrate_color_of(
+        [recording], BOARD, progress=lambda done, total: steps.append((done, total))
+    )
+    assert [image.search.corners is not None for image in outcome.images] == [True] * 8 + [False]
+    found, truth = outcome.fit.camera.intrinsics, DEVICE.color.intrinsics
+    assert found.fx == pytest.approx(truth.fx, rel=0.005)
+    assert steps[-1] == (180, 180)
+
+
+def test_whoever_stops_gets_nothing(recording):
+    stop = threading.Event()
+    stop.set()
+    request = DepthRequest(recording, color_alone(), BOARD)
+    assert calibrate_depth(request, stop=stop) is None
+    assert calibrate_color_of([recording], BOARD, stop=stop) is None
+
+
+def test_images_of_another_size_are_refused(recording):
+    other = replace(DEVICE.color, width=1280, height=1024)
+    text = refusal(DepthRequest(recording, color_alone(color=other), BOARD))
+    assert text.startswith("The calibration is for colour images of 1280x1024")
+
+
+def test_a_recording_without_depth_is_refused(tmp_path):
+    blank = record_moments(tmp_path / "c.mcap", wall_moments([1.0]), 2, has_depth=False)
+    text = refusal(DepthRequest(blank, color_alone(), BOARD))
+    assert text.startswith("The recording has no depth.")
+
+
+def test_a_recording_without_rest_is_refused(tmp_path):
+    path = record_moments(tmp_path / "m.mcap", wall_moments([1.0, 1.5, 2.0, 2.5]), 2)
+    assert refusal(DepthRequest(path, color_alone(), BOARD)).startswith("Nothing stands still")
+    with pytest.raises(CalibrationError, match="Nothing stands still"):
+        calibrate_color_of([path], BOARD)
+
+
+def test_a_recording_without_the_board_says_what_is_seen_instead(tmp_path):
+    path = record_moments(tmp_path / "w.mcap", wall_moments([1.4]))
+    text = refusal(DepthRequest(path, color_alone(), BOARD))
+    assert text.startswith("The board is seen in none of the 1 still moments.")
+    assert text.endswith("No chessboard is seen. Hold it in view, in even light.")
+
+
+def test_a_recording_without_colour_says_so(tmp_path):
+    path = record_moments(tmp_path / "d.mcap", wall_moments([1.4]), has_color=False)
+    assert "no colour" in refusal(DepthRequest(path, color_alone(), BOARD))
+    with pytest.raises(CalibrationError, match="no colour"):
+        calibrate_color_of([path], BOARD)
+
+
+def test_a_wall_keeps_what_it_does_not_tell(tmp_path, found):
+    path = record_moments(tmp_path / "w.mcap", wall_moments([1.0, 1.6]))
+    outcome = calibrate_depth(DepthRequest(path, found, has_wall=True))
+    after = outcome.calibration
+    np.testing.assert_allclose(
+        after.color_from_depth.translation_m, found.color_from_depth.translation_m
+    )
+    assert (after.depth_bias.a, after.depth_bias.b) == (found.depth_bias.a, found.depth_bias.b)
+    assert after.depth_bias.image_term != found.depth_bias.image_term
+    assert set(after.parameter_names) == set(found.parameter_names)
+    index, before = (
+        after.parameter_names.index("depth_bias.b"),
+        found.parameter_names.index("depth_bias.b"),
+    )
+    assert after.covariance[index, index] == found.covariance[before, before]
+    assert outcome.scale is None
+
+
+def test_a_start_needs_a_colour_camera_and_the_makers_depth_camera():
+    info = factory_info(DEVICE)
+    with pytest.raises(CalibrationError, match="no colour camera"):
+        starting_point(RgbdCalibration(depth=DEVICE.depth), info)
+    with pytest.raises(CalibrationError, match="focal length"):
+        starting_point(color_alone(), replace(info, calibration=None))
+    start = starting_point(color_alone(), info)
+    assert start.depth == info.calibration.depth
+    assert start.sensor_serial == info.sensor_serial
+
+
+def test_another_sensor_or_moved_depth_is_refused():
+    info = factory_info(DEVICE)
+    with pytest.raises(CalibrationError, match="of sensor X1, but the recording of sensor"):
+        starting_point(color_alone(sensor_serial="X1"), info)
+    with pytest.raises(CalibrationError, match="moved the depth into the colour image"):
+        starting_point(color_alone(), replace(info, is_depth_registered=True))
+
+
+def test_a_calibration_of_nothing_is_no_request(tmp_path):
+    with pytest.raises(ValueError, match="needs a board or a wall"):
+        DepthRequest(tmp_path, color_alone())
+
+
+def test_corners_are_averaged_where_they_stay():
+    def corners(shift_px, hidden=()):
+        pixels = np.array([[10.0, 20.0], [30.0, 20.0], [50.0, 20.0]]) + shift_px
+        sigma = np.full(3, 0.1)
+        for index in hidden:
+            pixels[index], sigma[index] = np.nan, np.nan
+        return BoardCorners("b", 640, 480, pixels, sigma)
+
+    mean = mean_corners([corners(0.0), corners(0.2, hidden=[1])], 1.0)
+    np.testing.assert_allclose(mean.pixels[0], [10.1, 20.1])
+    assert mean.n_seen == 2
+    assert mean.sigma_px[0] == pytest.approx(0.1 / math.sqrt(2))
+    assert mean_corners([corners(0.0), corners(4.0)], 1.0).n_seen == 0
+
+
+def test_frames_are_spread_over_a_burst():
+    assert spread_over(Moment(10, 40), 3).tolist() == [14, 24, 34]
+    assert spread_over(Moment(10, 12), 6).tolist() == [10, 11]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["picture.png", "--depth", *TOLD], "give recordings"),
+        (["b.mcap", "--depth"], "Give the board's inner corners"),
+        (["b.mcap", "--depth", "--wall"], "A wall alone needs --wall and the --calibration"),
+        (
+            ["b.mcap", "--depth", "--wall", "--calibration", "c.json", "--report", "r.pdf"],
+            "A wall alone has no report",
+        ),
+    ],
+)
+def test_what_lacks_on_the_command_line_is_said(arguments, text, tmp_path, capsys):
+    assert main(["calibrate", *arguments, "--out", str(tmp_path / "o.json")]) == 2
+    assert text in capsys.readouterr().err
+
+
+def test_a_missing_recording_writes_nothing(tmp_path, capsys):
+    write_calibration(tmp_path / "c.json", color_alone())
+    arguments = ["calibrate", str(tmp_path / "none.mcap"), "--depth", *TOLD]
+    arguments += ["--calibration", str(tmp_path / "c.json"), "--out", str(tmp_path / "o.json")]
+    assert main(arguments) == 1
+    assert "none.mcap" in capsys.readouterr().err
+    assert not (tmp_path / "o.json").exists()
