@@ -5,7 +5,7 @@ import numpy as np
 from adibas.arrays import BoolArray, FloatArray, UInt8Array
 from adibas.calibration.corner_fit_kernels import BENDS, DOTS, GAPS, N_UNKNOWNS, P_BLUR1, P_BLUR2
 from adibas.calibration.corner_saddle_kernels import CONTRAST, MEAN, SCALE, U, V
-from adibas.calibration.corners import FitParams, fit_corners
+from adibas.calibration.corners import CornerMethod, FitParams, fit_corners, meet_corners
 from adibas.calibration.grid_growth import Lattice
 from adibas.calibration.grid_growth_kernels import expect
 
@@ -43,8 +43,12 @@ def fit_lattice(
     needs_more &= ~np.isnan(fitted[:, U])
     again = fit_corners(gray, fitted[needs_more, :N_UNKNOWNS], better[needs_more], params)
     fitted[needs_more] = again
+    places = fitted[:, [U, V, N_UNKNOWNS]]
+    if params.method is CornerMethod.GRADIENT:
+        is_good = ~np.isnan(places[:, 0])
+        places[is_good] = meet_corners(gray, places[is_good, :2], better[is_good], params)
     result = np.full((*known.shape, 3), np.nan)
-    result[known] = fitted[:, [U, V, N_UNKNOWNS]]
+    result[known] = places
     return result
 
 
