@@ -30,6 +30,8 @@ def take_demo_session(
 ) -> Session:
     """Take the four views of the demo patient through the live view of the simulator.
 
+    It takes the place of the sessions of demos before; one that somebody has worked on stays.
+
     Raises
     ------
     StoreError, RecordingError
@@ -39,7 +41,9 @@ def take_demo_session(
     """
     document: Mapping[str, object] = target_to_document(target)
     setup = SessionSetup(source=SOURCE, markers=document)
-    session = store.sessions.start(demo_patient(store).pseudonym, setup)
+    patient = demo_patient(store).pseudonym
+    before = store.sessions.of_patient(patient)
+    session = store.sessions.start(patient, setup)
     for number, view in enumerate(VIEWS):
         request = CaptureRequest(session.session_id, view, n_frames, target)
 
@@ -47,7 +51,15 @@ def take_demo_session(
             progress(number * total + done, len(VIEWS) * total)
 
         _take(store, request, told, clock)
+    for older in before:
+        if not _was_worked_on(store, older):
+            store.sessions.purge(older.session_id)
     return store.sessions.get(session.session_id)
+
+
+def _was_worked_on(store: SessionStore, session: Session) -> bool:
+    captures = store.captures.of_session(session.session_id)
+    return bool(session.notes) or any(one.history.corrections for one in captures)
 
 
 def _take(store: SessionStore, request: CaptureRequest, progress: Progress, clock: Clock) -> None:

@@ -4,10 +4,12 @@ Run as a program of its own, because the library may hang or crash: FILE.oni STR
 """
 
 import sys
+import time
 
 import numpy as np
 from openni import openni2
 
+from adibas.sensors.openni2_device import PLAYER_SETTLES_S
 from adibas.sensors.openni2_library import find_library_folder
 
 SECONDS_TO_WAIT = 0.5
@@ -45,6 +47,7 @@ def play_once(path: str, name: str, seen: dict) -> tuple[int, int]:
         number = frame.frameIndex
         seen[number] = (frame.timestamp, to_array(frame, name).copy())
     stream.stop()
+    time.sleep(PLAYER_SETTLES_S)
     stream.close()
     device.close()
     return n_frames, mode.pixelFormat.value
