@@ -2,7 +2,12 @@
 
 from collections.abc import Iterable
 
-from benchmarks import calibration_chain, calibration_corners
+from benchmarks import (
+    calibration_chain,
+    calibration_coma,
+    calibration_corners,
+    calibration_real,
+)
 from benchmarks import calibration_fitting as fitting
 from benchmarks.table import Row
 
@@ -11,4 +16,6 @@ def rows(*, quick: bool) -> Iterable[Row]:
     """Measure one part after the other; errors of corners count as rms over points."""
     yield from calibration_corners.rows(quick=quick)
     yield from fitting.rows(quick=quick)
+    yield from calibration_real.rows()
+    yield from calibration_coma.rows()
     yield from calibration_chain.rows(quick=quick)

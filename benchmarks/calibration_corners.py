@@ -1,17 +1,15 @@
-"""Corners of chessboards: simulated ones beside the truth, real ones beside others' finders."""
+"""Corners of simulated chessboards beside the truth, and beside OpenCV's finder."""
 
-import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 
 import cv2
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
-from adibas.calibration.finder import find_board, find_boards, search_board
+from adibas.calibration.finder import find_boards, search_board
 from adibas.data.board import Board, BoardCorners
 from adibas.data.calibration import CameraCalibration
 from adibas.data.printed_boards import PRINTED_BOARDS
@@ -23,7 +21,6 @@ from adibas.simulation.boards_poses import Holding, random_board_poses
 from adibas.simulation.color_noise import ColorNoise
 from benchmarks.table import Row
 
-REAL_DATA = "ADIBAS_REAL_DATA"
 CAMERA = CameraCalibration(
     1280,
     1024,
@@ -43,11 +40,6 @@ LOOKS = {
 }
 BOARD = PRINTED_BOARDS["A4"].board
 SEED = 11
-REAL_SETS = (
-    ("Bouguet", "bouguet/Image*.tif", Board(12, 13, 0.03)),
-    ("OpenCV left", "opencv_left/left*.jpg", Board(9, 6, 0.025)),
-    ("Kinect v1", "kinect1/LeftRgb*.png", Board(10, 7, 0.03)),
-)
 EXACT = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
 HOLDINGS = {
     "": Holding(),
@@ -150,7 +142,7 @@ def measure(
 def rows(*, quick: bool) -> Iterable[Row]:
     """Measure; with `quick` few pictures of each kind, and OpenCV on the good ones alone."""
     cv2.setNumThreads(1)
-    n = 5 if quick else 40
+    n = 2 if quick else 40
     measure(BOARD, GOOD, Holding(), 1)
     for holding_name, holding in HOLDINGS.items():
         for look_name, look in LOOKS.items():
@@ -158,9 +150,6 @@ def rows(*, quick: bool) -> Iterable[Row]:
             tallies = measure(BOARD, look, holding, n, with_opencv=with_opencv)
             yield from _simulated_rows(f"{look_name}{holding_name}, {n} pictures", tallies)
     yield from _boardless_rows()
-    folder = os.environ.get(REAL_DATA)
-    if folder is not None:
-        yield from _real_rows(Path(folder) / "calibration")
 
 
 def _simulated_rows(told: str, tallies: dict[str, Tally]) -> Iterator[Row]:
@@ -202,51 +191,3 @@ def _median_ms(look: Callable[[], object]) -> float:
         look()
         spent.append(time.thread_time() - start)
     return 1e3 * float(np.median(spent))
-
-
-def _real_rows(folder: Path) -> Iterator[Row]:
-    """Count the real images in which the board is found, and calibrate OpenCV with the corners."""
-    for name, pattern, board in REAL_SETS:
-        files = sorted(folder.glob(pattern))
-        grays = [_read_gray(file) for file in files]
-        found = [
-            find_board(gray, board, file.name) for gray, file in zip(grays, files, strict=True)
-        ]
-        n_opencv = sum(sb_corners(gray, board, 0) is not None for gray in grays)
-        n_found = sum(corners is not None for corners in found)
-        told = f"{name}, {len(files)} real images"
-        yield Row(f"{told}: found", n_found, "images", n_opencv, "SB")
-        pairs = [(c.pixels, g) for c, g in zip(found, grays, strict=True) if c is not None]
-        refined = [(gradient_corners(gray, pixels), gray) for pixels, gray in pairs]
-        yield Row(
-            f"{told}: rms of OpenCV's calibration (k1 k2 p1 p2) with our corners",
-            _calibration_rms_px(pairs, board),
-            "px",
-            _calibration_rms_px(refined, board),
-            "the same corners by cornerSubPix",
-        )
-
-
-def _read_gray(file: Path) -> UInt8Array:
-    return np.asarray(cv2.imread(str(file), cv2.IMREAD_GRAYSCALE), np.uint8)
-
-
-def gradient_corners(gray: UInt8Array, pixels: FloatArray) -> FloatArray:
-    """Return corners moved by OpenCV's gradient method, in the 11 x 11 window of Bouguet's tool."""
-    known = ~np.isnan(pixels[:, 0])
-    starts = pixels[known].astype(np.float32).reshape(-1, 1, 2)
-    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4)
-    moved = pixels.copy()
-    moved[known] = cv2.cornerSubPix(gray, starts, (5, 5), (-1, -1), stop).reshape(-1, 2)
-    return moved
-
-
-def _calibration_rms_px(pairs: list[tuple[FloatArray, UInt8Array]], board: Board) -> float:
-    points, pixels = [], []
-    for corners, _ in pairs:
-        known = ~np.isnan(corners[:, 0])
-        points.append(board.points_m()[known].astype(np.float32))
-        pixels.append(corners[known].astype(np.float32).reshape(-1, 1, 2))
-    size = pairs[0][1].shape[::-1]
-    rms, *_ = cv2.calibrateCamera(points, pixels, size, None, None, flags=cv2.CALIB_FIX_K3)
-    return float(rms)
