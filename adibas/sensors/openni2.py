@@ -4,7 +4,7 @@ from pathlib import Path
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.sensors.openni2_device import OpenNI2Device
-from adibas.sensors.permanent_threads import LentThreads, PermanentThread
+from adibas.sensors.permanent_threads import LentThreads, PermanentThread, wait_for
 from adibas.sensors.ports import DEFAULT_OPTIONS, READ_TIMEOUT_S, DepthCamera, SensorOptions
 
 _THREADS = LentThreads()
@@ -41,9 +41,11 @@ class OpenNI2Camera(DepthCamera):
     ) -> None:
         self._is_live = file is None
         self._thread: PermanentThread | None = _THREADS.borrow()
+        opening = self._thread.begin(lambda: OpenNI2Device(file, sensor, options))
         try:
-            self._device = self._thread.call(lambda: OpenNI2Device(file, sensor, options))
-        except BaseException:
+            self._device = wait_for(opening)
+        except BaseException:  # Ctrl-C does not stop what opens the sensor
+            self._thread.begin(lambda: opening.result().close())
             self._give_thread_back()
             raise
 
@@ -65,9 +67,10 @@ class OpenNI2Camera(DepthCamera):
         SensorError
             The sensor was unplugged or is silent, or the file is damaged.
         """
-        if self._thread is None:
+        thread = self._thread  # another thread may be closing the camera
+        if thread is None:
             raise ValueError("the camera is closed")
-        return self._thread.call(lambda: self._device.read(timeout_s))
+        return thread.call(lambda: self._device.read(timeout_s))
 
     def close(self) -> None:
         """Stop the streams and give the device back; calling it twice does no harm."""

@@ -7,13 +7,14 @@ crashes, or waits for ever. Hence the threads that call it are lent out, and nev
 
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
 Answer = TypeVar("Answer")
 
 THREAD_NAME = "camera library"
+SLICE_S = 0.2
 
 
 class PermanentThread:
@@ -31,7 +32,7 @@ class PermanentThread:
 
     def call(self, work: Callable[[], Answer]) -> Answer:
         """Return what `work` returns, or raise what it raises."""
-        return self.begin(work).result()
+        return wait_for(self.begin(work))
 
     def _run(self) -> None:
         while True:
@@ -41,6 +42,16 @@ class PermanentThread:
             except BaseException as error:  # noqa: BLE001  (raised again where it was wished)
                 answer.set_exception(error)
             del work, answer  # they may hold a camera, which must be closed by then
+
+
+def wait_for(answer: "Future[Answer]") -> Answer:
+    """Return the answer, or raise what it raises; Ctrl-C ends the waiting.
+
+    It waits in slices: on Windows Ctrl-C does not end a wait that has no end.
+    """
+    while not wait((answer,), SLICE_S).done:
+        pass
+    return answer.result()
 
 
 class LentThreads:

@@ -186,16 +186,74 @@ with open_source("openni2") as camera:
     assert "sends no pictures" in given["error"]
 
 
+def test_ctrl_c_ends_the_waiting_for_a_silent_sensor(sensor):
+    given = sensor.run("""
+import os, signal, threading
+with open_source("openni2") as camera:
+    camera.read()
+    Path(DUMP + ".silence").touch()
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    try:
+        while True:
+            camera.read(600.0)
+    except KeyboardInterrupt:
+        give(interrupted=True)
+with open_source("openni2", SensorOptions(color_size=(640, 480))) as camera:
+    give(opened=camera.info.sensor_name)
+""")
+    assert given == {"interrupted": True, "opened": "Virtual sensor"}
+
+
+def test_closing_ends_a_read_of_another_thread(sensor):
+    given = sensor.run("""
+import threading
+camera = open_source("openni2")
+camera.read()
+Path(DUMP + ".silence").touch()
+given = []
+def read():
+    while (frame := camera.read(600.0)) is not None:
+        pass
+    given.append(frame)
+reader = threading.Thread(target=read)
+reader.start()
+time.sleep(0.5)
+camera.close()
+reader.join()
+give(given=given)
+""")
+    assert given == {"given": [None]}
+
+
+@pytest.mark.parametrize("is_reading", [True, False])
+def test_the_program_ends_with_an_open_sensor(sensor, is_reading):
+    given = sensor.run(
+        """
+import threading
+camera = open_source("openni2")
+camera.read()
+if IS_READING:
+    Path(DUMP + ".silence").touch()
+    threading.Thread(target=camera.read, args=(600.0,), daemon=True).start()
+    time.sleep(0.5)
+give(ends=True)
+""".replace("IS_READING", str(is_reading))
+    )
+    assert given == {"ends": True}
+
+
 def test_a_sensor_opens_again_and_again_in_one_process(sensor):
     given = sensor.run("""
+import threading
 sizes = []
 for size in [(640, 480), (1280, 1024)] * 3:
     with open_source("openni2", SensorOptions(color_size=size)) as camera:
         sizes.append(camera.read().color.shape[1])
     camera.close()
-give(sizes=sizes)
+give(sizes=sizes, threads=[one.name for one in threading.enumerate()])
 """)
     assert given["sizes"] == [640, 1280] * 3
+    assert given["threads"] == ["MainThread", "camera library"]
 
 
 def test_a_live_sensor_is_recorded_until_it_is_unplugged(sensor, images):
