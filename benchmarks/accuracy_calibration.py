@@ -6,6 +6,7 @@ from benchmarks import (
     calibration_chain,
     calibration_coma,
     calibration_corners,
+    calibration_depth,
     calibration_real,
 )
 from benchmarks import calibration_fitting as fitting
@@ -19,3 +20,4 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from calibration_real.rows()
     yield from calibration_coma.rows()
     yield from calibration_chain.rows(quick=quick)
+    yield from calibration_depth.rows(quick=quick)
