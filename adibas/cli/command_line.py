@@ -24,11 +24,13 @@ WORLD_FAILED = 1
 COMMANDS = (
     "demo",
     "posture",
+    "skeleton",
     "calibrate",
     "markers",
     "convert",
     "record",
     "sessions",
+    "protocols",
     "doctor",
     "benchmark",
 )

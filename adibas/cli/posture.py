@@ -1,10 +1,13 @@
 """`adibas posture`: a recording in, the report out."""
 
 import argparse
+from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, add_report_options, frame_range
+from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.data.posture import VIEWS
 from adibas.data.report import PictureChoice
 from adibas.errors import FileError
@@ -13,9 +16,13 @@ from adibas.reports import KINDS, write_report
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
+if TYPE_CHECKING:
+    from adibas.data.posture import PostureAnalysis
+
 SUMMARY = message("find the markers of a recording and write every distance and angle")
 
 LED = "led"
+MOST_REASONS = 10
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,6 +41,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar=_("FILE"),
         help=_("in place of the recording's own calibration"),
+    )
+    add_protocol(parser)
+    parser.add_argument(
+        "--labels",
+        type=Path,
+        metavar="LABELS.csv",
+        help=_("names of markers: a table with marker,label or u,v,label (pixels)"),
     )
     parser.add_argument("--view", choices=VIEWS, default="", help=_("which side is seen"))
     parser.add_argument(
@@ -65,6 +79,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             endings=", ".join(KINDS),
         )
     check_place(arguments.out)
+    protocol = wished_protocol(arguments)
     request = PostureRequest(
         recording=arguments.recording,
         markers=arguments.markers,
@@ -72,6 +87,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         frames=arguments.frames,
         view=arguments.view,
         patient=arguments.patient,
+        protocol=protocol,
+        labels=arguments.labels,
     )
     with console.progress(_("Analysing")) as progress:
         analysis = analyse_recording(request, progress)
@@ -79,6 +96,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     write_report(report_of_analysis(analysis, arguments.language, pictures), arguments.out)
     for notice in analysis.notices:
         console.warn(_(notice))
+    _tell_measures(analysis, console)
     n_markers, n_distances, n_angles = (
         len(found) for found in (analysis.markers, analysis.distances, analysis.angles)
     )
@@ -94,3 +112,23 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     )
     console.give(posture_to_json(analysis))
     return 0
+
+
+def _tell_measures(analysis: "PostureAnalysis", console: Console) -> None:
+    """Say how many measures of the protocol have a number, and why others have none."""
+    measures = analysis.measures
+    if measures is None:
+        return
+    for notice in measures.notices:
+        console.warn(notice.text)
+    found = [result for result in measures.results if result.main is not None]
+    console.say(
+        _("{protocol}: {n} of {total} measures of this view have a value.").format(
+            protocol=measures.protocol.title.text, n=len(found), total=len(measures.results)
+        )
+    )
+    reasons = Counter(
+        result.reason.text for result in measures.results if result.reason is not None
+    )
+    for reason, count in reasons.most_common(MOST_REASONS):
+        console.warn(f"{count} \N{MULTIPLICATION SIGN} {reason}")

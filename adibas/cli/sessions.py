@@ -13,6 +13,7 @@ from adibas.cli.options import (
     positive_count,
     refuse_to_replace,
 )
+from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.store_options import add_store, open_existing
 from adibas.errors import StoreError
 from adibas.files import check_place
@@ -55,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for action in (showing, exporting):
         action.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
     add_report_options(exporting)
+    add_protocol(exporting)
     add_out(exporting, _("DIR"), _("folder to write into"))
     add_overwrite(exporting)
     verifying = add("verify", _("Check the database, the audit log and every file."), _verify)
@@ -127,6 +129,7 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
     from adibas.data.report import PictureChoice
     from adibas.pipeline.stored_report import ReportWish
 
+    protocol = wished_protocol(arguments)
     session = store.sessions.get(arguments.session)
     recordings = store.recordings.of_session(session.session_id)
     folder: Path = arguments.out
@@ -144,7 +147,7 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
         )
         console.say(text.format(file=path, n_frames=summary.n_frames))
     if session.capture_ids:
-        wish = ReportWish(arguments.language, PictureChoice(arguments.pictures))
+        wish = ReportWish(arguments.language, PictureChoice(arguments.pictures), protocol)
         for path in _export_reports(store, session, folder, wish):
             paths.append(path)
             console.say(str(path))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,6 +10,9 @@ from adibas.arrays import Float32Array, UInt8Array, check_shape, read_only
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.measures import AngleMeasure, DistanceMeasure
+
+if TYPE_CHECKING:
+    from adibas.data.protocol_measures import ProtocolMeasures  # which needs VIEWS
 
 VIEWS = ("anterior", "posterior", "right_lateral", "left_lateral")
 
@@ -61,6 +65,8 @@ class PostureAnalysis:
     surface_per_m : (H', W') float32 array or None
         Mean of 1/z over the burst, 1/metres, in the depth camera; NaN where nothing was measured.
         None where no depth was kept.
+    measures : ProtocolMeasures or None
+        What its protocol asks for; None where none was followed.
     """
 
     patient: str
@@ -76,6 +82,7 @@ class PostureAnalysis:
     provenance: Provenance
     notices: tuple[str, ...] = field(default=())
     surface_per_m: Float32Array | None = None
+    measures: "ProtocolMeasures | None" = None
 
     def __post_init__(self) -> None:
         if self.view not in ("", *VIEWS):

@@ -243,8 +243,8 @@ class Protocol:
         For people.
     source : str
         Where it comes from.
-    version : str
-        Of this set of measures; sessions of different versions are not compared.
+    revision : str
+        Of this set of measures; sessions of different revisions are not compared.
     landmarks, derived, measures : tuple
         Its parts.
     notes : Wording or None
@@ -254,7 +254,7 @@ class Protocol:
     protocol_id: str
     title: Wording
     source: str
-    version: str
+    revision: str
     landmarks: tuple[Landmark, ...]
     derived: tuple[DerivedLandmark, ...]
     measures: tuple[MeasureDefinition, ...]

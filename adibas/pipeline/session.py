@@ -12,8 +12,10 @@ from adibas.data.frames import RgbdFrame
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.labels import read_labels, with_labels
 from adibas.pipeline.learning import read_target
 from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst, doubts_about
+from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -41,6 +43,10 @@ class PostureRequest:
         First frame and the frame after the last; None = to the end.
     view, patient : str
         One of `VIEWS` or empty; a pseudonym or empty.
+    protocol : ProtocolWish or None
+        What to measure besides distances and angles.
+    labels : Path or None
+        A file that names the markers.
     """
 
     recording: Path
@@ -50,6 +56,8 @@ class PostureRequest:
     view: str = ""
     patient: str = ""
     params: PostureParams = field(default_factory=PostureParams)
+    protocol: ProtocolWish | None = None
+    labels: Path | None = None
 
 
 def analyse_recording(
@@ -64,9 +72,15 @@ def analyse_recording(
     CalibrationError
         There is no calibration, or it is for another resolution.
     MarkerError
-        Fewer than two markers have a position, or the colour model fits everything.
+        Fewer than two markers have a position, or the colour model fits everything; or the labels
+        name markers that are not there.
+    ProtocolError
+        The protocol measures nothing in that view.
     """
     target = read_target(request.markers)
+    labels = () if request.labels is None else read_labels(request.labels)
+    if request.protocol is not None:
+        check_view(request.protocol, request.view)
     with open_recording(request.recording) as recording:
         begin, end = _burst_range(recording, request.frames)
         calibration = _calibration(recording, request.calibration)
@@ -74,15 +88,16 @@ def analyse_recording(
         findings = analyse_burst(burst, calibration, target, request.params)
         notices = tuple(notice for notice in (recording.notice,) if notice)
     check_findings(findings)
-    return PostureAnalysis(
+    markers = with_labels(findings.markers, labels)
+    analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,
         n_frames=end - begin,
         first_frame=begin,
-        markers=findings.markers,
+        markers=markers,
         rejected=findings.rejected,
-        distances=all_distances(findings.markers),
-        angles=all_angles(findings.markers),
+        distances=all_distances(markers),
+        angles=all_angles(markers),
         picture_rgb=burst.picture_rgb(),
         calibration=calibration,
         provenance=provenance_of(
@@ -91,6 +106,7 @@ def analyse_recording(
         notices=(*notices, *doubts_about(findings.markers)),
         surface_per_m=findings.surface.mean_per_m,
     )
+    return analysis if request.protocol is None else with_measures(analysis, request.protocol)
 
 
 class _Burst:

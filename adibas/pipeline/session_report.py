@@ -7,6 +7,7 @@ from adibas.arrays import Float32Array, UInt8Array
 from adibas.data.posture import PostureAnalysis
 from adibas.data.report import CaptureReport, PictureChoice, SessionReport
 from adibas.data.sessions import Capture, Session
+from adibas.pipeline.protocol_measuring import ProtocolWish, with_measures
 from adibas.pipeline.review import posture_analysis
 
 
@@ -53,7 +54,10 @@ def report_of_session(
 
 
 def capture_report(
-    capture: Capture, picture_rgb: UInt8Array, surface_per_m: Float32Array | None
+    capture: Capture,
+    picture_rgb: UInt8Array,
+    surface_per_m: Float32Array | None,
+    protocol: ProtocolWish | None = None,
 ) -> CaptureReport:
     """Measure a capture as it was corrected.
 
@@ -63,6 +67,11 @@ def capture_report(
         The capture's colour picture.
     surface_per_m : (H', W') float32 array or None
         Mean of 1/z, 1/metres (`BurstDisparity.mean_per_m`); None where none was kept.
+    protocol : ProtocolWish or None
+        What to measure besides distances and angles.
     """
     analysis = posture_analysis(capture, picture_rgb, surface_per_m=surface_per_m)
-    return CaptureReport(analysis, capture.history.placed_by_hand(), capture.history.measures())
+    by_hand = capture.history.placed_by_hand()
+    if protocol is not None:
+        analysis = with_measures(analysis, protocol, by_hand)
+    return CaptureReport(analysis, by_hand, capture.history.measures())

@@ -1,20 +1,32 @@
 """Reports of sessions that the store keeps."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from adibas.data.report import PictureChoice, SessionReport
 from adibas.errors import ReportError
+from adibas.pipeline.protocol_measuring import ProtocolWish, wish_of_session
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.sessions import SessionStore
 
 
 @dataclass(frozen=True, slots=True)
 class ReportWish:
-    """How reports are wanted: two letters of the language, and how much pictures show."""
+    """How reports are wanted.
+
+    Attributes
+    ----------
+    language : str
+        Two letters.
+    pictures : PictureChoice
+        How much they show.
+    protocol : ProtocolWish or None
+        What to measure; None: the protocol that the session names, in the sensor's plane.
+    """
 
     language: str
     pictures: PictureChoice = PictureChoice.AS_IS
+    protocol: ProtocolWish | None = None
 
 
 def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> SessionReport:
@@ -31,12 +43,15 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
     captures = store.captures.of_session(session_id)
     if not captures:
         raise ReportError("The session has no capture to report. Capture a view first.")
+    protocol, notices = wish_of_session(session) if wish.protocol is None else (wish.protocol, ())
     reports = []
     for capture in captures:
         surface = store.captures.surface(capture.capture_id)
         picture_rgb = store.captures.picture(capture.capture_id)
         surface_per_m = None if surface is None else surface.mean_per_m
-        reports.append(capture_report(capture, picture_rgb, surface_per_m))
+        shown = capture_report(capture, picture_rgb, surface_per_m, protocol)
+        told = (*shown.analysis.notices, *notices)
+        reports.append(replace(shown, analysis=replace(shown.analysis, notices=told)))
     return report_of_session(session, tuple(reports), wish.language, wish.pictures)
 
 

@@ -9,7 +9,7 @@ from adibas.data.report import CaptureReport, SessionReport
 from adibas.files import written_whole
 from adibas.reports.cells import neutralised
 from adibas.reports.facts import capture_names
-from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows
+from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows, measure_rows
 from adibas.texts import speaking
 
 HEADER = ("quantity", "a", "vertex", "b", "value", "unit", "ci95_low", "ci95_high")
@@ -46,10 +46,19 @@ def write_csv(report: SessionReport, path: Path) -> None:
 
 
 def _rows(capture: CaptureReport) -> Iterator[Row]:
+    yield from _measures(capture.analysis)
     yield from _markers(capture.analysis)
     yield from _distances(capture.analysis)
     yield from _angles(capture.analysis)
     yield from _free_measures(capture)
+
+
+def _measures(analysis: PostureAnalysis) -> Iterator[Row]:
+    for row in measure_rows(analysis):
+        parts = (("measure", row.main), ("measure_plane", row.projected))
+        for quantity, numbers in (*parts, ("measure_space", row.spatial)):
+            values = ("", "", "") if numbers is None else (numbers.value, numbers.low, numbers.high)
+            yield quantity, row.measure_id, "", "", values[0], row.unit, *values[1:]
 
 
 def _markers(analysis: PostureAnalysis) -> Iterator[Row]:

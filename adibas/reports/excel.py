@@ -13,11 +13,20 @@ from adibas.reports.facts import (
     capture_names,
     general_facts,
     notices,
+    protocol_facts,
     session_facts,
 )
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.pictures import draw_markers, picture_of
-from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows, remark
+from adibas.reports.rows import (
+    NumberRow,
+    angle_rows,
+    distance_rows,
+    free_rows,
+    marker_rows,
+    measure_rows,
+    remark,
+)
 from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
 from adibas.texts import translate as _
 
@@ -52,6 +61,9 @@ def _add_sheets(workbook: Workbook, report: SessionReport) -> None:
         (_("Distances"), _distance_columns(), [_distances(one) for one in report.captures]),
         (_("Angles"), _angle_columns(), [_angles(capture) for capture in report.captures]),
     ]
+    if any(capture.analysis.measures for capture in report.captures):
+        measures = [_measures(capture) for capture in report.captures]
+        tables.insert(0, (_("Measures"), _measure_columns(), measures))
     if any(capture.measures for capture in report.captures):
         free = [_free_measures(capture) for capture in report.captures]
         tables.append((_("Free measures"), _free_columns(), free))
@@ -78,12 +90,14 @@ def _summary(report: SessionReport) -> list[Part]:
             *session_facts(report),
             *capture_facts(report, capture),
             *general_facts(report),
+            *protocol_facts(capture.analysis),
             *notices(capture.analysis),
         ]
         return [Part("", pairs, _picture(report, capture))]
     parts = [Part("", [*session_facts(report), *general_facts(report)])]
     for name, capture in zip(capture_names(report), report.captures, strict=True):
-        pairs = [*capture_facts(report, capture), *notices(capture.analysis)]
+        told = [*protocol_facts(capture.analysis), *notices(capture.analysis)]
+        pairs = [*capture_facts(report, capture), *told]
         parts.append(Part(name, pairs, _picture(report, capture)))
     return parts
 
@@ -139,6 +153,43 @@ def _angle_columns() -> tuple[Column, ...]:
 def _angles(capture: CaptureReport) -> Rows:
     for row in angle_rows(capture.analysis):
         yield row.a, row.vertex, row.c, row.deg, row.low_deg, row.high_deg, row.bias_deg
+
+
+def _measure_columns() -> tuple[Column, ...]:
+    low, high = _("95 % from, instrument only"), _("95 % to, instrument only")
+    return (
+        Column(_("Measure"), 16),
+        Column(_("Name"), 44),
+        Column(_("Value"), 10, DECIMALS),
+        Column(_("Unit"), 7),
+        Column(low, 15, DECIMALS),
+        Column(high, 15, DECIMALS),
+        Column(_("Positive means"), 34),
+        Column(_("In the plane"), 11, DECIMALS),
+        *(
+            Column(_("{limit}, in the plane").format(limit=one), 17, DECIMALS)
+            for one in (low, high)
+        ),
+        Column(_("In space"), 11, DECIMALS),
+        *(Column(_("{limit}, in space").format(limit=one), 17, DECIMALS) for one in (low, high)),
+        Column(_("Values of others, with their source"), 60),
+        Column(_("Remark"), 34),
+    )
+
+
+def _measures(capture: CaptureReport) -> Rows:
+    for row in measure_rows(capture.analysis):
+        value, low, high = _numbers(row.main)
+        yield (
+            *(row.measure_id, row.name, value, _(row.unit), low, high, row.positive or None),
+            *_numbers(row.projected),
+            *_numbers(row.spatial),
+            *(row.reference or None, row.remark or None),
+        )
+
+
+def _numbers(row: NumberRow | None) -> tuple[float | None, float | None, float | None]:
+    return (None, None, None) if row is None else (row.value, row.low, row.high)
 
 
 def _free_columns() -> tuple[Column, ...]:

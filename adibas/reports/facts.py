@@ -4,6 +4,7 @@ from collections import Counter
 from datetime import datetime
 
 from adibas.data.posture import PostureAnalysis
+from adibas.data.protocol_measures import INSTRUMENT_ONLY, PLANE_TEXTS, VERTICAL_TEXTS
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
@@ -75,6 +76,25 @@ def general_facts(report: SessionReport) -> Pairs:
             _("95 %, instrument only: the palpation of landmarks and the stance are not in them."),
         ),
     ]
+
+
+def protocol_facts(analysis: PostureAnalysis) -> Pairs:
+    """Return which protocol was followed, in what plane, and what its reader must know."""
+    measures = analysis.measures
+    if measures is None:
+        return []
+    protocol = measures.protocol
+    facts: Pairs = [
+        (_("Measures of"), f"{protocol.title.text} ({protocol.protocol_id}, {protocol.revision})"),
+        (_("Source of the protocol"), protocol.source),
+        (_("Plane of projected values"), _(PLANE_TEXTS[measures.plane])),
+        (_("Vertical"), _(VERTICAL_TEXTS[measures.vertical])),
+        (_("Intervals of measures"), _(INSTRUMENT_ONLY)),
+        (_("Measured on"), _("markers; nothing of it was estimated without markers")),
+    ]
+    if protocol.notes is not None:
+        facts.append((_("Note on the protocol"), protocol.notes.text))
+    return facts + [(_("Notice"), notice.text) for notice in measures.notices]
 
 
 def intended_use() -> str:

@@ -6,10 +6,19 @@ from typing import Any
 
 from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
+from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.files import written_whole
 from adibas.reports.cells import printable
-from adibas.reports.rows import angle_rows, distance_rows, free_rows
+from adibas.reports.rows import (
+    MeasureRow,
+    NumberRow,
+    angle_rows,
+    distance_rows,
+    free_rows,
+    measure_rows,
+)
+from adibas.texts import speaking
 
 
 def write_json(report: SessionReport, path: Path) -> None:
@@ -80,7 +89,7 @@ def posture_to_json(analysis: PostureAnalysis) -> dict[str, Any]:
             }
             for row in angle_rows(analysis)
         ],
-        "measures": [],
+        **_followed_protocol(analysis),
         "notices": list(analysis.notices),
         "provenance": {
             "recording_sha256": provenance.recording_sha256,
@@ -89,6 +98,50 @@ def posture_to_json(analysis: PostureAnalysis) -> dict[str, Any]:
             "created_utc": provenance.created_utc,
             "parameters": dict(provenance.parameters),
         },
+    }
+
+
+def _followed_protocol(analysis: PostureAnalysis) -> dict[str, Any]:
+    with speaking("en"):  # as all words of the document
+        return {
+            "measures": [_measure(row) for row in measure_rows(analysis)],
+            "protocol": _protocol(analysis),
+        }
+
+
+def _measure(row: MeasureRow) -> dict[str, Any]:
+    return {
+        "id": row.measure_id,
+        "name": row.name,
+        **_numbers(row.main),
+        "unit": row.unit,
+        "positive": row.positive,
+        "in_plane": _numbers(row.projected),
+        "in_space": _numbers(row.spatial),
+        "reference": row.reference,
+        "remark": row.remark,
+    }
+
+
+def _numbers(row: NumberRow | None) -> dict[str, Any]:
+    if row is None:
+        return {"value": None, "ci95": None}
+    return {"value": row.value, "ci95": [row.low, row.high]}
+
+
+def _protocol(analysis: PostureAnalysis) -> dict[str, Any] | None:
+    measures = analysis.measures
+    if measures is None:
+        return None
+    return {
+        "id": measures.protocol.protocol_id,
+        "revision": measures.protocol.revision,
+        "source": measures.protocol.source,
+        "plane": measures.plane.value,
+        "vertical": measures.vertical.value,
+        "origin": "markers",
+        "intervals": INSTRUMENT_ONLY,
+        "notices": [notice.text for notice in measures.notices],
     }
 
 

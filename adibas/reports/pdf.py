@@ -13,6 +13,7 @@ from adibas.reports.facts import (
     general_facts,
     intended_use,
     notices,
+    protocol_facts,
     session_facts,
 )
 from adibas.reports.pdf_document import write_document
@@ -67,7 +68,7 @@ def _story(report: SessionReport) -> list[Flowable]:
     ]
     story += [title(_("Views"), level=2), _views_table(report)]
     for page in pages:
-        told = notices(page.capture.analysis)
+        told = [*protocol_facts(page.capture.analysis), *notices(page.capture.analysis)]
         story += [title(page.name, level=2), facts_table(told)] if told else []
     story.append(
         note(_("Positions are in the axes of the colour camera: x right, y down, z ahead."))

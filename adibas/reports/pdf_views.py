@@ -7,6 +7,7 @@ from reportlab.lib.units import mm
 from reportlab.platypus import Flowable, Spacer, Table, TableStyle
 
 from adibas.arrays import UInt8Array
+from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.data.report import CaptureReport
 from adibas.reports.pdf_layout import (
     SMALL_TEXT,
@@ -19,13 +20,21 @@ from adibas.reports.pdf_layout import (
     title,
 )
 from adibas.reports.plots import marker_plot
-from adibas.reports.rows import MarkerRow, distance_rows, free_rows, marker_rows
+from adibas.reports.rows import (
+    MarkerRow,
+    NumberRow,
+    distance_rows,
+    free_rows,
+    marker_rows,
+    measure_rows,
+)
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
 
 DASH = "\N{EN DASH}"
 MOST_PAIRS = 435
 """Of 30 markers; more would fill page after page."""
+MOST_MEASURES = 60
 MOST_LINES_BESIDE = 26
 """That the tables beside the picture have room for."""
 LABEL_SHARE_BESIDE = 0.2
@@ -58,6 +67,7 @@ def view_flowables(page: ViewPage) -> Iterator[Flowable]:
         yield Spacer(1, GAP)
         yield from _markers(page.capture, rows, WIDTH)
         yield from _free_measures(page.capture, WIDTH)
+    yield from _measures(page.capture)
     yield from _distances(page.capture)
     n_angles = len(page.capture.analysis.angles)
     yield note(
@@ -125,6 +135,48 @@ def _free_measures(capture: CaptureReport, width: float) -> Iterator[Flowable]:
     header = [_("Measure"), _("Value"), _("95 %, instrument only")]
     widths = [0.42 * width, 0.2 * width, 0.38 * width]
     yield number_table(header, cells, widths, text_columns=(0,))
+
+
+def _measures(capture: CaptureReport) -> Iterator[Flowable]:
+    """Yield the table of the protocol's measures, and who found the values of others."""
+    rows = list(measure_rows(capture.analysis))
+    if not rows or capture.analysis.measures is None:
+        return
+    protocol = capture.analysis.measures.protocol
+    yield title(_("Measures of {protocol}").format(protocol=protocol.title.text), level=2)
+    yield note(_(INSTRUMENT_ONLY))
+    shown = rows[:MOST_MEASURES]
+    cells: list[list[str | Flowable]] = []
+    for row in shown:
+        name = f"{row.name} ({row.measure_id})"
+        told = row.remark or row.positive
+        value, interval = _measured(row.main, row.unit)
+        other = row.projected if row.main is row.spatial else row.spatial
+        beside, _interval = _measured(other, row.unit)
+        cells.append(
+            [paragraph(name, SMALL_TEXT), value, interval, beside, paragraph(told, SMALL_TEXT)]
+        )
+    is_spatial = all(one.definition.is_spatial for one in capture.analysis.measures.results)
+    other_name = _("In the plane") if is_spatial else _("In space")
+    header = [_("Measure"), _("Value"), _("95 %"), other_name, _("Positive means")]
+    widths = [share * WIDTH for share in (0.36, 0.11, 0.15, 0.11, 0.27)]
+    yield number_table(header, cells, widths, text_columns=(0, 4))
+    for row in shown:
+        if row.reference:
+            yield note(f"{row.measure_id}: {row.reference}")
+    if len(rows) > len(shown):
+        yield note(
+            _("The first {shown} of {total} measures; all are in the Excel report.").format(
+                shown=len(shown), total=len(rows)
+            )
+        )
+
+
+def _measured(row: NumberRow | None, unit: str) -> tuple[str, str]:
+    if row is None:
+        return DASH, DASH
+    value, interval = _numbers(row.value, row.low, row.high)
+    return f"{value} {_(unit)}", interval
 
 
 def _numbers(value: float | None, low: float | None, high: float | None) -> tuple[str, str]:

@@ -8,7 +8,10 @@ import numpy as np
 
 from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
+from adibas.data.protocol_measures import Estimate
+from adibas.data.protocols import CONVENTION, MeasureDefinition, ReferenceValue
 from adibas.data.report import CaptureReport
+from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
 MM_PER_M = 1000.0
@@ -60,6 +63,86 @@ class FreeRow:
     value: float | None
     low: float | None
     high: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class NumberRow:
+    """A value and its 95 % interval, in the unit of its measure."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureRow:
+    """A measure of a protocol; None where there is no such value.
+
+    Attributes
+    ----------
+    measure_id, name, unit : str
+        What was measured.
+    main : NumberRow or None
+        The value that stands for it: the signed one in the plane, where it has a sign.
+    projected, spatial : NumberRow or None
+        In the plane, and in space.
+    positive, reference, remark : str
+        What a positive value means; what others found, with the source; what to know of it.
+    """
+
+    measure_id: str
+    name: str
+    unit: str
+    main: NumberRow | None
+    projected: NumberRow | None
+    spatial: NumberRow | None
+    positive: str
+    reference: str
+    remark: str
+
+
+def measure_rows(analysis: PostureAnalysis) -> Iterator[MeasureRow]:
+    """Yield the measures of the protocol in its order, in the language in use."""
+    if analysis.measures is None:
+        return
+    for result in analysis.measures.results:
+        definition = result.definition
+        projected, spatial, main = (
+            _in_unit(one, definition) for one in (result.projected, result.spatial, result.main)
+        )
+        remarks = [result.reason.text] if result.reason is not None else []
+        if result.by_hand:
+            remarks.append(_("placed by hand: {names}").format(names=", ".join(result.by_hand)))
+        yield MeasureRow(
+            definition.measure_id,
+            definition.name.text,
+            definition.unit,
+            main,
+            projected,
+            spatial,
+            "" if definition.positive is None else definition.positive.text,
+            "; ".join(reference_text(one) for one in definition.references),
+            "; ".join(remarks),
+        )
+
+
+def reference_text(reference: ReferenceValue) -> str:
+    """Return what others found or fixed, whom, and where it can be read."""
+    number = decimal_text(reference.mean, 1)
+    if reference.sd is not None:
+        number = f"{number} \N{PLUS-MINUS SIGN} {decimal_text(reference.sd, 1)}"
+    text = f"{number} ({reference.who}; {reference.source})"
+    if reference.kind == CONVENTION:
+        text = _("default of a program, no normal value: {value}").format(value=text)
+    return f"{text}. {reference.note}" if reference.note else text
+
+
+def _in_unit(estimate: Estimate | None, definition: MeasureDefinition) -> NumberRow | None:
+    if estimate is None:
+        return None
+    per_unit = definition.per_unit
+    low, high = estimate.interval
+    return NumberRow(estimate.value / per_unit, low / per_unit, high / per_unit)
 
 
 def marker_rows(analysis: PostureAnalysis) -> Iterator[MarkerRow]:
