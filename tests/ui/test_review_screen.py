@@ -55,6 +55,7 @@ class User:
         return next(t for t in self.tables if t.accessibleName() == "All measures")
 
     def place(self, u, v):
+        QApplication.processEvents()  # a hint that just came may move the picture
         x, y = self.image.placement.to_widget(u, v)
         return QPoint(round(x), round(y))
 
