@@ -24,7 +24,6 @@ WORLD_FAILED = 1
 COMMANDS = (
     "demo",
     "posture",
-    "skeleton",
     "calibrate",
     "markers",
     "convert",
