@@ -89,7 +89,7 @@ def _assembled(whole: Group) -> Protocol | None:
     places = Places(whole)
     rules = Rules(whole, places)
     measures = (*rules.measures(), *rules.every())
-    if not measures:
+    if not measures and not whole.findings.errors:
         whole.findings.mistake(
             whole.node, "{file}, line {line}: nothing is measured. Add measures."
         )

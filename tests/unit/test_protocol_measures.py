@@ -1,6 +1,7 @@
 """SAPO's measures against a hand-made patient: signs, mirror, planes, intervals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,9 @@ from hypothesis import strategies as st
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.posture import VIEWS
 from adibas.data.protocol_measures import PlaneChoice, VerticalOrigin
+from adibas.data.protocols import MeasureDefinition, Wording
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
 from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.protocol_store import find_protocol
 from adibas.measures.sight_plane import Vertical, vertical_of
@@ -362,3 +366,32 @@ def test_a_vertical_of_unknown_certainty_is_told():
     vague = Vertical(LEVEL.up, 0.0, VerticalOrigin.FLOOR, is_sd_known=False)
     found = measure_protocol(SAPO, seen_from("anterior", standing()), Capturing("anterior", vague))
     assert "not known" in found.notices[-1].text
+
+
+def test_the_vertical_is_that_of_gravity_else_of_the_floor():
+    """A depth camera that is turned by a quarter against the colour camera."""
+    turn = RigidTransform(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.zeros(3))
+    floor = Plane(np.array([-1.0, 0, 0]), 1.0)
+    by_floor = vertical_of(RgbdCalibration(color_from_depth=turn, floor=floor))
+    assert by_floor.up == pytest.approx([0.0, -1.0, 0.0])
+    assert (by_floor.origin, by_floor.is_sd_known) == (VerticalOrigin.FLOOR, False)
+    by_gravity = vertical_of(
+        RgbdCalibration(
+            color_from_depth=turn,
+            floor=floor,
+            gravity=np.array([0.0, 1.0, 0.0]),
+            gravity_sd_rad=0.01,
+        )
+    )
+    assert by_gravity.up == pytest.approx([1.0, 0.0, 0.0])
+    assert (by_gravity.origin, by_gravity.sd_rad) == (VerticalOrigin.GRAVITY, 0.01)
+
+
+def test_a_height_may_be_measured_as_an_offset_upwards():
+    up = MeasureDefinition(
+        *("UP", Wording({"en": "up"}), ("anterior",), "offset"),
+        *(("left_acromion", "right_acromion"), "mm", "up"),
+    )
+    protocol = replace(SAPO, measures=(up,))
+    places = moved(standing(), left_acromion=(0, 0.012, 0))
+    assert values("anterior", places, protocol=protocol)["UP"] == pytest.approx(12.0)
