@@ -47,6 +47,9 @@ class RefinementParams:
         Of each descent: 200.
     done : float
         Share of the loss that the next step would gain, at which a descent ends: 1e-13.
+    enough : float
+        Likewise, where the steps run out: 1e-10. Descents with a robust loss may end in many
+        small steps; what they would still gain is a thousandth of a standard deviation.
     """
 
     loss: Loss = Loss.BIWEIGHT
@@ -56,6 +59,7 @@ class RefinementParams:
     n_scales: int = 3
     most_steps: int = 200
     done: float = 1e-13
+    enough: float = 1e-10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -249,7 +253,7 @@ class _Descent:
         best, tried = self._room(), self._room()
         estimate = start
         loss = self._loss(estimate, sigmas_px, (kind, cut), best)
-        damping, growth = 1e-3, 2.0
+        damping, growth, expected = 1e-3, 2.0, np.inf
         step_a, step_c = np.empty(len(self._free)), np.empty((self._n_views, 6))
         reduced = np.empty((len(self._free), len(self._free)))
         for _ in range(self._params.most_steps):
@@ -270,7 +274,7 @@ class _Descent:
                 estimate, loss, best, tried = candidate, new_loss, tried, best
             else:
                 damping, growth = damping * growth, growth * 2.0
-        return estimate, False
+        return estimate, bool(expected <= self._params.enough * loss)
 
     def _room(self) -> kernels.Arrow:
         return empty_arrow(len(self._free), self._n_views)

@@ -314,3 +314,12 @@ def test_models_are_named_by_their_terms():
         model_named("k9")
     with pytest.raises(ValueError, match="terms"):
         LensModel(("k1", "k1"))
+
+
+@pytest.mark.parametrize(("most_steps", "is_there"), [(1, False), (60, True)])
+def test_a_descent_that_runs_out_of_steps_has_converged_if_nothing_is_left_to_gain(
+    most_steps, is_there
+):
+    observations, start = started(drawn_pixels(np.random.default_rng(8), 8))
+    endless = RefinementParams(loss=Loss.SQUARES, done=-1.0, most_steps=most_steps)
+    assert refine(observations, start, BROWN_4, endless).has_converged is is_there
