@@ -1,0 +1,1 @@
+"""Decision forests on depth images: train, predict, keep in a file."""

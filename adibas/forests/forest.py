@@ -1,0 +1,128 @@
+"""A trained forest, and the label probabilities it gives.
+
+Source: thesis, section 6.2.2; Shotton et al., Real-time human pose recognition in parts from
+single depth images, CVPR 2011.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from adibas.arrays import BoolArray, Float32Array, Int32Array, check_shape, read_only
+from adibas.forests.feature_kernels import KIND
+from adibas.forests.images import ForestImage, prepare_image
+from adibas.forests.params import GRADIENT
+from adibas.forests.prediction_kernels import predict
+
+N_NODE_VALUES = 6
+LEAF = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forest:
+    """Trees one after the other in the same arrays.
+
+    Attributes
+    ----------
+    labels : tuple of str
+        The L labels.
+    roots : (T,) int32 array
+        The first node of each tree.
+    child : (M,) int32 array
+        The left child of each node, the right one follows it; -1 - l for leaf l.
+    nodes : (M, 6) float32 array
+        Feature (kind, u_row, u_column, v_row, v_column; metres on the body) and threshold.
+    leaves : (F, L) float32 array
+        Probabilities; each row sums to 1.
+    far_m, smoothing_px : float
+        As in training.
+    provenance : mapping
+        What it was trained from and how; plain JSON values.
+    """
+
+    labels: tuple[str, ...]
+    roots: Int32Array
+    child: Int32Array
+    nodes: Float32Array
+    leaves: Float32Array
+    far_m: float
+    smoothing_px: float
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_shape("roots", self.roots, (None,))
+        check_shape("child", self.child, (None,))
+        check_shape("nodes", self.nodes, (len(self.child), N_NODE_VALUES))
+        check_shape("leaves", self.leaves, (None, len(self.labels)))
+        self._check_links()
+        for array in (self.roots, self.child, self.nodes, self.leaves):
+            read_only(array)
+
+    def _check_links(self) -> None:
+        """Raise ValueError where a walk down would leave the tables or never end."""
+        n_nodes, n_leaves = len(self.child), len(self.leaves)
+        is_split = self.child >= 0
+        below = self.child[is_split]
+        goes_down = (below > np.flatnonzero(is_split)).all() and (below + 1 < n_nodes).all()
+        has_leaves = (-1 - self.child[~is_split] < n_leaves).all()
+        has_roots = ((self.roots >= 0) & (self.roots < n_nodes)).all() and len(self.roots) > 0
+        if not (goes_down and has_leaves and has_roots):
+            raise ValueError("the nodes of the forest do not fit together")
+
+    @property
+    def n_trees(self) -> int:
+        """Return T."""
+        return len(self.roots)
+
+    @property
+    def uses_gradients(self) -> bool:
+        """Say whether a node asks for the angle of gradients."""
+        return bool((self.nodes[self.child >= 0, KIND] == GRADIENT).any())
+
+    def prepare(self, depth_m: Float32Array, mask: BoolArray, focal_px: float) -> ForestImage:
+        """Cut the body out of an (H, W) depth image as this forest reads it."""
+        smoothing_px = self.smoothing_px if self.uses_gradients else None
+        return prepare_image(depth_m, mask, focal_px, self.far_m, smoothing_px)
+
+    def probabilities(
+        self, depth_m: Float32Array, mask: BoolArray, focal_px: float
+    ) -> Float32Array:
+        """Return the probability of each label at the pixels of a mask (equation 6.18).
+
+        Parameters
+        ----------
+        depth_m : (H, W) float32 array
+            Metres; NaN where not measured.
+        mask : (H, W) bool array
+            N pixels of the body.
+        focal_px : float
+            Of the camera, pixels.
+
+        Returns
+        -------
+        probabilities : (N, L) float32 array
+            In the order of ``np.flatnonzero(mask)``; rows sum to 1, and are even where a pixel
+            of the mask has no depth.
+        """
+        image = self.prepare(depth_m, mask, focal_px)
+        rows, columns = np.nonzero(mask)
+        at = np.empty((len(rows), 2), np.int32)
+        at[:, 0], at[:, 1] = rows - image.top, columns - image.left
+        height, width = image.depth_m.shape
+        return predict(
+            np.ascontiguousarray(image.depth_m).ravel(),
+            _flat(image.slope_x),
+            _flat(image.slope_y),
+            np.array([[0, height, width, 0]], np.int64),
+            at,
+            np.array([focal_px, self.far_m]),
+            self.roots,
+            self.child,
+            self.nodes,
+            self.leaves,
+        )
+
+
+def _flat(slope: Float32Array) -> Float32Array:
+    return np.ascontiguousarray(slope).ravel() if slope.size else np.zeros(1, np.float32)

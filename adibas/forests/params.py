@@ -1,0 +1,63 @@
+"""How a forest is trained."""
+
+from dataclasses import dataclass
+
+DEPTH, GRADIENT = 0, 1
+"""Kinds of features: equation 6.16, equation 6.26."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForestParams:
+    """The settings of section 6.2.4 of the thesis unless said otherwise.
+
+    Attributes
+    ----------
+    n_trees : int
+    max_depth : int
+        Splits between the root and the lowest leaf.
+    n_images : int or None
+        Drawn for each tree; None takes all.
+    n_pixels : int
+        Drawn from each image, evenly over the labelled ones.
+    n_candidates : int
+        Depth-comparison features tried at a node.
+    n_gradient_candidates : int
+        Gradient-angle features tried beside them.
+    n_thresholds : int
+        Of each feature.
+    max_offset_m : float
+        O_max: how far from its pixel a feature looks, up or down and to the sides, in metres on
+        the body. The thesis' 60 has no unit.
+    min_gain : float
+        Bits of information; a split that gives less is not made. Ours.
+    min_pixels : int
+        A node with fewer is a leaf. Ours.
+    far_m : float
+        What is read where there is no body, metres. Ours: beyond any indoor sensor.
+    smoothing_px : float
+        Standard deviation of the Gaussian before gradients, pixels. Ours.
+    """
+
+    n_trees: int = 3
+    max_depth: int = 20
+    n_images: int | None = 130
+    n_pixels: int = 1000
+    n_candidates: int = 100
+    n_gradient_candidates: int = 0
+    n_thresholds: int = 20
+    max_offset_m: float = 0.5
+    min_gain: float = 1e-3
+    min_pixels: int = 5
+    far_m: float = 10.0
+    smoothing_px: float = 2.0
+
+    def __post_init__(self) -> None:
+        counts = (self.n_trees, self.n_pixels, self.n_thresholds, self.min_pixels)
+        n_features = self.n_candidates + self.n_gradient_candidates
+        n_images = 1 if self.n_images is None else self.n_images
+        if min(*counts, n_features, n_images) < 1:
+            raise ValueError("trees, images, pixels, candidates and thresholds must be positive")
+        if min(self.n_candidates, self.n_gradient_candidates, self.max_depth) < 0:
+            raise ValueError("candidates and depth must not be negative")
+        if not min(self.max_offset_m, self.far_m, self.smoothing_px) > 0 or self.min_gain < 0:
+            raise ValueError("lengths must be positive, and the least gain not negative")
