@@ -10,6 +10,7 @@ from adibas.cli.calibrate_depth import (
     color_of_recordings,
     run_depth,
 )
+from adibas.cli.calibrate_infrared import add_infrared_arguments, run_infrared
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive
 from adibas.errors import CalibrationError, FileError
@@ -88,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("calibration.json to write, or the PDF of the board"),
     )
     add_depth_arguments(parser)
+    add_infrared_arguments(parser)
     add_json(parser)
 
 
@@ -106,8 +108,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     """Calibrate, say what it is worth, and write it; or write the board."""
     if arguments.print_board is not None:
         return _print_board(arguments, console)
-    if arguments.depth:
-        return _calibrate_depth(arguments, console)
+    if arguments.depth or arguments.infrared:
+        return _calibrate_sensor(arguments, console)
     if not arguments.images or arguments.board is None or arguments.square_mm is None:
         console.warn(
             _(
@@ -121,12 +123,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     return _calibrate(arguments, console)
 
 
-def _calibrate_depth(arguments: argparse.Namespace, console: Console) -> int:
+def _calibrate_sensor(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.calibration.camera_fitting import FittingParams
 
     check_place(arguments.out)
     _check_reports(arguments.report)
-    return run_depth(arguments, console, FittingParams(model=_model(arguments.model)))
+    fitting = FittingParams(model=_model(arguments.model))
+    run_sensor = run_infrared if arguments.infrared else run_depth
+    return run_sensor(arguments, console, fitting)
 
 
 def _check_reports(paths: list[Path]) -> None:
