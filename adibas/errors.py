@@ -45,6 +45,10 @@ class ProtocolError(AdibasError):
     """A protocol cannot be read, or does not fit what was captured."""
 
 
+class GestureError(AdibasError):
+    """Examples or a model of gestures cannot be used."""
+
+
 class ReportError(AdibasError):
     """A report cannot be written."""
 

@@ -132,5 +132,6 @@ def _sums(
         scratch = np.empty((6, last.shape[1]))
         out[0] = whole_cost(first, last, weights, LEAST_SEEN, is_squared, scratch)
     else:
-        pair_costs(frames, columns, seen, LEAST_SEEN, offsets, pairs, is_squared, out)
+        gaps = np.array([bool(np.isnan(block).any()) for block in blocks])
+        pair_costs(frames, columns, seen, LEAST_SEEN, offsets, gaps, pairs, is_squared, out)
     return out

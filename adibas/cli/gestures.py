@@ -1,0 +1,198 @@
+"""`adibas gestures`: learn gestures from examples, find them, and say how well that works."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, add_out, sentence
+from adibas.texts import message, translate_plural
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.gestures.training import TrainingParams
+    from adibas.pipeline.gesture_work import Evaluated
+
+SUMMARY = message("learn gestures from examples, and find when they begin and end")
+TRAIN = message("learn gestures from a folder of examples")
+DETECT = message("find the gestures of a model in a table of joints")
+EVALUATE = message("measure on people who were left out of the training")
+METHODS = ("likeness", "dtw", "weighted-dtw", "table-7.1")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
+    train = actions.add_parser("train", help=_(TRAIN), description=sentence(_(TRAIN)))
+    _add_folder(train)
+    add_out(train, "model.json", _("file to write"))
+    train.set_defaults(action=_train)
+    detect = actions.add_parser("detect", help=_(DETECT), description=sentence(_(DETECT)))
+    detect.add_argument("joints", type=Path, metavar=_("JOINTS"), help=_("table of joints (CSV)"))
+    detect.add_argument(
+        "--model",
+        type=Path,
+        required=True,
+        metavar="model.json",
+        help=_("what `adibas gestures train` wrote"),
+    )
+    add_out(detect, "events.csv", _("file to write"))
+    detect.set_defaults(action=_detect)
+    evaluate = actions.add_parser("evaluate", help=_(EVALUATE), description=sentence(_(EVALUATE)))
+    _add_folder(evaluate)
+    evaluate.add_argument(
+        "--test",
+        type=Path,
+        metavar=_("FOLDER"),
+        help=_("train on all of the first folder and test on this one"),
+    )
+    evaluate.set_defaults(action=_evaluate)
+    for action in (train, detect, evaluate):
+        add_json(action)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Train, detect or evaluate."""
+    code: int = arguments.action(arguments, console)
+    return code
+
+
+def _add_folder(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "folder",
+        type=Path,
+        metavar=_("FOLDER"),
+        help=_("with *.joints.csv and one events.csv"),
+    )
+    parser.add_argument(
+        "--method",
+        choices=METHODS,
+        default=METHODS[0],
+        help=_("how gestures are told apart; the first if not given"),
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=0,
+        metavar="N",
+        help=_("of the choice of examples; 0 if not given"),
+    )
+
+
+def _params(arguments: argparse.Namespace) -> "TrainingParams":
+    from adibas.gestures.training import TrainingParams
+
+    return TrainingParams(method=arguments.method, seed=arguments.seed)
+
+
+def _train(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.files import check_place
+    from adibas.gestures.model_file import write_model
+    from adibas.pipeline.gesture_work import train_on_folder
+
+    check_place(arguments.out)
+    with console.progress(_("Training")) as advance:
+        trained = train_on_folder(arguments.folder, _params(arguments), advance)
+    for notice in trained.notices:
+        console.warn(notice.text)
+    write_model(arguments.out, trained.model)
+    console.say(
+        _("{file}: {gestures}, learned from {examples}.").format(
+            file=arguments.out,
+            gestures=", ".join(trained.model.labels),
+            examples=translate_plural("{n} example", "{n} examples", trained.n_examples).format(
+                n=trained.n_examples
+            ),
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "method": trained.model.method,
+            "labels": list(trained.model.labels),
+            "provenance": trained.model.provenance,
+            "notices": [notice.text for notice in trained.notices],
+        }
+    )
+    return 0
+
+
+def _detect(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.files import check_place
+    from adibas.pipeline.gesture_work import detect_in_file
+    from adibas.recordings.events_csv import write_events_csv
+
+    check_place(arguments.out)
+    found = detect_in_file(arguments.joints, arguments.model)
+    for notice in found.notices:
+        console.warn(notice.text)
+    write_events_csv(arguments.out, found.events)
+    n_events = len(found.events)
+    console.say(
+        _("{file}: {gestures} found.").format(
+            file=arguments.out,
+            gestures=translate_plural("{n} gesture", "{n} gestures", n_events).format(n=n_events),
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "events": [
+                {
+                    "label": event.label,
+                    "begin_s": event.begin_s,
+                    "end_s": event.end_s,
+                    "person": event.person,
+                    "cost": event.cost,
+                }
+                for event in found.events
+            ],
+            "notices": [notice.text for notice in found.notices],
+        }
+    )
+    return 0
+
+
+def _evaluate(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.pipeline.gesture_work import evaluate_folder, evaluation_document
+
+    params = _params(arguments)
+    with console.progress(_("Evaluating")) as advance:
+        evaluated = evaluate_folder(arguments.folder, arguments.test, params, advance)
+    for notice in evaluated.notices:
+        console.warn(notice.text)
+    for line in _table(evaluated, params):
+        console.say(line)
+    console.give(evaluation_document(evaluated, params))
+    return 0
+
+
+def _table(evaluated: "Evaluated", params: "TrainingParams") -> list[str]:
+    result = evaluated.result
+    precision, recall, f1 = result.rates_of(range(len(result.labels)))
+    lines = [
+        _("{protocol}, {n} groups, method {method}, seed {seed}").format(
+            protocol=evaluated.protocol,
+            n=evaluated.groups,
+            method=params.method,
+            seed=params.seed,
+        ),
+        _("Best class right: {percent:.1f} %; by equation 7.7: {by_7_7:.1f} %").format(
+            percent=100 * result.accuracy, by_7_7=result.accuracy_7_7
+        ),
+        _(
+            "Precision {precision:.2f}, recall {recall:.2f}, F1 {f1:.2f}; {missed} not "
+            "classified, {alarms} false alarms"
+        ).format(
+            precision=precision,
+            recall=recall,
+            f1=f1,
+            missed=int(result.missed.sum()),
+            alarms=result.false_alarms,
+        ),
+    ]
+    width = max(map(len, result.labels))
+    for number, label in enumerate(result.labels):
+        rates = "  ".join(f"{rate:5.2f}" for rate in result.rates_of([number]))
+        lines.append(f"{label:{width}}  {rates}  {result.accuracy_of(number):6.1f} %")
+    return lines

@@ -1,0 +1,241 @@
+"""The posture of each frame as numbers that do not depend on place, size and facing direction.
+
+Source: thesis, equation 7.1.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.skeleton_track import SkeletonTrack
+
+NECK = JOINT_NAMES.index("neck")
+DESCRIBED_JOINTS = tuple(name for name in JOINT_NAMES if name != "neck")
+"""The 14 joints of the descriptor, three numbers each."""
+
+SAME_TIME_S = 1e-6
+N_POSITIONS = 3 * len(DESCRIBED_JOINTS)
+
+LIMBS = (
+    ("left_shoulder", "left_elbow", 0.29),
+    ("right_shoulder", "right_elbow", 0.29),
+    ("left_elbow", "left_hand", 0.29),
+    ("right_elbow", "right_hand", 0.29),
+    ("neck", "torso", 0.26),
+    ("left_shoulder", "right_shoulder", 0.35),
+    ("left_hip", "left_knee", 0.43),
+    ("right_hip", "right_knee", 0.43),
+    ("left_knee", "left_foot", 0.41),
+    ("right_knee", "right_foot", 0.41),
+)
+"""Pairs of joints and their distance on the body that stands for size 1, metres: our simulated
+adult of 1.75 m, rounded."""
+
+_STARTS = [JOINT_NAMES.index(start) for start, _, _ in LIMBS]
+_ENDS = [JOINT_NAMES.index(end) for _, end, _ in LIMBS]
+_LENGTHS_M = np.array([length for _, _, length in LIMBS])
+_LEFT = [JOINT_NAMES.index(f"left_{part}") for part in ("shoulder", "hip")]
+_RIGHT = [JOINT_NAMES.index(f"right_{part}") for part in ("shoulder", "hip")]
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptorParams:
+    """How frames are described; a model only fits streams described in the same way.
+
+    Attributes
+    ----------
+    rate_hz : float
+        Frames a second after resampling. 15: the slowest of the sensors we meet.
+    longest_gap_s : float
+        Missing joints are interpolated over so long, and frames that are further apart interrupt
+        the stream. 0.5: no gesture of ours is shorter.
+    facing_s : float
+        The body is turned about the vertical axis until it faces the camera; its direction is
+        averaged over so many seconds. 0: it is not turned. 3: longer than a turn of the trunk
+        within a gesture, shorter than a person stands one way.
+    velocity_s : float
+        Factor of the velocities that are appended (sizes of the body a second). 0: none. 0.2: they
+        weigh about as much as the positions.
+    """
+
+    rate_hz: float = 15.0
+    longest_gap_s: float = 0.5
+    facing_s: float = 3.0
+    velocity_s: float = 0.2
+
+    def __post_init__(self) -> None:
+        if self.rate_hz <= 0 or self.longest_gap_s <= 0:
+            raise ValueError("rate_hz and longest_gap_s must be positive")
+        if self.facing_s < 0 or self.velocity_s < 0:
+            raise ValueError("facing_s and velocity_s must not be negative")
+
+    @property
+    def n_numbers(self) -> int:
+        """Return the length of a frame's descriptor."""
+        return N_POSITIONS * (2 if self.velocity_s else 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DescribedTrack:
+    """A track as the recognition sees it.
+
+    Attributes
+    ----------
+    begin_s : float
+        Time of the first frame on the recording's clock.
+    rate_hz : float
+    frames : (n, d) array
+        Descriptors, NaN where not seen.
+    """
+
+    begin_s: float
+    rate_hz: float
+    frames: FloatArray
+
+    def index_at(self, time_s: float) -> int:
+        """Return the frame nearest to `time_s`, within the track."""
+        index = round((time_s - self.begin_s) * self.rate_hz)
+        return min(max(index, 0), len(self.frames) - 1)
+
+    def time_s(self, index: int) -> float:
+        """Return when frame `index` was."""
+        return self.begin_s + index / self.rate_hz
+
+    def cut(self, begin_s: float, end_s: float) -> FloatArray:
+        """Return the descriptors from `begin_s` to `end_s`, both included."""
+        return self.frames[self.index_at(begin_s) : self.index_at(end_s) + 1]
+
+
+def describe(track: SkeletonTrack, params: DescriptorParams) -> DescribedTrack:
+    """Return the descriptors of a track at a steady rate.
+
+    Raises
+    ------
+    ValueError
+        The track has no frames.
+    """
+    if not len(track):
+        raise ValueError("a track without frames cannot be described")
+    joints_m = resampled(track, params.rate_hz, params.longest_gap_s)
+    facing = None
+    if params.facing_s:
+        facing = averaged(facing_vectors(joints_m), round(params.facing_s * params.rate_hz))
+    positions = smoothed(described(joints_m, body_size(joints_m), facing))
+    frames = positions
+    if params.velocity_s:
+        factor = params.velocity_s * params.rate_hz
+        frames = np.concatenate([positions, factor * differences(positions)], axis=1)
+    return DescribedTrack(float(track.times_s[0]), params.rate_hz, frames)
+
+
+def body_size(joints_m: FloatArray) -> float:
+    """Return the size of a person relative to the body of `LIMBS`.
+
+    The median over frames of each limb, then the median over limbs: a few wrong joints do not
+    matter. NaN where no limb was ever seen.
+
+    Parameters
+    ----------
+    joints_m : (T, 15, 3) array
+        NaN where not seen.
+    """
+    limbs_m = np.linalg.norm(joints_m[:, _STARTS] - joints_m[:, _ENDS], axis=2)
+    ratios = [
+        float(np.median(limb[np.isfinite(limb)])) / length
+        for limb, length in zip(limbs_m.T, _LENGTHS_M, strict=True)
+        if np.isfinite(limb).any()
+    ]
+    return float(np.median(ratios)) if ratios else float("nan")
+
+
+def facing_vectors(joints_m: FloatArray) -> FloatArray:
+    """Return (T, 2): the line from the right to the left side, x and z, its length in metres.
+
+    Zero where neither shoulders nor hips were seen: such a frame says nothing.
+    """
+    across = (joints_m[:, _LEFT] - joints_m[:, _RIGHT])[:, :, [0, 2]]
+    known = np.asarray(np.isfinite(across).all(axis=2))
+    return np.asarray(np.where(known[:, :, None], across, 0.0).sum(axis=1))
+
+
+def turned(joints: FloatArray, facing: FloatArray) -> FloatArray:
+    """Turn joints (T, J, 3) about y until `facing` (T, 2) or (2,) points to the image's right.
+
+    A facing of zero turns nothing.
+    """
+    norm = np.linalg.norm(facing, axis=-1)
+    cosine = np.where(norm > 0, facing[..., 0] / np.where(norm > 0, norm, 1.0), 1.0)[..., None]
+    sine = np.where(norm > 0, facing[..., 1] / np.where(norm > 0, norm, 1.0), 0.0)[..., None]
+    x, y, z = np.moveaxis(joints, -1, 0)
+    return np.stack([cosine * x + sine * z, y, -sine * x + cosine * z], axis=-1)
+
+
+def resampled(track: SkeletonTrack, rate_hz: float, longest_gap_s: float) -> FloatArray:
+    """Return (n, 15, 3): the joints at a steady rate from the first frame's time on.
+
+    Interpolated linearly over gaps of `longest_gap_s` and less, NaN in longer ones.
+    """
+    times_s = track.times_s - track.times_s[0]
+    wanted_s = np.arange(int(times_s[-1] * rate_hz + 1e-6) + 1) / rate_hz
+    joints_m = np.full((len(wanted_s), len(JOINT_NAMES), 3), np.nan)
+    for joint in range(len(JOINT_NAMES)):
+        seen = track.seen[:, joint]
+        if seen.any():
+            known_s, known_m = times_s[seen], track.joints_m[seen, joint]
+            near = _is_near(wanted_s, known_s, longest_gap_s)
+            for axis in range(3):
+                joints_m[near, joint, axis] = np.interp(wanted_s[near], known_s, known_m[:, axis])
+    return joints_m
+
+
+def _is_near(wanted_s: FloatArray, known_s: FloatArray, longest_gap_s: float) -> FloatArray:
+    after = np.searchsorted(known_s, wanted_s - SAME_TIME_S)
+    before = np.clip(after - 1, 0, len(known_s) - 1)
+    after = np.clip(after, 0, len(known_s) - 1)
+    is_between = known_s[after] - known_s[before] <= longest_gap_s
+    distance_s = np.minimum(abs(known_s[before] - wanted_s), abs(known_s[after] - wanted_s))
+    at_edge = distance_s < SAME_TIME_S
+    inside = (wanted_s >= known_s[0] - SAME_TIME_S) & (wanted_s <= known_s[-1] + SAME_TIME_S)
+    return np.asarray((is_between | at_edge) & inside)
+
+
+def described(joints_m: FloatArray, size: float, facing: FloatArray | None) -> FloatArray:
+    """Return (T, 42): the joints without the neck, from the neck, in sizes of the body (7.1).
+
+    Parameters
+    ----------
+    joints_m : (T, 15, 3) array
+        NaN where not seen; without the neck nothing of the frame is known.
+    size : float
+        Of the body, see `body_size`.
+    facing : (T, 2) or (2,) array or None
+        See `turned`; None leaves the direction as it is.
+    """
+    from_neck = (joints_m - joints_m[:, NECK : NECK + 1]) / size
+    others = np.delete(from_neck, NECK, axis=1)
+    if facing is not None:
+        others = turned(others, facing)
+    return others.reshape(len(others), -1)
+
+
+def averaged(vectors: FloatArray, n_frames: int) -> FloatArray:
+    """Return the mean of each row's neighbourhood of `n_frames`, cut off at the ends."""
+    sums = np.concatenate([np.zeros((1, vectors.shape[1])), np.cumsum(vectors, axis=0)])
+    index = np.arange(len(vectors))
+    begin = np.maximum(index - n_frames // 2, 0)
+    end = np.minimum(index + n_frames // 2 + 1, len(vectors))
+    return np.asarray((sums[end] - sums[begin]) / (end - begin)[:, None])
+
+
+def smoothed(frames: FloatArray) -> FloatArray:
+    """Return each frame averaged with its neighbours, 1-2-1; where one is missing, as it is."""
+    padded = np.concatenate([frames[:1], frames, frames[-1:]])
+    mean = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+    return np.where(np.isfinite(mean), mean, frames)
+
+
+def differences(frames: FloatArray) -> FloatArray:
+    """Return the change from frame to frame, over both neighbours where there are two."""
+    return np.gradient(frames, axis=0) if len(frames) > 1 else np.zeros_like(frames)

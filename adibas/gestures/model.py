@@ -1,0 +1,153 @@
+"""What training leaves: a recogniser of gestures, the same for every method."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from adibas.arrays import FloatArray, IntArray
+from adibas.gestures.descriptor import DescribedTrack, DescriptorParams
+from adibas.gestures.likeness import Likeness
+from adibas.gestures.proposals import ClassAligner, ProposalParams
+from adibas.gestures.segments import Segment, at_one_length
+from adibas.gestures.weighting import spread
+
+Method: TypeAlias = Literal["likeness", "dtw", "weighted-dtw", "table-7.1"]
+METHODS: tuple[Method, ...] = ("likeness", "dtw", "weighted-dtw", "table-7.1")
+MOST_SHARED = 0.3
+"""Of the shorter of two reports: more is the same movement reported twice."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GestureModel:
+    """A trained recogniser.
+
+    Attributes
+    ----------
+    method : str
+        ``likeness``: proposals by alignment, judged by `Likeness` (the default); ``dtw`` and
+        ``weighted-dtw``: the alignment's cost against a threshold; ``table-7.1``: the thesis'
+        algorithm literally.
+    labels : tuple of str
+    descriptor : DescriptorParams
+        A stream must be described the same way.
+    examples : tuple of (m, d) arrays
+    owners : (k,) integer array
+        Which label each example shows.
+    weights : (14,) array
+        Of the joints, their sum 1.
+    thresholds : (labels,) array
+        Largest cost of a detection; for ``likeness`` largest 1 - likeness.
+    gates : (labels,) array
+        Largest cost of a proposal that is judged at all.
+    likeness : Likeness or None
+    provenance : dict
+        What it was trained on, and how.
+    """
+
+    method: Method
+    labels: tuple[str, ...]
+    descriptor: DescriptorParams
+    examples: tuple[FloatArray, ...]
+    owners: IntArray
+    weights: FloatArray
+    thresholds: FloatArray
+    gates: FloatArray
+    likeness: Likeness | None = None
+    provenance: dict[str, object] = field(default_factory=dict)
+
+    def aligner(self) -> ClassAligner:
+        """Return what aligns a stream with the examples."""
+        params = ProposalParams()
+        if self.method == "table-7.1":
+            params = ProposalParams(n_best=1, steps="free")
+        factors = spread(self.weights, self.descriptor.n_numbers)
+        return ClassAligner(self.examples, self.owners, len(self.labels), factors, params)
+
+    def detect(self, track: DescribedTrack) -> list[Segment]:
+        """Return what is done in a stream: no two at the same time, in the order of time.
+
+        The cost of each is a share of its threshold, 1 at most.
+        """
+        aligner = self.aligner()
+        if self.method == "table-7.1":
+            return first_crossings(aligner, track.frames, self.thresholds)
+        proposals = [
+            proposal
+            for proposal in aligner.proposals(track.frames)
+            if proposal.cost <= self.gates[proposal.label]
+        ]
+        rated = self._rated(track.frames, proposals)
+        return not_overlapping([one for one in rated if one.cost <= 1.0])
+
+    def classify(self, frames: FloatArray) -> FloatArray:
+        """Return the cost (labels,) of a segment being each gesture, as a share of the threshold.
+
+        The best class is the least; above 1 it is none.
+        """
+        if self.likeness is not None:
+            found = self.likeness.predict([at_one_length(frames)])[0]
+            return np.asarray((1.0 - found) / self.thresholds)
+        costs, _ = self.aligner().curves(frames)
+        return np.asarray(costs.min(axis=0) / self.thresholds)
+
+    def _rated(self, frames: FloatArray, proposals: Sequence[Segment]) -> list[Segment]:
+        if self.likeness is None:
+            return [
+                _with(one, one.label, one.cost / self.thresholds[one.label]) for one in proposals
+            ]
+        pieces = [at_one_length(frames[one.begin : one.end + 1]) for one in proposals]
+        costs = (1.0 - self.likeness.predict(pieces)) / self.thresholds
+        best = costs.argmin(axis=1)
+        return [
+            _with(one, int(label), float(cost[label]))
+            for one, label, cost in zip(proposals, best, costs, strict=True)
+        ]
+
+
+def _with(segment: Segment, label: int, cost: float) -> Segment:
+    return Segment(segment.stream, label, segment.begin, segment.end, float(cost))
+
+
+def not_overlapping(segments: Sequence[Segment]) -> list[Segment]:
+    """Return the cheapest first, each only if it shares little time with those before it."""
+    kept: list[Segment] = []
+    for one in sorted(segments, key=lambda segment: segment.cost):
+        if all(_shared(one, other) <= MOST_SHARED for other in kept):
+            kept.append(one)
+    return sorted(kept, key=lambda segment: segment.begin)
+
+
+def _shared(one: Segment, other: Segment) -> float:
+    shared = min(one.end, other.end) - max(one.begin, other.begin) + 1
+    shorter = min(one.end - one.begin, other.end - other.begin) + 1
+    return max(0, shared) / shorter
+
+
+def first_crossings(
+    aligner: ClassAligner, frames: FloatArray, thresholds: FloatArray
+) -> list[Segment]:
+    """Return what table 7.1 finds: the first end below a threshold, then all begins anew.
+
+    Source: thesis, table 7.1 and equation 7.5.
+    """
+    found: list[Segment] = []
+    aligner.reset()
+    begin = 0
+    while begin < len(frames):
+        costs, starts = aligner.curves(frames[begin:])
+        ratios = costs / thresholds
+        below = np.flatnonzero((ratios < 1.0).any(axis=1))
+        if not below.size:
+            break
+        end = int(below[0])
+        label = int(ratios[end].argmin())
+        found.append(
+            Segment(
+                0, label, begin + int(starts[end, label]), begin + end, float(ratios[end, label])
+            )
+        )
+        begin += end + 1
+        aligner.reset()
+    return found

@@ -1,0 +1,157 @@
+"""A trained recogniser as a JSON file."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+
+from adibas.arrays import AnyArray
+from adibas.errors import GestureError
+from adibas.files import written_whole
+from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams
+from adibas.gestures.likeness import Likeness
+from adibas.gestures.model import GestureModel, Method
+
+FORMAT, VERSION = "adibas-gestures", 1
+DECIMALS = 4
+"""Of a descriptor: a tenth of a millimetre on an adult."""
+
+
+def write_model(path: Path, model: GestureModel) -> None:
+    """Write a model.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    with written_whole(path) as unfinished:
+        unfinished.write_text(json.dumps(_document(model), allow_nan=False), "utf-8")
+
+
+def read_model(path: Path) -> GestureModel:
+    """Read a model.
+
+    Raises
+    ------
+    GestureError
+        The file is missing, no model, or of another descriptor or version.
+    """
+    try:
+        document = json.loads(path.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise GestureError(
+            "{file} cannot be read: {reason}. Give a model that `adibas gestures train` wrote.",
+            file=path.name,
+            reason=getattr(error, "strerror", None) or str(error),
+        ) from error
+    _check_kind(path, document)
+    try:
+        return _model(document)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise GestureError(
+            "{file} is damaged: a part of the model is missing or wrong. Train it again.",
+            file=path.name,
+        ) from error
+
+
+def _check_kind(path: Path, document: Any) -> None:
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise GestureError(
+            "{file} is no model of gestures. Give one that `adibas gestures train` wrote.",
+            file=path.name,
+        )
+    if document.get("version") != VERSION:
+        raise GestureError(
+            "{file} was written by another version of ADiBAS. Train it again.", file=path.name
+        )
+    if document.get("joints") != list(DESCRIBED_JOINTS):
+        raise GestureError(
+            "{file} was trained on another descriptor: its joints are not the ones that are "
+            "measured here. Train it again from the examples.",
+            file=path.name,
+        )
+
+
+def _document(model: GestureModel) -> dict[str, object]:
+    likeness = model.likeness
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "method": model.method,
+        "labels": list(model.labels),
+        "joints": list(DESCRIBED_JOINTS),
+        "descriptor": asdict(model.descriptor),
+        "weights": dict(zip(DESCRIBED_JOINTS, model.weights.tolist(), strict=True)),
+        "thresholds": model.thresholds.tolist(),
+        "gates": [value if np.isfinite(value) else None for value in model.gates.tolist()],
+        "examples": [
+            {"label": model.labels[owner], "frames": _listed(frames)}
+            for owner, frames in zip(model.owners, model.examples, strict=True)
+        ],
+        "likeness": None
+        if likeness is None
+        else {
+            "segments": _listed(likeness.segments),
+            "coefficients": likeness.coefficients.tolist(),
+            "scales": likeness.scales.tolist(),
+        },
+        "provenance": model.provenance,
+    }
+
+
+def _listed(array: AnyArray) -> Any:
+    """Return nested lists; None where not seen."""
+    listed = np.round(array, DECIMALS).astype(object)
+    listed[~np.isfinite(array)] = None
+    return listed.tolist()
+
+
+def _array(listed: Any, n_dimensions: int) -> AnyArray:
+    array = np.array(listed, np.float64)  # None turns to NaN
+    if array.ndim != n_dimensions:
+        raise ValueError("an array of the model has the wrong shape")
+    return array
+
+
+def _model(document: dict[str, Any]) -> GestureModel:
+    labels = tuple(str(label) for label in document["labels"])
+    method: Method = document["method"]
+    descriptor = DescriptorParams(**document["descriptor"])
+    if method not in get_args(Method) or not labels:
+        raise ValueError("unknown method, or no labels")
+    examples = tuple(_array(example["frames"], 2) for example in document["examples"])
+    owners = [labels.index(example["label"]) for example in document["examples"]]
+    if not examples or any(frames.shape[1] != descriptor.n_numbers for frames in examples):
+        raise ValueError("examples do not fit the descriptor")
+    gates = [np.inf if value is None else value for value in document["gates"]]
+    stored = document["likeness"]
+    return GestureModel(
+        method,
+        labels,
+        descriptor,
+        examples,
+        np.array(owners, np.int64),
+        np.array([document["weights"][joint] for joint in DESCRIBED_JOINTS], np.float64),
+        _per_label(document["thresholds"], labels),
+        _per_label(gates, labels),
+        None if stored is None else _likeness(stored, labels),
+        dict(document["provenance"]),
+    )
+
+
+def _per_label(values: Any, labels: tuple[str, ...]) -> AnyArray:
+    array = _array(values, 1)
+    if len(array) != len(labels):
+        raise ValueError("one value a label")
+    return array
+
+
+def _likeness(stored: dict[str, Any], labels: tuple[str, ...]) -> Likeness:
+    segments = _array(stored["segments"], 3)
+    coefficients = _array(stored["coefficients"], 2)
+    if coefficients.shape != (len(segments), len(labels)):
+        raise ValueError("coefficients do not fit the segments")
+    return Likeness(segments, coefficients, _array(stored["scales"], 1))

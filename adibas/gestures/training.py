@@ -1,0 +1,256 @@
+"""From examples to a recogniser.
+
+Thresholds are chosen on what models without the group (a subject, mostly) find in its streams, so
+that nobody is measured against himself.
+
+Source: thesis, equation 7.5 (leave one out); the false alarms that 7.5 does not see count, too.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray, IntArray
+from adibas.errors import GestureError
+from adibas.gestures.descriptor import DescriptorParams
+from adibas.gestures.likeness import LikenessParams, LikenessTraining
+from adibas.gestures.model import GestureModel, Method
+from adibas.gestures.proposals import SHORTEST, chosen_examples
+from adibas.gestures.segments import Examples, Segment, at_one_length
+from adibas.gestures.weighting import N_JOINTS, joint_weights
+
+Progress = Callable[[int, int], None]
+RIGHT_OVERLAP = 0.5
+FEWEST = 2
+BARELY = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingParams:
+    """How a recogniser is trained.
+
+    Attributes
+    ----------
+    method : str
+        See `GestureModel`.
+    most_examples : int
+        Examples a gesture that are aligned with the stream. 12.
+    most_others : int
+        Segments without a gesture that the likeness learns from. 400: costs grow with the square.
+    most_folds : int
+        Groups are joined to so many when thresholds are chosen. 5.
+    gate_slack : float
+        A proposal may cost so much more than the dearest right one. 1.1.
+    seed : int
+        Of the choices above.
+    """
+
+    method: Method = "likeness"
+    most_examples: int = 12
+    most_others: int = 400
+    most_folds: int = 5
+    gate_slack: float = 1.1
+    seed: int = 0
+
+
+def train(
+    examples: Examples,
+    descriptor: DescriptorParams,
+    params: TrainingParams | None = None,
+    progress: Progress = lambda _done, _total: None,
+) -> GestureModel:
+    """Train a recogniser.
+
+    Raises
+    ------
+    GestureError
+        There are too few examples, or they are too short.
+    """
+    params = params or TrainingParams()
+    check_examples(examples)
+    rng = np.random.default_rng(params.seed)
+    folds = _folds(examples.groups, params.most_folds, rng)
+    model = _draft(examples, descriptor, params, rng)
+    found: list[Segment] = []
+    fold_of: list[int] = []
+    for fold in np.unique(folds):
+        progress(int(fold), int(folds.max()) + 2)
+        proposals = _held_out(examples, descriptor, params, folds == fold)
+        found += proposals
+        fold_of += [int(fold)] * len(proposals)
+    if params.method == "likeness":
+        return _with_likeness(model, examples, params, found, (folds, np.array(fold_of, np.int64)))
+    costs = np.array([proposal.cost for proposal in found])
+    right = np.array([_target(one, examples)[one.label] > 0 for one in found], bool)
+    labels = np.array([proposal.label for proposal in found], np.int64)
+    thresholds = np.array(
+        [
+            best_threshold(costs[labels == label], right[labels == label], _count(examples, label))
+            for label in range(len(examples.labels))
+        ]
+    )
+    return _finished(model, thresholds, thresholds)
+
+
+def check_examples(examples: Examples) -> None:
+    """Say in words what is wrong with examples.
+
+    Raises
+    ------
+    GestureError
+        None at all, only one of a gesture, or too short ones.
+    """
+    if not examples.gestures:
+        raise GestureError("There are no examples of gestures. Mark some in events.csv.")
+    for label, name in enumerate(examples.labels):
+        n_examples = sum(gesture.label == label for gesture in examples.gestures)
+        if n_examples < FEWEST:
+            raise GestureError(
+                "There is only one example of {label}: nothing says yet how much it may vary. "
+                "Record at least two, better from several people.",
+                label=name,
+            )
+    for gesture in examples.gestures:
+        if gesture.end - gesture.begin + 1 < SHORTEST or not _is_seen(examples, gesture):
+            raise GestureError(
+                "An example of {label} at {at} s cannot be used: it is shorter than {n} frames, or "
+                "most joints were not seen. Mark it again, or remove it.",
+                label=examples.labels[gesture.label],
+                at=round(examples.streams[gesture.stream].time_s(gesture.begin), 2),
+                n=SHORTEST,
+            )
+
+
+def _is_seen(examples: Examples, gesture: Segment) -> bool:
+    return bool(np.isfinite(examples.frames_of(gesture)).mean() >= 0.5)  # noqa: PLR2004
+
+
+def _folds(groups: IntArray, most: int, rng: np.random.Generator) -> IntArray:
+    names = rng.permutation(np.unique(groups))
+    place = {int(name): at % most for at, name in enumerate(names)}
+    return np.array([place[int(group)] for group in groups], np.int64)
+
+
+def _draft(
+    examples: Examples,
+    descriptor: DescriptorParams,
+    params: TrainingParams,
+    rng: np.random.Generator,
+) -> GestureModel:
+    """Return a model without thresholds."""
+    labels = np.array([gesture.label for gesture in examples.gestures], np.int64)
+    chosen = chosen_examples(examples.groups, labels, params.most_examples, rng)
+    frames = [examples.frames_of(examples.gestures[index]) for index in chosen]
+    weights = np.full(N_JOINTS, 1.0 / N_JOINTS)
+    if params.method == "weighted-dtw":
+        weights = joint_weights([at_one_length(one) for one in frames], labels[chosen])
+    anything = np.full(len(examples.labels), np.inf)
+    return GestureModel(
+        params.method, examples.labels, descriptor, tuple(frames), labels[chosen], weights,
+        anything, anything,
+    )  # fmt: skip
+
+
+def _finished(model: GestureModel, thresholds: FloatArray, gates: FloatArray) -> GestureModel:
+    return GestureModel(
+        model.method, model.labels, model.descriptor, model.examples, model.owners, model.weights,
+        thresholds, gates,
+    )  # fmt: skip
+
+
+def _held_out(
+    examples: Examples, descriptor: DescriptorParams, params: TrainingParams, held: BoolArray
+) -> list[Segment]:
+    """Return what the others' examples propose in the streams of those held out."""
+    gestures = list(zip(examples.gestures, held, strict=True))
+    others = [gesture for gesture, is_held in gestures if not is_held]
+    if not others:
+        return []
+    kept = examples.picked(~held)
+    aligner = _draft(kept, descriptor, params, np.random.default_rng(params.seed)).aligner()
+    found = []
+    for stream in sorted({gesture.stream for gesture, is_held in gestures if is_held}):
+        trained_here = [other for other in others if other.stream == stream]
+        found += [
+            proposal
+            for proposal in aligner.proposals(examples.streams[stream].frames, stream)
+            if not any(proposal.overlap(other) > 0 for other in trained_here)
+        ]
+    return found
+
+
+def _count(examples: Examples, label: int) -> int:
+    return sum(gesture.label == label for gesture in examples.gestures)
+
+
+def best_threshold(costs: FloatArray, is_right: BoolArray, n_wanted: int) -> float:
+    """Return the cost up to which most is found with fewest false alarms (F1 of all thresholds).
+
+    In the middle to the next dearer one; the largest right cost and a tenth where all is right.
+    """
+    if not is_right.any():
+        return float(costs.min()) * (1 - BARELY) if len(costs) else BARELY
+    order = np.argsort(costs)
+    hits = np.minimum(np.cumsum(is_right[order]), n_wanted)
+    taken = np.arange(1, len(costs) + 1)
+    best = int(np.argmax(2.0 * hits / (taken + n_wanted)))
+    here = costs[order[best]]
+    after = costs[order[best + 1]] if best + 1 < len(costs) else 1.1 * here
+    return max(float(0.5 * (here + min(after, 1.1 * here))), BARELY)
+
+
+def _with_likeness(
+    model: GestureModel,
+    examples: Examples,
+    params: TrainingParams,
+    found: list[Segment],
+    folds: tuple[IntArray, IntArray],
+) -> GestureModel:
+    """Learn how much a segment is like each gesture, from examples and proposals."""
+    n_labels = len(examples.labels)
+    targets = np.array([_target(one, examples) for one in [*examples.gestures, *found]])
+    fold_of = np.concatenate(folds)
+    n_given = len(examples.gestures)
+    whole = np.arange(n_given)
+    chosen = whole if examples.is_isolated else _balanced(targets, n_given, params)
+    segments = [*examples.gestures, *found]
+    pieces = [at_one_length(examples.frames_of(segments[index])) for index in chosen]
+    training = LikenessTraining.of(pieces, targets[chosen], LikenessParams())
+    predicted = training.held_out(fold_of[chosen])
+    costs = 1.0 - predicted.max(axis=1)
+    right = targets[chosen][np.arange(len(chosen)), predicted.argmax(axis=1)] > 0
+    given = chosen < n_given
+    threshold = best_threshold(costs[given | ~right], right[given | ~right], int(given.sum()))
+    is_right = targets[n_given:] > 0
+    gates = np.array([_gate(label, found, is_right, params) for label in range(n_labels)])
+    done = _finished(model, np.full(n_labels, threshold), gates)
+    return GestureModel(
+        done.method, done.labels, done.descriptor, done.examples, done.owners, done.weights,
+        done.thresholds, done.gates, training.fitted(),
+    )  # fmt: skip
+
+
+def _target(segment: Segment, examples: Examples) -> FloatArray:
+    target = np.zeros(len(examples.labels))
+    for gesture in examples.in_stream(segment.stream):
+        if segment.overlap(gesture) >= RIGHT_OVERLAP:
+            target[gesture.label] = 1.0
+    return target
+
+
+def _balanced(targets: FloatArray, n_given: int, params: TrainingParams) -> IntArray:
+    rng = np.random.default_rng(params.seed)
+    others = n_given + np.flatnonzero(~targets[n_given:].any(axis=1))
+    alike = n_given + np.flatnonzero(targets[n_given:].any(axis=1))
+    parts = [rng.permutation(part)[: params.most_others] for part in (others, alike)]
+    return np.sort(np.concatenate([np.arange(n_given), *parts]))
+
+
+def _gate(label: int, found: list[Segment], is_right: BoolArray, params: TrainingParams) -> float:
+    right = [
+        one.cost
+        for one, rows in zip(found, is_right, strict=True)
+        if one.label == label and rows[label]
+    ]
+    return params.gate_slack * max(right) if right else float("inf")

@@ -1,0 +1,201 @@
+"""What `adibas gestures` does: train on a folder, detect in a recording, evaluate."""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from adibas import __version__
+from adibas.data.events import TimedEvent
+from adibas.data.sentence import Sentence
+from adibas.data.skeleton_track import SkeletonTrack
+from adibas.errors import GestureError
+from adibas.gestures.descriptor import DescriptorParams, describe
+from adibas.gestures.evaluation import Evaluation, compare, leave_one_out
+from adibas.gestures.model import GestureModel
+from adibas.gestures.model_file import read_model
+from adibas.gestures.training import TrainingParams, check_examples, train
+from adibas.pipeline.gesture_examples import EVENTS_FILE, read_examples, unseen_joints
+from adibas.recordings.joints_csv import read_joints_csv, recording_name
+from adibas.texts import message
+
+Progress = Callable[[int, int], None]
+FEWEST_GROUPS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Trained:
+    """A model, and what is to be said of its examples."""
+
+    model: GestureModel
+    n_examples: int
+    notices: tuple[Sentence, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Detected:
+    """Events of one recording, and what is to be said of it."""
+
+    events: tuple[TimedEvent, ...]
+    notices: tuple[Sentence, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluated:
+    """An evaluation, how it was split, and what is to be said."""
+
+    protocol: str
+    groups: int
+    result: Evaluation
+    notices: tuple[Sentence, ...]
+
+
+def train_on_folder(folder: Path, params: TrainingParams, progress: Progress) -> Trained:
+    """Train on all examples of a folder.
+
+    Raises
+    ------
+    GestureError, RecordingError
+        The examples cannot be used.
+    """
+    descriptor = DescriptorParams()
+    examples, rule, notices = read_examples(folder, descriptor)
+    model = train(examples, descriptor, params, progress)
+    provenance: dict[str, object] = {
+        "version": __version__,
+        "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
+        "events_sha256": hashlib.sha256((folder / EVENTS_FILE).read_bytes()).hexdigest(),
+        "n_examples": len(examples.gestures),
+        "n_streams": len(examples.streams),
+        "n_groups": len(np.unique(examples.groups)),
+        "split_by": rule,
+        "is_isolated": examples.is_isolated,
+        "training": asdict(params),
+    }
+    return Trained(replace(model, provenance=provenance), len(examples.gestures), notices)
+
+
+def detect_in_file(path: Path, model_path: Path) -> Detected:
+    """Find the gestures of a model in a table of joints.
+
+    Raises
+    ------
+    GestureError, RecordingError
+        A file cannot be used.
+    """
+    model = read_model(model_path)
+    read = read_joints_csv(path)
+    notices = [*read.notices, *unseen_joints(path.name, read.tracks)]
+    events: list[TimedEvent] = []
+    for track in read.tracks:
+        notices += _gaps(path, track, model.descriptor)
+        events += detected_events(recording_name(path), track, model)
+    return Detected(tuple(sorted(events, key=lambda event: event.begin_s)), tuple(notices))
+
+
+def detected_events(
+    recording: str, track: SkeletonTrack, model: GestureModel
+) -> tuple[TimedEvent, ...]:
+    """Return what a model finds in a track."""
+    described = describe(track, model.descriptor)
+    return tuple(
+        TimedEvent(
+            recording,
+            model.labels[found.label],
+            described.time_s(found.begin),
+            described.time_s(found.end),
+            person=track.person,
+            cost=found.cost,
+        )
+        for found in model.detect(described)
+    )
+
+
+def evaluate_folder(
+    folder: Path, test: Path | None, params: TrainingParams, progress: Progress
+) -> Evaluated:
+    """Leave one subject out of `folder`, or train on it and test on `test`.
+
+    Raises
+    ------
+    GestureError, RecordingError
+        The examples cannot be used.
+    """
+    descriptor = DescriptorParams()
+    examples, rule, notices = read_examples(folder, descriptor)
+    check_examples(examples)
+    n_groups = len(np.unique(examples.groups))
+    if test is None:
+        if n_groups < FEWEST_GROUPS:
+            raise GestureError("There is only one example, which leaves nothing to train on.")
+        result = leave_one_out(examples, descriptor, params, progress)
+        return Evaluated(f"leave-one-{rule}-out", n_groups, result, notices)
+    model = train(examples, descriptor, params, progress)
+    others, _, more = read_examples(test, descriptor, examples.labels)
+    return Evaluated("train-test", n_groups, compare(model, others), (*notices, *more))
+
+
+def evaluation_document(evaluated: Evaluated, params: TrainingParams) -> dict[str, object]:
+    """Return an evaluation as plain values for JSON."""
+    result = evaluated.result
+    precision, recall, f1 = result.rates_of(range(len(result.labels)))
+    return {
+        "protocol": evaluated.protocol,
+        "seed": params.seed,
+        "method": params.method,
+        "isolated": result.is_isolated,
+        "n_groups": evaluated.groups,
+        "n_samples": int(result.n_done.sum()),
+        "accuracy": result.accuracy,
+        "accuracy_7_7": result.accuracy_7_7,
+        "not_classified": int(result.missed.sum()),
+        "false_alarms": result.false_alarms,
+        "false_alarms_per_hour": 3600.0 * result.false_alarms / max(result.seconds, 1e-9),
+        "precision": precision,
+        "recall": recall,
+        "f1": f1,
+        "labels": list(result.labels),
+        "confusion": result.confusion.tolist(),
+        "per_class": {label: _rates(result, number) for number, label in enumerate(result.labels)},
+        "begin_error_frames": _median(result.begin_errors.tolist()),
+        "end_error_frames": _median(result.end_errors.tolist()),
+        "frames_per_second": DescriptorParams().rate_hz,
+    }
+
+
+def _rates(result: Evaluation, label: int) -> dict[str, float]:
+    precision, recall, f1 = result.rates_of([label])
+    return {
+        "precision": precision,
+        "recall": recall,
+        "f1": f1,
+        "accuracy_7_7": result.accuracy_of(label),
+    }
+
+
+def _median(values: list[float]) -> float:
+    return float(np.median(values)) if values else 0.0
+
+
+def _gaps(path: Path, track: SkeletonTrack, params: DescriptorParams) -> list[Sentence]:
+    steps_s = np.diff(track.times_s)
+    n_gaps = int((steps_s > params.longest_gap_s).sum())
+    if not n_gaps:
+        return []
+    return [
+        Sentence(
+            message(
+                "{file}: {n} gaps of more than {longest} s (the longest {most} s); no gesture is "
+                "looked for across them."
+            ),
+            {
+                "file": path.name,
+                "n": n_gaps,
+                "longest": params.longest_gap_s,
+                "most": float(steps_s.max()),
+            },
+        )
+    ]
