@@ -31,6 +31,7 @@ COMMANDS = (
     "sessions",
     "protocols",
     "doctor",
+    "gestures",
     "benchmark",
 )
 
