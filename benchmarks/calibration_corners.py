@@ -164,7 +164,7 @@ def _simulated_rows(told: str, tallies: dict[str, Tally]) -> Iterator[Row]:
         yield Row(f"{told}: found", 100 * ours.n_found / ours.n_pictures, "%", share, name)
     yield Row(f"{told}: put in a wrong place", ours.n_wrong, "pictures", 0, "goal")
     for name in others:
-        yield Row(f"{told}: time", ours.time_ms, "ms", tallies[name].time_ms, name)
+        yield Row(f"{told}: CPU time", ours.time_ms, "ms", tallies[name].time_ms, name)
 
 
 def _boardless_rows() -> Iterator[Row]:
