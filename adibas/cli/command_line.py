@@ -24,7 +24,9 @@ WORLD_FAILED = 1
 COMMANDS = (
     "demo",
     "posture",
+    "skeleton",
     "calibrate",
+    "wand",
     "markers",
     "convert",
     "record",

@@ -1,0 +1,155 @@
+"""`adibas skeleton`: names for markers that have none, and the models that know them."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, add_out, positive_count, sentence
+from adibas.data.posture import VIEWS
+from adibas.errors import FileError
+from adibas.files import check_place
+from adibas.texts import message, translate_plural
+from adibas.texts import translate as _
+
+SUMMARY = message("give markers their names, and learn how named markers lie")
+TRAIN = message("learn a model from labelled point sets")
+LABEL = message("name the points of a file")
+
+N_BODIES, N_POSES, SEED = 240, 60, 1
+"""Of the shipped model."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
+    train = actions.add_parser("train", help=_(TRAIN), description=sentence(_(TRAIN)))
+    train.add_argument(
+        "shapes",
+        type=Path,
+        nargs="?",
+        metavar="SHAPES.csv",
+        help=_("shape,point,label,x_m,y_m[,z_m]: a row each point, y down"),
+    )
+    train.add_argument(
+        "--simulator",
+        action="store_true",
+        help=_("learn the 15 joints from simulated people in place of a file"),
+    )
+    train.add_argument(
+        "--bodies",
+        type=positive_count,
+        default=N_BODIES,
+        metavar="N",
+        help=_("how many people are simulated; {n} if not given").format(n=N_BODIES),
+    )
+    train.add_argument(
+        "--poses",
+        type=positive_count,
+        default=N_POSES,
+        metavar="N",
+        help=_("how many poses of each; {n} if not given").format(n=N_POSES),
+    )
+    train.add_argument(
+        "--seed",
+        type=int,
+        default=SEED,
+        metavar="N",
+        help=_("start of the random numbers; {n} if not given").format(n=SEED),
+    )
+    add_out(train, "model.json", _("model to write; an older one is replaced"))
+    add_json(train)
+    train.set_defaults(action=_train)
+    label = actions.add_parser("label", help=_(LABEL), description=sentence(_(LABEL)))
+    label.add_argument(
+        "points",
+        type=Path,
+        metavar="POINTS.csv",
+        help=_("shape,point,label,x_m,y_m[,z_m]: label is empty where it is to be found"),
+    )
+    label.add_argument(
+        "--model",
+        type=Path,
+        metavar="model.json",
+        help=_("what skeleton train has written; the 15 joints if not given"),
+    )
+    label.add_argument(
+        "--view",
+        choices=VIEWS,
+        default="",
+        help=_("which side is seen; without it left and right are named only where they show"),
+    )
+    add_out(label, "labelled.csv", _("file to write; an older one is replaced"))
+    add_json(label)
+    label.set_defaults(action=_label)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Train or label."""
+    check_place(arguments.out)
+    code: int = arguments.action(arguments, console)
+    return code
+
+
+def _train(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.pipeline.skeleton_training import train_from_file, train_from_simulator
+    from adibas.skeleton.model_files import write_model
+
+    if arguments.simulator == (arguments.shapes is not None):
+        raise FileError("Give a file of labelled shapes, or --simulator, and not both.")
+    if arguments.simulator:
+        console.say(_("Seed {seed}").format(seed=arguments.seed))
+        with console.progress(_("Simulating people")) as progress:
+            model = train_from_simulator(
+                arguments.bodies, arguments.poses, arguments.seed, progress
+            )
+    else:
+        model = train_from_file(arguments.shapes)
+    write_model(model, arguments.out)
+    n_prototypes = sum(len(part.prototypes) for part in model.models())
+    console.say(
+        _("{file}: {names}, {prototypes}.").format(
+            file=arguments.out,
+            names=translate_plural("{n} name", "{n} names", len(model.names)).format(
+                n=len(model.names)
+            ),
+            prototypes=translate_plural("{n} prototype", "{n} prototypes", n_prototypes).format(
+                n=n_prototypes
+            ),
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "names": list(model.names),
+            "n_prototypes": n_prototypes,
+            "provenance": dict(model.provenance),
+        }
+    )
+    return 0
+
+
+def _label(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.pipeline.skeleton_labelling import label_file
+
+    with console.progress(_("Naming")) as progress:
+        found = label_file(
+            arguments.points, arguments.model, arguments.view, arguments.out, progress
+        )
+    console.say(
+        _("{file}: {n_named} of {n_points} points have names, {n_unsure} are not sure.").format(
+            file=arguments.out,
+            n_named=found.n_named,
+            n_points=found.n_points,
+            n_unsure=found.n_unsure,
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "n_shapes": found.n_shapes,
+            "n_points": found.n_points,
+            "n_named": found.n_named,
+            "n_unsure": found.n_unsure,
+        }
+    )
+    return 0

@@ -1,0 +1,57 @@
+"""A skeleton model at work: it chooses its part that fits the points, and keeps it prepared."""
+
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.skeleton.labelling import Labelling, LabelParams, label_points
+from adibas.skeleton.model import SkeletonModel
+from adibas.skeleton.prepared import PreparedModel, prepare
+
+SPACE = 3
+
+
+class Namer:
+    """Names the points of one frame after the other."""
+
+    def __init__(self, model: SkeletonModel, params: LabelParams | None = None) -> None:
+        self._model = model
+        self._params = params or LabelParams()
+        self._prepared: dict[str, PreparedModel] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the names that points can get."""
+        return self._model.names
+
+    def knows(self, n_dimensions: int) -> bool:
+        """Say whether the model has a part for points of so many dimensions."""
+        return bool(self._parts(n_dimensions, ""))
+
+    def label(self, points_m: FloatArray, view: str = "") -> Labelling:
+        """Name (M, D) points in metres, y down; see `label_points`.
+
+        Raises
+        ------
+        ValueError
+            The model has no part for that many dimensions.
+        """
+        points_m = np.ascontiguousarray(points_m, float)
+        parts = self._parts(points_m.shape[1], view)
+        return label_points(parts, points_m, view, self._params, self._model.temperature)
+
+    def _parts(self, n_dimensions: int, view: str) -> tuple[PreparedModel, ...]:
+        if n_dimensions == SPACE:
+            keys = ["space"] if self._model.space is not None else []
+        elif view in self._model.planes:
+            keys = [view]
+        else:
+            keys = list(self._model.planes)
+        return tuple(self._part(key) for key in keys)
+
+    def _part(self, key: str) -> PreparedModel:
+        if key not in self._prepared:
+            part = self._model.space if key == "space" else self._model.planes[key]
+            if part is None:
+                raise ValueError("the model has no points in space")
+            self._prepared[key] = prepare(part, self._params.spread)
+        return self._prepared[key]

@@ -1,0 +1,177 @@
+"""Point sets as CSV: ``shape,point,label,x_m,y_m[,z_m]``, a row each point."""
+
+import csv
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from adibas.arrays import FloatArray, check_shape, read_only
+from adibas.data.posture import VIEWS
+from adibas.errors import FileError
+from adibas.files import written_whole
+
+COLUMNS = ("shape", "point", "label", "x_m", "y_m")
+Z, VIEW = "z_m", "view"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointSet:
+    """The points of one shape.
+
+    Attributes
+    ----------
+    shape : str
+        Which one, as the file calls it.
+    points : tuple of str
+        What the file calls each of the M points.
+    labels : tuple of str
+        Their names; empty where one is to be found.
+    positions_m : (M, D) array
+        D of 2 or 3, y down.
+    view : str
+        One of `VIEWS`, or empty where it is not told.
+    """
+
+    shape: str
+    points: tuple[str, ...]
+    labels: tuple[str, ...]
+    positions_m: FloatArray
+    view: str = ""
+
+    def __post_init__(self) -> None:
+        check_shape("positions_m", self.positions_m, (len(self.points), None))
+        read_only(self.positions_m)
+
+
+@dataclass(slots=True)
+class _Rows:
+    points: list[str] = field(default_factory=list)
+    labels: list[str] = field(default_factory=list)
+    positions_m: list[list[float]] = field(default_factory=list)
+    views: list[str] = field(default_factory=list)
+
+
+def read_points(path: Path) -> tuple[PointSet, ...]:
+    """Read point sets, in the order in which the file begins them.
+
+    Raises
+    ------
+    FileError
+        The file is missing, lacks a column, or holds something else than numbers.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.DictReader(file)
+            columns = tuple(reader.fieldnames or ())
+            _check_columns(path, columns)
+            shapes: dict[str, _Rows] = {}
+            for row in reader:
+                _add_row(path, reader.line_num, row, shapes)
+    except OSError as error:
+        raise FileError(
+            "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
+            file=path.name,
+            reason=error.strerror or str(error),
+        ) from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise FileError(
+            "{file} is no CSV file in UTF-8. Save it as such.", file=path.name
+        ) from error
+    return tuple(_point_set(path, name, rows) for name, rows in shapes.items())
+
+
+def write_points(
+    sets: Iterable[PointSet], path: Path, extra: Mapping[str, Sequence[Sequence[object]]]
+) -> None:
+    """Write point sets; `extra` has further columns: for each set a value a point.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    sets = tuple(sets)
+    has_depth = any(one.positions_m.shape[1] == len("xyz") for one in sets)
+    has_view = any(one.view for one in sets)
+    head = [*COLUMNS, *([Z] if has_depth else []), *([VIEW] if has_view else []), *extra]
+    with written_whole(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as f:
+        writer = csv.writer(f)
+        writer.writerow(head)
+        for number, one in enumerate(sets):
+            for i, point in enumerate(one.points):
+                position = [float(value) for value in one.positions_m[i]]
+                view = [one.view] if has_view else []
+                more = [values[number][i] for values in extra.values()]
+                writer.writerow([one.shape, point, one.labels[i], *position, *view, *more])
+
+
+def _check_columns(path: Path, columns: tuple[str, ...]) -> None:
+    lacking = [name for name in COLUMNS if name not in columns]
+    if lacking:
+        raise FileError(
+            "{file} has no column {column}. Its first line must be: "
+            "shape,point,label,x_m,y_m,z_m (without z_m in the plane).",
+            file=path.name,
+            column=lacking[0],
+        )
+
+
+def _add_row(
+    path: Path, line: int, row: Mapping[str, str | None], shapes: dict[str, _Rows]
+) -> None:
+    position = [_number(path, line, row.get(name)) for name in ("x_m", "y_m")]
+    if row.get(Z):
+        position.append(_number(path, line, row[Z]))
+    view = (row.get(VIEW) or "").strip()
+    if view not in ("", *VIEWS):
+        raise FileError(
+            "{file}, line {line}: {view} is no view. There are: {views}.",
+            file=path.name,
+            line=line,
+            view=view,
+            views=", ".join(VIEWS),
+        )
+    rows = shapes.setdefault(row["shape"] or "", _Rows())
+    rows.points.append(row["point"] or "")
+    rows.labels.append((row["label"] or "").strip())
+    rows.positions_m.append(position)
+    rows.views.append(view)
+
+
+def _number(path: Path, line: int, text: str | None) -> float:
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise FileError(
+            "{file}, line {line}: {text} is no position in metres.",
+            file=path.name,
+            line=line,
+            text=text or '""',
+        )
+    return value
+
+
+def _point_set(path: Path, name: str, rows: _Rows) -> PointSet:
+    if len({len(position) for position in rows.positions_m}) > 1:
+        raise FileError(
+            "{file}: shape {shape} has points with and without z_m. Fill in all or none.",
+            file=path.name,
+            shape=name,
+        )
+    named = [label for label in rows.labels if label]
+    twice = sorted({label for label in named if named.count(label) > 1})
+    if twice:
+        raise FileError(
+            "{file}: shape {shape} has two points named {label}. A name may be given once.",
+            file=path.name,
+            shape=name,
+            label=twice[0],
+        )
+    return PointSet(
+        name, tuple(rows.points), tuple(rows.labels), np.array(rows.positions_m), rows.views[0]
+    )
