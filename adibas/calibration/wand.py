@@ -11,7 +11,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, check_shape
 from adibas.data.sentence import Sentence
-from adibas.geometry.uncertainty import independent, uncertain_distances
+from adibas.geometry.uncertainty import uncertain_distances
 from adibas.texts import message
 
 
@@ -83,7 +83,7 @@ class WandCheck:
 
 def check_wand(
     ends_m: FloatArray,
-    covariances_m2: FloatArray,
+    covariance_m2: FloatArray,
     length_m: float,
     params: WandParams | None = None,
 ) -> WandCheck:
@@ -93,8 +93,8 @@ def check_wand(
     ----------
     ends_m : (2, 3) array
         Positions of the markers, metres.
-    covariances_m2 : (2, 3, 3) array
-        Of each.
+    covariance_m2 : (6, 6) array
+        Of both, with what they share; see `adibas.geometry.uncertainty.independent`.
     length_m : float
         Between their centres, as measured with a ruler.
 
@@ -105,10 +105,10 @@ def check_wand(
     """
     params = params or WandParams()
     check_shape("ends_m", ends_m, (2, 3))
-    check_shape("covariances_m2", covariances_m2, (2, 3, 3))
+    check_shape("covariance_m2", covariance_m2, (6, 6))
     if not length_m > 0 or not np.isfinite(ends_m).all():
         raise ValueError("a wand has a positive length and two measured ends")
-    found = uncertain_distances(ends_m[None], independent(*covariances_m2)[None])
+    found = uncertain_distances(ends_m[None], covariance_m2[None])
     measured_m = float(found.values[0])
     low_m, high_m = (float(value) for value in found.intervals[0])
     tolerance_m = params.tolerance_m

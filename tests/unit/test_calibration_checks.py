@@ -24,8 +24,7 @@ MILLIMETRE = 0.001
 
 def wand(measured_m, sd_m, length_m=0.5, params=None):
     ends_m = np.array([[0.0, 0.0, 2.0], [measured_m, 0.0, 2.0]])
-    covariances_m2 = np.tile(np.eye(3) * sd_m**2 / 2, (2, 1, 1))
-    return check_wand(ends_m, covariances_m2, length_m, params)
+    return check_wand(ends_m, np.eye(6) * sd_m**2 / 2, length_m, params)
 
 
 def test_a_wand_of_the_right_length_passes():

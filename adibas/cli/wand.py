@@ -1,0 +1,87 @@
+"""`adibas wand`: does the sensor still measure a known length rightly."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, frame_range, positive
+from adibas.texts import message
+from adibas.texts import translate as _
+
+SUMMARY = message("measure a wand of known length, before a session: does the calibration hold")
+
+NOT_PASSED = 1
+MILLIMETRES = 1000.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument(
+        "recording",
+        type=Path,
+        metavar=_("RECORDING"),
+        help=_("a second or two of somebody who holds the wand still; .mcap, .oni or TUM folder"),
+    )
+    parser.add_argument(
+        "--length-mm",
+        type=positive,
+        required=True,
+        metavar="MM",
+        help=_("between the middles of its two markers, measured with a ruler"),
+    )
+    parser.add_argument(
+        "--markers",
+        required=True,
+        metavar="colours.json|led",
+        help=_("learned colours, or led for LED markers"),
+    )
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("in place of the recording's own calibration"),
+    )
+    parser.add_argument(
+        "--tolerance-mm",
+        type=positive,
+        default=5.0,
+        metavar="MM",
+        help=_("how far off is still good; 5 if not given"),
+    )
+    parser.add_argument(
+        "--frames",
+        type=frame_range,
+        default=(0, None),
+        metavar="A:B",
+        help=_("frames of the burst, B not included; all of them if not given"),
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Measure the wand, say how far off it is; exit code 0 only where it passes."""
+    from adibas.calibration.wand import WandParams, WandResult
+    from adibas.pipeline.session import PostureRequest
+    from adibas.pipeline.wand_check import measure_wand
+
+    request = PostureRequest(
+        recording=arguments.recording,
+        markers=arguments.markers,
+        calibration=arguments.calibration,
+        frames=arguments.frames,
+    )
+    params = WandParams(tolerance_m=arguments.tolerance_mm / MILLIMETRES)
+    with console.progress(_("Analysing")) as progress:
+        check = measure_wand(request, arguments.length_mm / MILLIMETRES, progress, params)
+    console.say(check.sentence.text)
+    console.give(
+        {
+            "result": check.result.value,
+            "length_mm": MILLIMETRES * check.length_m,
+            "measured_mm": MILLIMETRES * check.measured_m,
+            "error_mm": MILLIMETRES * (check.measured_m - check.length_m),
+            "ci95_mm": [MILLIMETRES * value for value in check.interval_m],
+            "sentence": check.sentence.text,
+        }
+    )
+    return 0 if check.result is WandResult.PASSED else NOT_PASSED
