@@ -13,14 +13,34 @@ FEW_DAYS = 60
 
 @dataclass(frozen=True, slots=True)
 class Reminder:
-    """A sentence, and whether it is more than a notice."""
+    """When a sensor was calibrated, and whether that is more than a notice.
 
-    text: str
+    Attributes
+    ----------
+    days : int or None
+        Ago; None: never.
+    is_urgent : bool
+        It should be done now.
+    """
+
+    days: int | None
     is_urgent: bool
+
+    @property
+    def text(self) -> str:
+        """Say it in the language in use."""
+        if self.days is None:
+            return _("This sensor was never calibrated on this computer.")
+        if self.is_urgent:
+            old = _("This sensor was calibrated {age} ago. Calibrate it again.")
+            return old.format(age=_age(self.days))
+        if self.days == 0:
+            return _("This sensor was calibrated today.")
+        return _("This sensor was calibrated {age} ago.").format(age=_age(self.days))
 
 
 def remind(kept: KeptCalibrations, sensor: str, sizes: Sizes | None, now_utc: datetime) -> Reminder:
-    """Say when a sensor was calibrated.
+    """Return when a sensor was calibrated.
 
     Parameters
     ----------
@@ -36,16 +56,9 @@ def remind(kept: KeptCalibrations, sensor: str, sizes: Sizes | None, now_utc: da
     """
     newest = kept.newest(sensor, sizes)
     if newest is None:
-        never = _("This sensor was never calibrated on this computer.")
-        return Reminder(never, is_urgent=True)
+        return Reminder(None, is_urgent=True)
     days = max((now_utc - newest.made_utc).days, 0)
-    if newest.is_old(now_utc):
-        old = _("This sensor was calibrated {age} ago. Calibrate it again.")
-        return Reminder(old.format(age=_age(days)), is_urgent=True)
-    if days == 0:
-        return Reminder(_("This sensor was calibrated today."), is_urgent=False)
-    recent = _("This sensor was calibrated {age} ago.")
-    return Reminder(recent.format(age=_age(days)), is_urgent=False)
+    return Reminder(days, is_urgent=newest.is_old(now_utc))
 
 
 def _age(days: int) -> str:

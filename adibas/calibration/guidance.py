@@ -48,6 +48,14 @@ LEAN_TEXTS: dict[Lean, Message] = {
 }
 NEARER = message("Come nearer: the board shall fill half of the picture's width.")
 FARTHER = message("Step back: the board shall fill a quarter of the picture's width.")
+DISTANT = message(
+    "Step back as far as patients stand, two and a half metres, or as far as the board is still "
+    "found: so the depth is calibrated up to there."
+)
+DEPTH = message(
+    "Hold the board still in a few more places, and let the pictures be taken by themselves: the "
+    "depth camera needs them."
+)
 MORE = message("Take a few more pictures, each from another place and with another tilt.")
 ENOUGH = message("These pictures suffice. More of them make the result a little better.")
 
@@ -76,6 +84,13 @@ class GuidanceParams:
         Slower than this nothing blurs: a third of a pixel in an exposure of 1/30 s.
     still_s : float
         For so long.
+    least_depths : int
+        Pictures with depth, for a sensor with a depth camera: 8, see
+        `adibas.pipeline.calibrating_depth`.
+    distant_m : float
+        And the farthest board: 2.45 m, as patients stand.
+    least_square_px : float
+        Squares that look smaller are not found for sure: 12; farther need no board be.
     """
 
     least_pictures: int = 12
@@ -88,6 +103,9 @@ class GuidanceParams:
     new_lean_rad: float = math.radians(8.0)
     still_px_s: float = 12.0
     still_s: float = 0.4
+    least_depths: int = 8
+    distant_m: float = 2.45
+    least_square_px: float = 12.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,12 +122,18 @@ class Stance:
         By how much the board faces to the image's right and down, radians.
     width_share : float
         What its longer side with the outer squares would take of the image's width.
+    distance_m : float
+        Of its middle.
+    square_px : float
+        How large its squares would look, if they faced the camera.
     """
 
     place: FloatArray
     size: float
     lean_rad: FloatArray
     width_share: float
+    distance_m: float
+    square_px: float
 
     def leans(self, least_rad: float) -> tuple[Lean, ...]:
         """Return the sides that it faces by at least so much."""
@@ -134,6 +158,10 @@ class Guidance:
         How many were taken.
     lacking : tuple of Message
         What to do, the most useful first; empty when the pictures suffice.
+    n_depths : int or None
+        Pictures with depth; None for a sensor without a depth camera.
+    has_distant : bool
+        Whether one of them was as far away as patients stand.
     """
 
     covered: BoolArray
@@ -142,6 +170,8 @@ class Guidance:
     has_far: bool
     n_pictures: int
     lacking: tuple[Message, ...]
+    n_depths: int | None = None
+    has_distant: bool = False
 
     @property
     def next_step(self) -> Message:
@@ -182,6 +212,8 @@ def stance_of(
         size=float(np.sqrt(sides_m.prod()) * scale),
         lean_rad=np.arctan2(facing[:2], -facing[2]),
         width_share=float((sides_m.max() + 2 * board.square_m) * scale),
+        distance_m=float(outline[:, 2].mean()),
+        square_px=float(board.square_m * scale * width),
     )
 
 
@@ -200,6 +232,8 @@ def guide(
     pictures: Sequence[BoardCorners],
     stances: Sequence[Stance],
     params: GuidanceParams | None = None,
+    *,
+    has_depth: Sequence[bool] | None = None,
 ) -> Guidance:
     """Return what pictures lack that were taken.
 
@@ -209,6 +243,8 @@ def guide(
         All of one size.
     stances : sequence of Stance
         Of the same pictures.
+    has_depth : sequence of bool or None
+        Of the same pictures; None for a sensor without a depth camera.
     """
     limits = params or GuidanceParams()
     covered = _covered(pictures, limits.cells)
@@ -220,9 +256,21 @@ def guide(
     lacking += _uncovered(covered)
     lacking += [] if has_near else [NEARER]
     lacking += [] if has_far else [FARTHER]
+    n_depths, has_distant = None, False
+    if has_depth is not None:
+        deep = [stance for stance, has in zip(stances, has_depth, strict=True) if has]
+        n_depths, has_distant = len(deep), any(_is_distant(stance, limits) for stance in deep)
+        lacking += [] if has_distant else [DISTANT]
     lacking += [] if len(pictures) >= limits.least_pictures else [MORE]
+    if n_depths is not None and n_depths < limits.least_depths <= len(pictures):
+        lacking.append(DEPTH)
     kept = tuple(lean for lean in LEANS if lean in leans)
-    return Guidance(covered, kept, has_near, has_far, len(pictures), tuple(lacking))
+    found = (has_near, has_far, len(pictures), tuple(lacking), n_depths, has_distant)
+    return Guidance(covered, kept, *found)
+
+
+def _is_distant(stance: Stance, limits: GuidanceParams) -> bool:
+    return stance.distance_m >= limits.distant_m or stance.square_px <= limits.least_square_px
 
 
 def _covered(pictures: Sequence[BoardCorners], cells: tuple[int, int]) -> BoolArray:

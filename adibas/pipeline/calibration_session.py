@@ -11,6 +11,7 @@ from adibas.calibration.kept import KeptCalibration, KeptCalibrations, sensor_ke
 from adibas.clock import Clock, to_text, utc_now
 from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration_report import DepthReport
 from adibas.data.calibration_verdict import SENTENCES, Grade, Reason, Verdict
 from adibas.data.frames import SourceInfo
 from adibas.data.sentence import Sentence
@@ -37,6 +38,7 @@ from adibas.pipeline.calibration_pictures import (
     NewPicture,
     PictureFolder,
 )
+from adibas.pipeline.calibration_report import report_of_depth_outcome
 from adibas.pipeline.calibration_watch import Moment, MomentWatch
 from adibas.pipeline.learning import PICTURE_SUFFIXES, read_picture
 from adibas.pipeline.live_frames import LiveFrame
@@ -111,6 +113,10 @@ class SensorOutcome:
     def is_good_enough(self) -> bool:
         """Say whether it may be used."""
         return self.calibration is not None and self.camera.verdict.grade is not Grade.REPEAT
+
+    def depth_report(self) -> DepthReport | None:
+        """Return what is told of the depth camera; None where nothing was found of it."""
+        return None if self.depth is None else report_of_depth_outcome(self.depth)
 
 
 @dataclass(frozen=True, slots=True)
@@ -351,7 +357,12 @@ class CalibrationSession:
         self.pictures = tuple(one for one, stance in known if stance is not None)
         self._stances = [stance for _one, stance in known if stance is not None]
         corners = [one.corners for one in self.pictures]
-        self.guidance: Guidance = guide(corners, self._stances)
+        has_depth = [one.depth_file is not None for one in self.pictures]
+        self.guidance: Guidance = guide(
+            corners,
+            self._stances,
+            has_depth=has_depth if has_depth_camera(self.sensor.info) else None,
+        )
 
     def _stance(self, picture: KeptPicture) -> Stance | None:
         return self._watch.stance_of(picture.corners)

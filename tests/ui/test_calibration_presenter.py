@@ -280,7 +280,7 @@ def test_an_accepted_calibration_is_kept_and_the_sensor_opened_with_it(wizard):
     wizard.result.take_more()
     wizard.see(0)
     assert wizard.numbers == []
-    assert wizard.shown.reminder == "This sensor was calibrated today."
+    assert wizard.shown.reminder.text == "This sensor was calibrated today."
 
 
 def test_a_result_can_be_thrown_away(wizard):
@@ -330,13 +330,14 @@ def test_the_user_is_reminded_by_age(wizard, age, sentence, is_urgent):
     wizard.kept.keep(replace(MAKERS, created_utc=NOW.isoformat()))
     wizard.clock.now = NOW + age
     wizard.enter()
-    assert (wizard.shown.reminder, wizard.shown.is_reminder_urgent) == (sentence, is_urgent)
+    reminder = wizard.shown.reminder
+    assert (reminder.text, reminder.is_urgent) == (sentence, is_urgent)
 
 
 def test_a_sensor_that_was_never_calibrated_is_told(wizard):
     wizard.enter()
-    assert wizard.shown.reminder == "This sensor was never calibrated on this computer."
-    assert wizard.shown.is_reminder_urgent
+    assert wizard.shown.reminder.text == "This sensor was never calibrated on this computer."
+    assert wizard.shown.reminder.is_urgent
 
 
 def test_a_board_is_printed(wizard, tmp_path):

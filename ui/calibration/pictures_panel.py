@@ -37,7 +37,7 @@ class PicturesPanel(QGroupBox):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._ticks = [QLabel(self) for _ in range(8)]
+        self._ticks = [QLabel(self) for _ in range(10)]
         self._automatic = QCheckBox(self)
         self._list = QListWidget(self)
         self._list.setViewMode(QListWidget.ViewMode.IconMode)
@@ -84,7 +84,8 @@ class PicturesPanel(QGroupBox):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self.setTitle(_("Pictures of the board"))
-        self._automatic.setText(_("Take them &by itself when the board is still"))
+        self._automatic.setText(_("Take them &by itself"))
+        self._automatic.setToolTip(_("Take a picture when the board is still and the view is new"))
         self._list.setAccessibleName(_("Pictures of the board"))
         self._empty.setText(_("None yet. Hold the board before the sensor."))
         self._remove.setText(_("&Remove"))

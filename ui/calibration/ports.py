@@ -11,6 +11,7 @@ from adibas.pipeline.calibration_pictures import KeptPicture
 from adibas.pipeline.calibration_session import SensorOutcome
 from adibas.pipeline.calibration_watch import Moment
 from adibas.pipeline.live_frames import LiveFrame, SensorState
+from ui.reminders import Reminder
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,10 +26,8 @@ class Shown:
         Taken so far.
     guidance : Guidance or None
         What they lack; None before a sensor is seen.
-    reminder : str
-        When the sensor was calibrated before, in words.
-    is_reminder_urgent : bool
-        It should be done now.
+    reminder : Reminder or None
+        When the sensor was calibrated before; None where that is of no use.
     is_automatic : bool
         Pictures are taken when the board is still.
     is_offline : bool
@@ -42,8 +41,7 @@ class Shown:
     board: Board
     pictures: tuple[KeptPicture, ...] = ()
     guidance: Guidance | None = None
-    reminder: str = ""
-    is_reminder_urgent: bool = False
+    reminder: Reminder | None = None
     is_automatic: bool = True
     is_offline: bool = False
     can_compute: bool = False

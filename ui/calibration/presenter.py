@@ -66,7 +66,7 @@ class CalibrationPresenter:
         self._bench = Bench(workspace, kept or KeptCalibrations(), clock, self._show)
         self.result = ResultPresenter(view, self._bench, self._on_accepted)
         self._board = USUAL_BOARD
-        self._reminder = Reminder("", is_urgent=False)
+        self._reminder: Reminder | None = None
         self._is_automatic = True
         self._is_offline = False
         self._is_seen = False
@@ -283,7 +283,7 @@ class CalibrationPresenter:
         session.add(*taken)
         if session is not self._bench.session:
             self._bench.session, self._is_offline = session, True
-            self._reminder = Reminder("", is_urgent=False)
+            self._reminder = None
         n = len(taken)
         told = translate_plural("{n} picture was added.", "{n} pictures were added.", n)
         sentences = [told.format(n=n), *_reasons(refused)]
@@ -293,7 +293,7 @@ class CalibrationPresenter:
             self.look_at(session.pictures[-1].number)
 
     def _on_accepted(self) -> None:
-        self._reminder = Reminder("", is_urgent=False)
+        self._reminder = None
         live = self._workspace.live
         if live.opened is not None:
             live.open(*live.opened)  # it brings the new calibration along
@@ -330,8 +330,7 @@ class CalibrationPresenter:
                 board=self._board_in_use,
                 pictures=pictures,
                 guidance=None if session is None else session.guidance,
-                reminder=self._reminder.text,
-                is_reminder_urgent=self._reminder.is_urgent,
+                reminder=self._reminder,
                 is_automatic=self._is_automatic,
                 is_offline=self._is_offline,
                 can_compute=len(pictures) >= LEAST_TO_COMPUTE,

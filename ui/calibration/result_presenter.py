@@ -84,7 +84,12 @@ class ResultPresenter:
         def work(_control: JobControl) -> Path:
             previous = None if outcome.previous is None else outcome.previous.calibration
             report = report_of_calibration(
-                outcome.camera, outcome.calibration, language, previous=previous, clock=clock
+                outcome.camera,
+                outcome.calibration,
+                language,
+                depth=outcome.depth_report(),
+                previous=previous,
+                clock=clock,
             )
             write_calibration_report(report, path)
             return path

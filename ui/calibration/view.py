@@ -154,9 +154,11 @@ class CalibrationScreen(Screen):
     def show_session(self, shown: Shown) -> None:
         self._shown = shown
         self._advice.setText(_advice(shown))
-        self._reminder.setText(shown.reminder)
-        self._reminder.setVisible(bool(shown.reminder))
-        dress(self._reminder, "warning" if shown.is_reminder_urgent else "quiet")
+        reminder = shown.reminder
+        self._reminder.setText("" if reminder is None else reminder.text)
+        self._reminder.setVisible(reminder is not None)
+        is_urgent = reminder is not None and reminder.is_urgent
+        dress(self._reminder, "warning" if is_urgent else "quiet")
         self._board.setEnabled(not shown.is_busy)
         self._board.show_board(shown.board)
         self._pictures.show_pictures(shown)
@@ -222,7 +224,7 @@ class CalibrationScreen(Screen):
                 corners, self._shown.board, is_ready=is_ready or self._flash.isActive()
             )
         if self._flash.isActive():
-            overlays.append(Text(width / 2, height / 12, "✓ " + _("Taken"), "selected"))
+            overlays.append(Text(width / 2, height / 12, "✓ " + _("Picture taken"), "selected"))
         self._picture.set_overlays(tuple(overlays))
 
     def _hint_at(self, text: str, kind: str) -> None:
@@ -257,7 +259,7 @@ class CalibrationScreen(Screen):
     def _ask_page(self, size_name: str) -> None:
         dialog = QFileDialog(self, _("Print the board"))
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-        dialog.setNameFilter(f"{_('PDF files')} (*.pdf)")
+        dialog.setNameFilter(_("PDF files") + " (*.pdf)")
         dialog.setDefaultSuffix("pdf")
         dialog.selectFile(f"board-{size_name}.pdf")
         dialog.fileSelected.connect(lambda name: self._presenter.print_board(size_name, Path(name)))
@@ -266,7 +268,7 @@ class CalibrationScreen(Screen):
     def _ask_images(self) -> None:
         dialog = QFileDialog(self, _("Pictures of the board"))
         dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
-        dialog.setNameFilter(f"{_('Pictures')} {PICTURES}")
+        dialog.setNameFilter(_("Pictures") + f" {PICTURES}")
         dialog.filesSelected.connect(
             lambda names: self._presenter.open_images(tuple(Path(name) for name in names))
         )
@@ -275,7 +277,7 @@ class CalibrationScreen(Screen):
     def _ask_place(self) -> None:
         dialog = QFileDialog(self, _("Save the calibration"))
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-        dialog.setNameFilter(f"{_('Calibrations')} (*.json)")
+        dialog.setNameFilter(_("Calibrations") + " (*.json)")
         dialog.setDefaultSuffix("json")
         dialog.selectFile("calibration.json")
         dialog.fileSelected.connect(lambda name: self._presenter.result.save(Path(name)))
@@ -284,7 +286,7 @@ class CalibrationScreen(Screen):
     def _ask_report(self) -> None:
         dialog = QFileDialog(self, _("Write a report"))
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-        dialog.setNameFilters([f"{_('PDF files')} (*.pdf)", f"{_('Excel workbooks')} (*.xlsx)"])
+        dialog.setNameFilters([_("PDF files") + " (*.pdf)", _("Excel workbooks") + " (*.xlsx)"])
         dialog.setDefaultSuffix("pdf")
         dialog.filterSelected.connect(
             lambda chosen: dialog.setDefaultSuffix("xlsx" if "xlsx" in chosen else "pdf")
