@@ -26,10 +26,12 @@ from ui.capture.sources import SourceChoice
 from ui.capture.status_line import StatusLine
 from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
+from ui.widgets.shown_picture import Coloring
 from ui.widgets.side_panel import SidePanel
 
 RECORDINGS = "(*.mcap *.oni)"
 COUNT_PT = 96
+DEPTH_COLORING = Coloring(depth_levels, PACKED_PALETTE)
 
 
 class CaptureScreen(Screen):
@@ -204,7 +206,7 @@ class CaptureScreen(Screen):
             self._color.set_picture(picture)
             self._color.set_overlays(overlays_of(frame, self._display.shows))
         if self._depth.isVisible() and frame.depth_m is not None:
-            self._depth.set_levels(depth_levels(frame.depth_m), PACKED_PALETTE)
+            self._depth.set_numbers(frame.depth_m, DEPTH_COLORING)
 
     def _show_hints(self) -> None:
         hints = self._frame.hints if self._frame is not None else ()

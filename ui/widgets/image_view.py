@@ -4,14 +4,11 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import cv2
-import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFocusEvent,
     QHelpEvent,
-    QImage,
     QKeyEvent,
     QMouseEvent,
     QPainter,
@@ -21,11 +18,12 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from adibas.arrays import UInt8Array
+from adibas.arrays import Float32Array, UInt8Array
 from ui.theme import DRAWN
 from ui.widgets.image_geometry import ImagePlacement
 from ui.widgets.overlay_painter import GRAB_PX, paint_overlays
 from ui.widgets.overlays import Dot, Overlay
+from ui.widgets.shown_picture import Coloring, ShownPicture
 
 GROUND = QColor("#11161B")
 WHEEL_STEP = 1.2
@@ -66,9 +64,7 @@ class ImageView(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._picture: UInt8Array | None = None
-        self._palette: tuple[int, ...] = ()
-        self._image, self._fitted = QImage(), QImage()
+        self._picture: ShownPicture | None = None
         self._placement = ImagePlacement((1, 1), (1, 1))
         self._overlays: tuple[Overlay, ...] = ()
         self._cross: tuple[float, float] | None = None
@@ -89,19 +85,18 @@ class ImageView(QWidget):
     def set_picture(self, picture_rgb: UInt8Array | None) -> None:
         """Show an (H, W, 3) picture; zoom and place stay where the size stays."""
         if picture_rgb is None:
-            self._picture, self._image, self._fitted = None, QImage(), QImage()
+            self._picture = None
             self.update()
         else:
-            self._show(picture_rgb, ())
+            self._show(ShownPicture(picture_rgb))
 
-    def set_levels(self, levels: UInt8Array, palette: tuple[int, ...]) -> None:
-        """Show an (H, W) picture of 256 colours, each as Qt packs them: it is drawn for less."""
-        self._show(levels, palette)
+    def set_numbers(self, numbers: Float32Array, coloring: Coloring) -> None:
+        """Show an (H, W) picture of numbers: it is drawn for less than one of colours."""
+        self._show(ShownPicture(numbers, coloring))
 
-    def _show(self, picture: UInt8Array, palette: tuple[int, ...]) -> None:
-        self._picture, self._palette = np.ascontiguousarray(picture), palette
-        self._image, self._fitted = self._as_image(self._picture), QImage()
-        height, width = self._picture.shape[:2]
+    def _show(self, picture: ShownPicture) -> None:
+        self._picture = picture
+        width, height = picture.size
         if self._placement.picture != (width, height):
             self._placement = replace(self._placement, picture=(width, height)).fitted()
             self._cross = None
@@ -115,7 +110,6 @@ class ImageView(QWidget):
     def set_rotation(self, rotation_deg: int) -> None:
         """Turn the picture clockwise by 0, 90, 180 or 270 degrees."""
         if rotation_deg != self._placement.rotation_deg:
-            self._fitted = QImage()
             self._placement = replace(self._placement, rotation_deg=rotation_deg).fitted()
             self.update()
 
@@ -152,22 +146,24 @@ class ImageView(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
         painter = QPainter(self)
-        if self._image.isNull():
+        if self._picture is None:
             painter.fillRect(event.rect(), GROUND)
             painter.setPen(QColor("#B3C0CB"))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self._placeholder)
         else:
-            self._paint_picture(painter)
+            self._paint_picture(painter, self._picture)
             paint_overlays(painter, self._placement, self._overlays)
             self._paint_cross(painter)
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
-    def _paint_picture(self, painter: QPainter) -> None:
+    def _paint_picture(self, painter: QPainter, picture: ShownPicture) -> None:
         place = self._placement
         if place.scale < 1 and place.zoom == 1:
-            image = self._fitted_image()
+            ratio = self.devicePixelRatioF()
+            width, height = (max(1, round(ratio * place.scale * side)) for side in picture.size)
+            image = picture.fitted((width, height), place.rotation_deg, ratio)
             size = image.deviceIndependentSize()
             left, top = (self.width() - size.width()) / 2, (self.height() - size.height()) / 2
             covered = QRect(round(left), round(top), int(size.width()), int(size.height()))
@@ -183,36 +179,8 @@ class ImageView(QWidget):
         painter.rotate(place.rotation_deg)
         painter.scale(place.scale, place.scale)
         left, top = -0.5 - place.center[0], -0.5 - place.center[1]
-        painter.drawImage(QRectF(left, top, self._image.width(), self._image.height()), self._image)
+        painter.drawImage(QRectF(left, top, *picture.size), picture.whole())
         painter.restore()
-
-    def _fitted_image(self) -> QImage:
-        """Return the whole picture in the screen's own pixels; kept until it changes.
-
-        OpenCV makes it smaller in a third of the time that Qt's painter takes.
-        """
-        ratio, place = self.devicePixelRatioF(), self._placement
-        width, height = (max(1, round(ratio * place.scale * side)) for side in place.picture)
-        is_upright = place.rotation_deg in (0, 180)
-        shown = (width, height) if is_upright else (height, width)
-        if self._picture is not None and self._fitted.size() != QSize(*shown):
-            way = cv2.INTER_NEAREST if self._palette else cv2.INTER_LINEAR
-            small = cv2.resize(self._picture, (width, height), interpolation=way).astype(
-                np.uint8, copy=False
-            )
-            turned = np.ascontiguousarray(np.rot90(small, -place.rotation_deg // 90))
-            self._fitted = self._as_image(turned).convertToFormat(QImage.Format.Format_RGB32)
-            self._fitted.setDevicePixelRatio(ratio)
-        return self._fitted
-
-    def _as_image(self, picture: UInt8Array) -> QImage:
-        """Return an image that borrows the pixels of `picture`: who holds it holds both."""
-        height, width = picture.shape[:2]
-        if not self._palette:
-            return QImage(picture.data, width, height, 3 * width, QImage.Format.Format_RGB888)
-        image = QImage(picture.data, width, height, width, QImage.Format.Format_Indexed8)
-        image.setColorTable(self._palette)
-        return image
 
     def _paint_cross(self, painter: QPainter) -> None:
         if self._cross is None or not self.hasFocus():
