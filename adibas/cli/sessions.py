@@ -14,6 +14,7 @@ from adibas.cli.options import (
     refuse_to_replace,
 )
 from adibas.cli.protocol_options import add_protocol, wished_protocol
+from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.store_options import add_store, open_existing
 from adibas.errors import StoreError
 from adibas.files import check_place
@@ -57,8 +58,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
     add_report_options(exporting)
     add_protocol(exporting)
+    exporting.add_argument(
+        "--compared-with",
+        default="",
+        metavar=_("SESSION"),
+        help=_("id of an earlier session of the patient: the report tells what changed"),
+    )
     add_out(exporting, _("DIR"), _("folder to write into"))
     add_overwrite(exporting)
+    repeating = add("reliability", _("How well measures repeat in this clinic."), tell_reliability)
+    add_reliability_arguments(repeating)
     verifying = add("verify", _("Check the database, the audit log and every file."), _verify)
     verifying.add_argument(
         "--entries",
@@ -147,7 +156,9 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
         )
         console.say(text.format(file=path, n_frames=summary.n_frames))
     if session.capture_ids:
-        wish = ReportWish(arguments.language, PictureChoice(arguments.pictures), protocol)
+        wish = ReportWish(
+            arguments.language, PictureChoice(arguments.pictures), protocol, arguments.compared_with
+        )
         for path in _export_reports(store, session, folder, wish):
             paths.append(path)
             console.say(str(path))

@@ -6,6 +6,7 @@ from enum import Enum
 
 from adibas.data.corrections import FreeMeasure
 from adibas.data.posture import PostureAnalysis
+from adibas.data.reliability import Comparison
 from adibas.data.sessions import ROTATIONS_DEG
 
 
@@ -38,6 +39,14 @@ class CaptureReport:
     measures: tuple[FreeMeasure, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class SessionComparison:
+    """What changed since an earlier session, and when that began."""
+
+    since_utc: datetime
+    comparison: Comparison
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SessionReport:
     """The captures of one session, or a single capture that belongs to none.
@@ -60,6 +69,8 @@ class SessionReport:
         Of the session; empty where there is nothing to tell.
     rotation_deg : int
         How far pictures are turned clockwise to be upright.
+    comparison : SessionComparison or None
+        With an earlier session.
     """
 
     patient: str
@@ -72,6 +83,7 @@ class SessionReport:
     protocol: str = ""
     notes: str = field(default="", repr=False)
     rotation_deg: int = 0
+    comparison: SessionComparison | None = None
 
     def __post_init__(self) -> None:
         if not self.captures:

@@ -23,7 +23,7 @@ WIDTH = float(ndtri(0.975))
 """Standard deviations on each side of 95 %."""
 
 Function: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
-"""Of (M, n, 3) points and (M, 2) tilts of the vertical: (M,) values."""
+"""Of (..., M, n, 3) points and (2,) tilts of the vertical: (..., M) values."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,23 +47,20 @@ class Inputs:
 
 def first_order(function: Function, inputs: Inputs, *, is_angle: bool) -> list[Estimate | None]:
     """Return each value with its interval; None where points coincide."""
-    n_measures, n_points = inputs.points_m.shape[:2]
-    level = np.zeros((n_measures, 2))
+    n_points = inputs.points_m.shape[1]
+    level = np.zeros(2)
     values = function(inputs.points_m, level)
-    slopes = np.empty((n_measures, 3 * n_points))
-    for place in range(3 * n_points):
-        step = np.zeros((n_points, 3))
-        step[divmod(place, 3)] = STEP
-        slopes[:, place] = _slope(
-            function(inputs.points_m + step, level),
-            function(inputs.points_m - step, level),
-            is_angle=is_angle,
-        )
-    variances = np.einsum("mi,mij,mj->m", slopes, inputs.covariances_m2, slopes)
+    steps_m = STEP * np.eye(3 * n_points).reshape(-1, 1, n_points, 3)
+    slopes = _slope(
+        function(inputs.points_m + steps_m, level),
+        function(inputs.points_m - steps_m, level),
+        is_angle=is_angle,
+    )
+    variances = np.einsum("im,mij,jm->m", slopes, inputs.covariances_m2, slopes)
     for step_rad in STEP * np.eye(2):
         slope = _slope(
-            function(inputs.points_m, level + step_rad),
-            function(inputs.points_m, level - step_rad),
+            function(inputs.points_m, step_rad),
+            function(inputs.points_m, -step_rad),
             is_angle=is_angle,
         )
         variances += (slope * inputs.tilt_sd_rad) ** 2

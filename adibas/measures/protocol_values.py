@@ -105,9 +105,11 @@ class Measurer:
 
         def of(moved_m: FloatArray, tilts_rad: FloatArray) -> FloatArray:
             up = sight.vertical.tilted(tilts_rad)
-            across_m = moved_m[:, n_own + 1] - moved_m[:, n_own] if sight.across else None
+            across_m = None
+            if sight.across:
+                across_m = moved_m[..., n_own + 1, :] - moved_m[..., n_own, :]
             direction = axis_along(axis, sight.view, up, across_m, is_sideways=sight.is_sideways)
-            return value(moved_m[:, :n_own], (direction, up))
+            return value(moved_m[..., :n_own, :], (direction, up))
 
         inputs = Inputs(points_m, covariances_m2, sight.vertical.sd_rad)
         is_angle = KINDS[definitions[0].kind].quantity == "angle"

@@ -3,8 +3,10 @@
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from adibas.data.report import PictureChoice, SessionReport
+from adibas.data.report import PictureChoice, SessionComparison, SessionReport
+from adibas.data.sessions import Session
 from adibas.errors import ReportError
+from adibas.pipeline.clinic_repeats import compare_stored
 from adibas.pipeline.protocol_measuring import ProtocolWish, wish_of_session
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.sessions import SessionStore
@@ -22,11 +24,14 @@ class ReportWish:
         How much they show.
     protocol : ProtocolWish or None
         What to measure; None: the protocol that the session names, in the sensor's plane.
+    compared_with : str
+        Id of an earlier session whose measures stand beside; empty for none.
     """
 
     language: str
     pictures: PictureChoice = PictureChoice.AS_IS
     protocol: ProtocolWish | None = None
+    compared_with: str = ""
 
 
 def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> SessionReport:
@@ -35,7 +40,9 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
     Raises
     ------
     ReportError
-        The session has no captures.
+        The session has no captures, or is compared with one of another patient or protocol.
+    ProtocolError
+        What is compared has no measures.
     StoreError
         The session is gone, or a file of it is damaged.
     """
@@ -52,7 +59,36 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
         shown = capture_report(capture, picture_rgb, surface_per_m, protocol)
         told = (*shown.analysis.notices, *notices)
         reports.append(replace(shown, analysis=replace(shown.analysis, notices=told)))
-    return report_of_session(session, tuple(reports), wish.language, wish.pictures)
+    report = report_of_session(session, tuple(reports), wish.language, wish.pictures)
+    if not wish.compared_with:
+        return report
+    return replace(report, comparison=_compared(store, wish.compared_with, session, protocol))
+
+
+def _compared(
+    store: SessionStore, earlier_id: str, session: Session, protocol: ProtocolWish | None
+) -> SessionComparison:
+    """Return what changed since an earlier session of the same patient."""
+    earlier = store.sessions.get(earlier_id)
+    if earlier.patient != session.patient:
+        raise ReportError(
+            "The two sessions are of different patients, and a change is one of one patient. "
+            "Choose another session."
+        )
+    if protocol is None:
+        raise ReportError(
+            "Sessions are compared by the measures of a protocol, and none is told. Choose one."
+        )
+    of_earlier = earlier.setup.protocol
+    if of_earlier and session.setup.protocol and of_earlier != session.setup.protocol:
+        raise ReportError(
+            "The two sessions follow different protocols, {first} and {second}, and cannot be "
+            "compared.",
+            first=of_earlier,
+            second=session.setup.protocol,
+        )
+    found = compare_stored(store, earlier_id, session.session_id, protocol)
+    return SessionComparison(earlier.started_utc, found)
 
 
 class StoredReports(Collection[SessionReport]):

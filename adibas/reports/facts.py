@@ -5,9 +5,10 @@ from datetime import datetime
 
 from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import INSTRUMENT_ONLY, PLANE_TEXTS, VERTICAL_TEXTS
+from adibas.data.reliability import Verdict
 from adibas.data.report import CaptureReport, SessionReport
+from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
-from adibas.texts import translate_plural
 
 Pairs = list[tuple[str, str | float]]
 
@@ -95,6 +96,31 @@ def protocol_facts(analysis: PostureAnalysis) -> Pairs:
     if protocol.notes is not None:
         facts.append((_("Note on the protocol"), protocol.notes.text))
     return facts + [(_("Notice"), notice.text) for notice in measures.notices]
+
+
+def comparison_facts(report: SessionReport) -> Pairs:
+    """Return with what the session was compared, and what chance alone would mark."""
+    if report.comparison is None:
+        return []
+    found = report.comparison.comparison
+    chance = _(
+        "{beyond} of {judged} measures are marked; if nothing had changed, {expected} would be."
+    ).format(
+        beyond=found.n_beyond,
+        judged=found.n_judged,
+        expected=decimal_text(found.expected_by_chance, 1),
+    )
+    since = report.comparison.since_utc.isoformat(timespec="seconds")
+    return [(_("Compared with the session of (UTC)"), since), (_("Beyond MDC95"), chance)]
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """Return what a change is against the smallest detectable one, for a reader."""
+    return {
+        Verdict.INSIDE: _("inside MDC95"),
+        Verdict.BEYOND: _("beyond MDC95"),
+        Verdict.UNKNOWN: _("not known"),
+    }[verdict]
 
 
 def intended_use() -> str:

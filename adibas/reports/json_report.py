@@ -43,7 +43,34 @@ def session_to_json(report: SessionReport) -> dict[str, Any]:
         "protocol": report.protocol,
         "notes": report.notes,
         "version": report.version,
+        "comparison": _comparison(report),
         "captures": [_capture(capture) for capture in report.captures],
+    }
+
+
+def _comparison(report: SessionReport) -> dict[str, Any] | None:
+    if report.comparison is None:
+        return None
+    found = report.comparison.comparison
+    return {
+        "since_utc": report.comparison.since_utc.isoformat(),
+        "n_judged": found.n_judged,
+        "n_beyond": found.n_beyond,
+        "expected_by_chance": found.expected_by_chance,
+        "changes": [
+            {
+                "id": change.measure_id,
+                "view": change.view,
+                "unit": change.unit,
+                "before": change.before,
+                "after": change.after,
+                "difference": change.difference,
+                "ci95": None if change.interval is None else list(change.interval),
+                "mdc95": change.mdc95,
+                "verdict": change.verdict.value,
+            }
+            for change in found.changes
+        ],
     }
 
 

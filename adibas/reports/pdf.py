@@ -10,12 +10,14 @@ from adibas.reports.facts import (
     calibration_text,
     capture_facts,
     capture_names,
+    comparison_facts,
     general_facts,
     intended_use,
     notices,
     protocol_facts,
     session_facts,
 )
+from adibas.reports.pdf_changes import change_flowables
 from adibas.reports.pdf_document import write_document
 from adibas.reports.pdf_layout import facts_table, note, picture_row, title, wrapped_table
 from adibas.reports.pdf_views import ViewPage, view_flowables
@@ -63,7 +65,7 @@ def _story(report: SessionReport) -> list[Flowable]:
     ]
     story: list[Flowable] = [
         title(_(HEADING)),
-        facts_table([*session_facts(report), *general_facts(report)]),
+        facts_table([*session_facts(report), *comparison_facts(report), *general_facts(report)]),
         picture_row([(page.name, page.picture_rgb) for page in pages]),
     ]
     story += [title(_("Views"), level=2), _views_table(report)]
@@ -73,6 +75,7 @@ def _story(report: SessionReport) -> list[Flowable]:
     story.append(
         note(_("Positions are in the axes of the colour camera: x right, y down, z ahead."))
     )
+    story += change_flowables(report)
     for page in pages:
         story += [PageBreak(), *view_flowables(page)]
     return story

@@ -1,0 +1,131 @@
+"""How well the measures of a protocol repeat in one clinic, from the sessions that its store keeps.
+
+Sessions of one patient on one day by one operator are repeats with the markers placed anew;
+captures of one view in one session are repeats with the same markers. Of a patient with several
+such days the one with most repeats counts, since between days a patient may have changed.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+from adibas.data.protocol_measures import ProtocolMeasures
+from adibas.data.reliability import Comparison, Reliability, Repeat
+from adibas.data.sessions import Capture, Session
+from adibas.measures.comparison import compare_sessions
+from adibas.measures.protocol_measures import Capturing, measure_protocol
+from adibas.measures.reliability import reliability_of
+from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.protocol_measuring import ProtocolWish
+from adibas.sessions import SessionStore
+
+MOST_PATIENTS = 1_000_000
+
+Key = tuple[str, str]
+"""View and measure."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClinicReliability:
+    """What repeats say of each measure of one protocol by one operator, by view and measure."""
+
+    operator: str
+    wish: ProtocolWish
+    by_measure: dict[Key, Reliability]
+
+    def mdc95(self) -> dict[Key, float]:
+        """Return the smallest detectable changes that are known."""
+        return {
+            key: found.mdc95 for key, found in self.by_measure.items() if found.mdc95 is not None
+        }
+
+
+def measured_captures(
+    store: SessionStore, session_id: str, wish: ProtocolWish
+) -> tuple[ProtocolMeasures, ...]:
+    """Return what a protocol measures in each capture of a session whose view it knows.
+
+    Raises
+    ------
+    StoreError
+        The session is gone.
+    """
+    captures = store.captures.of_session(session_id)
+    known = [capture for capture in captures if capture.view in wish.protocol.views]
+    return tuple(_measured(capture, wish) for capture in known)
+
+
+def reliability_in_clinic(
+    store: SessionStore, wish: ProtocolWish, operator: str
+) -> ClinicReliability:
+    """Return how well each measure repeats in the hands of one operator."""
+    repeats: dict[Key, list[Repeat]] = {}
+    for row in store.patients.search("", limit=MOST_PATIENTS):
+        sessions = [
+            session
+            for session in store.sessions.of_patient(row.pseudonym)
+            if session.operator == operator
+        ]
+        for key, values in _of_patient(store, wish, sessions).items():
+            repeats.setdefault(key, []).extend(values)
+    found = {key: reliability_of(values) for key, values in repeats.items()}
+    return ClinicReliability(operator, wish, found)
+
+
+def compare_stored(
+    store: SessionStore, before_id: str, after_id: str, wish: ProtocolWish
+) -> Comparison:
+    """Return the change of every measure between two sessions of the store.
+
+    Changes are marked with what repeats of the later session's operator say.
+
+    Raises
+    ------
+    ProtocolError
+        A session has no measure of the protocol.
+    StoreError
+        A session is gone.
+    """
+    operator = store.sessions.get(after_id).operator
+    before = measured_captures(store, before_id, wish)
+    after = measured_captures(store, after_id, wish)
+    return compare_sessions(before, after, reliability_in_clinic(store, wish, operator).mdc95())
+
+
+def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
+    by_hand = capture.history.placed_by_hand()
+    vertical = vertical_of(capture.calibration)
+    capturing = Capturing(capture.view, vertical, wish.plane, by_hand)
+    return measure_protocol(wish.protocol, capture.markers(), capturing)
+
+
+def _of_patient(
+    store: SessionStore, wish: ProtocolWish, sessions: list[Session]
+) -> dict[Key, list[Repeat]]:
+    """Return the repeats of each measure on the day that has most of them."""
+    best: dict[Key, list[Repeat]] = {}
+    ordered = sorted(sessions, key=lambda session: session.started_utc)
+    for _day, some in groupby(ordered, key=lambda session: session.started_utc.date()):
+        found: dict[Key, list[Repeat]] = {}
+        for session in some:
+            for key, repeat in _of_session(store, wish, session, found):
+                found.setdefault(key, []).append(repeat)
+        for key, repeats in found.items():
+            if len(repeats) >= len(best.get(key, ())):
+                best[key] = repeats
+    return best
+
+
+def _of_session(
+    store: SessionStore, wish: ProtocolWish, session: Session, earlier: dict[Key, list[Repeat]]
+) -> Iterator[tuple[Key, Repeat]]:
+    seen = set(earlier)  # before anything of this session is added to it
+    told: set[Key] = set()
+    for measures in measured_captures(store, session.session_id, wish):
+        for result in measures.results:
+            if result.main is None:
+                continue
+            key = (measures.view, result.definition.measure_id)
+            value = result.main.value / result.definition.per_unit
+            yield key, Repeat(session.patient, value, key in seen and key not in told)
+            told.add(key)
