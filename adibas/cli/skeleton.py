@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "shapes",
         type=Path,
         nargs="?",
-        metavar="SHAPES.csv",
+        metavar="shapes.csv",
         help=_("shape,point,label,x_m,y_m[,z_m]: a row each point, y down"),
     )
     train.add_argument(
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     label.add_argument(
         "points",
         type=Path,
-        metavar="POINTS.csv",
+        metavar="points.csv",
         help=_("shape,point,label,x_m,y_m[,z_m]: label is empty where it is to be found"),
     )
     label.add_argument(

@@ -122,6 +122,8 @@ class Labelling:
         None where there are too few points.
     heading_rad : float
         Of the patient, 0 facing the camera; NaN without a candidate.
+    masses : (M, N + 1) array
+        Probability of each name for each point; the last: of none.
     """
 
     names: tuple[str | None, ...]
@@ -129,10 +131,13 @@ class Labelling:
     confidences: FloatArray
     best: Candidate | None
     heading_rad: float
+    masses: FloatArray
 
     def __post_init__(self) -> None:
         check_shape("confidences", self.confidences, (len(self.names),))
+        check_shape("masses", self.masses, (len(self.names), None))
         read_only(self.confidences)
+        read_only(self.masses)
 
 
 def label_points(
@@ -160,7 +165,8 @@ def label_points(
         raise ValueError("points are named by at least one model")
     check_shape("points_m", points_m, (None, models[0].model.n_dimensions))
     nobody = (None,) * len(points_m)
-    nothing = Labelling(nobody, nobody, np.zeros(len(points_m)), None, math.nan)
+    masses = np.tile(np.eye(len(models[0].model.names) + 1)[-1], (len(points_m), 1))
+    nothing = Labelling(nobody, nobody, np.zeros(len(points_m)), None, math.nan, masses)
     if len(points_m) < LEAST_POINTS:
         return nothing
     points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
@@ -204,7 +210,7 @@ def _named(
         for guess, confidence in zip(guesses, confidences, strict=True)
     )
     heading = heading_of_turn(best.turn) if model.n_dimensions == len("xyz") else math.nan
-    return Labelling(names, guesses, confidences, best, heading)
+    return Labelling(names, guesses, confidences, best, heading, masses)
 
 
 def _is_other_side(partners: IntArray, best: IntArray, names: tuple[str, ...]) -> bool:

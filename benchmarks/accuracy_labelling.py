@@ -1,0 +1,157 @@
+"""Names of unordered markers: simulated people whom the training did not see, and real ones.
+
+Sets are shuffled and turned to one of the four views, within 20 degrees. "Entirely right": every
+point has its name, surely, and points that are none have none. Spurious points lie anywhere in the
+box about the person, 0.3 m wider. Real: markers of Plug-in-Gait files, and joints of motion capture
+(CMU subject 02; 01 was looked at while developing). These need ADIBAS_REAL_DATA.
+"""
+
+import os
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import beta
+
+from adibas.arrays import FloatArray
+from adibas.data.joints import JOINT_NAMES
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.pipeline.skeleton_simulator import simulate_shapes
+from adibas.skeleton.model import mirrored_name
+from adibas.skeleton.starts import HEADINGS_RAD, turn_back
+from adibas.skeleton.tracking import NameTracker
+from benchmarks.mocap_files import read_c3d_joints, read_mocap_joints
+from benchmarks.table import Row
+
+SEED = 1000 + int(os.environ.get("ADIBAS_BENCHMARK_SEED", "0"))
+N_BODIES, N_POSES = 40, 40
+N_SWAP_SETS = 10_000
+VIEW_OFF_RAD = 0.35
+MARKER_SD_M = 0.005
+STEP_MOCAP, STEP_MARKERS = 24, 10
+MOCAP_HZ, TRACKED_HZ = 120, 30
+
+
+@dataclass(slots=True)
+class Count:
+    """What became of some sets."""
+
+    n: int = 0
+    right: int = 0
+    wrong: int = 0
+    swapped: int = 0
+    seconds: float = 0.0
+
+    def add(self, names: tuple[str | None, ...], truth: list[str | None]) -> None:
+        """Count one set."""
+        self.n += 1
+        self.right += list(names) == truth
+        pairs = [(a, b) for a, b in zip(names, truth, strict=True) if a is not None and a != b]
+        self.wrong += bool(pairs)
+        self.swapped += any(b is not None and mirrored_name(b) == a for a, b in pairs)
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` on a twentieth of the sets."""
+    share = 20 if quick else 1
+    n_bodies = max(N_BODIES // share, 3)
+    people = simulate_shapes(n_bodies, N_POSES, SEED, lambda _done, _all: None)
+    kinds = np.array(people.kinds)
+    told = f"{n_bodies} unseen people, seed {SEED}"
+    label_all(people.shapes_m[:1], 1, "told")
+    for kind, goal in (("standing", 99.5), ("seated", 99.5), ("gesture", None), ("moving", None)):
+        of_kind = people.shapes_m[kinds == kind]
+        yield from _rows(f"{kind}, all 15, {told}", label_all(of_kind, len(of_kind), "told"), goal)
+    standing = people.shapes_m[kinds == "standing"]
+    count = label_all(standing, len(standing), "told", n_changed=2)
+    yield from _rows(f"standing, 2 missing and 2 spurious, {told}", count, 98.0)
+    count = label_all(standing, len(standing), "")
+    yield from _rows(f"standing, all 15, view not told, {told}", count, None)
+    of_clinic = people.shapes_m[np.isin(kinds, ("standing", "seated"))]
+    count = label_all(of_clinic, N_SWAP_SETS // share, "told")
+    yield Row(f"silent left-right swaps in {count.n} sets", count.swapped, "sets", 0, "goal")
+    bound = 100 * float(beta.ppf(0.95, count.swapped + 1, count.n - count.swapped))
+    yield Row("share of silent swaps: upper 95 % bound", bound, "%")
+    folder = os.environ.get("ADIBAS_REAL_DATA")
+    if folder:
+        yield from _real_rows(Path(folder), share)
+
+
+def label_all(
+    shapes_m: FloatArray, n_sets: int, view: str, n_changed: int = 0, seed: int = SEED
+) -> Count:
+    """Name shapes that face the camera, each turned to a view; `view`: told or empty."""
+    rng = np.random.default_rng(seed)
+    count = Count()
+    views = list(HEADINGS_RAD)
+    for number in range(n_sets):
+        shown = views[number % len(views)]
+        heading_rad = HEADINGS_RAD[shown] + rng.uniform(-VIEW_OFF_RAD, VIEW_OFF_RAD)
+        points_m = shapes_m[number % len(shapes_m)] @ turn_back(heading_rad)
+        points_m = points_m + rng.normal(scale=MARKER_SD_M, size=points_m.shape)
+        truth: list[str | None] = list(JOINT_NAMES)
+        low, high = points_m.min(axis=0) - 0.3, points_m.max(axis=0) + 0.3
+        kept = rng.permutation(len(points_m))[n_changed:]
+        spurious_m = rng.uniform(low, high, (n_changed, 3))
+        points_m = np.concatenate([points_m[kept], spurious_m])
+        truth = [*(truth[i] for i in kept), *[None] * n_changed]
+        order = rng.permutation(len(points_m))
+        _label(count, points_m[order], [truth[i] for i in order], shown if view else "")
+    return count
+
+
+def _label(count: Count, points_m: FloatArray, truth: list[str | None], view: str) -> None:
+    begin = time.thread_time()
+    labelling = shipped_namer().label(points_m, view)
+    count.seconds += time.thread_time() - begin
+    count.add(labelling.names, truth)
+
+
+def _rows(told: str, count: Count, goal: float | None) -> Iterator[Row]:
+    right = 100 * count.right / max(count.n, 1)
+    whose = "" if goal is None else "goal >="
+    yield Row(f"{told}: entirely right of {count.n}", right, "%", goal, whose)
+    yield Row(f"{told}: with a wrong name", 100 * count.wrong / max(count.n, 1), "%")
+    yield Row(f"{told}: time", 1000 * count.seconds / max(count.n, 1), "ms", 300, "thesis")
+
+
+def facing(shapes_m: FloatArray) -> FloatArray:
+    """Turn each of (S, 15, 3) people about the vertical to face the camera."""
+    lefts = [i for i, name in enumerate(JOINT_NAMES) if name in ("left_shoulder", "left_hip")]
+    rights = [JOINT_NAMES.index(mirrored_name(JOINT_NAMES[i])) for i in lefts]
+    across = (shapes_m[:, lefts] - shapes_m[:, rights]).mean(axis=1)
+    headings = -np.arctan2(across[:, 2], across[:, 0])
+    turned = [one @ turn_back(angle).T for one, angle in zip(shapes_m, headings, strict=True)]
+    return np.stack(turned)
+
+
+def _real_rows(folder: Path, share: int) -> Iterator[Row]:
+    for name in ("Static_trial", "RoboStatic", "Movement_trial"):
+        joints_m = read_c3d_joints(folder / "markers_c3d" / f"{name}.c3d")
+        whole = joints_m[~np.isnan(joints_m).any(axis=(1, 2))][:: STEP_MARKERS * share]
+        count = label_all(facing(whole), len(whole), "told")
+        yield from _rows(f"{name}.c3d", count, 97.0)
+    for subject in ("01", "02"):
+        files = sorted((folder / "mocap" / subject).glob("*.amc"))
+        movements = [read_mocap_joints(files[0].parent / f"{subject}.asf", one) for one in files]
+        frames = np.concatenate([one[:: STEP_MOCAP * share] for one in movements])
+        count = label_all(facing(frames), len(frames), "told")
+        yield from _rows(f"mocap {subject}, each frame alone, view told", count, 97.0)
+        yield from _rows(f"mocap {subject}, followed", _followed(movements[::share]), 97.0)
+
+
+def _followed(movements: list[FloatArray]) -> Count:
+    """Name each movement in the order of its frames; the view is told of none."""
+    count = Count()
+    rng = np.random.default_rng(SEED)
+    for movement in movements:
+        tracker = NameTracker(shipped_namer())
+        for number, joints_m in enumerate(movement[:: MOCAP_HZ // TRACKED_HZ]):
+            order = rng.permutation(len(joints_m))
+            begin = time.thread_time()
+            tracked = tracker.follow(joints_m[order], number / TRACKED_HZ)
+            count.seconds += time.thread_time() - begin
+            count.add(tracked.names, [JOINT_NAMES[i] for i in order])
+    return count

@@ -1,0 +1,305 @@
+"""Points find their names, and are not named where that would be a guess."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from adibas.cli.command_line import main
+from adibas.errors import FileError
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.skeleton.labelling import LabelParams
+from adibas.skeleton.model import SkeletonModel, left_of, mirror_order, mirrored_name
+from adibas.skeleton.model_files import read_model, write_model
+from adibas.skeleton.namer import Namer
+from adibas.skeleton.points_csv import read_points
+from adibas.skeleton.starts import HEADINGS_RAD, heading_of_turn, list_turns, turn_back
+from adibas.skeleton.tracking import NameTracker
+from adibas.skeleton.training import TrainingParams, learn_points
+
+NAMES = ("head", "neck", "left_hand", "right_hand", "left_foot", "right_foot", "torso", "pelvis")
+# A flat figure that faces the camera, metres: x to the image's right, y down.
+FIGURE = np.array([
+    [0.0, -1.6, -0.05], [0.0, -1.4, 0.0], [0.45, -0.85, -0.1], [-0.45, -0.85, -0.1],
+    [0.15, 0.0, -0.1], [-0.15, 0.0, -0.1], [0.0, -1.1, 0.05], [0.0, -0.9, 0.0],
+])  # fmt: skip
+SMALL = TrainingParams(n_prototypes=1)
+
+
+def people(n=60, seed=0, n_dimensions=3):
+    rng = np.random.default_rng(seed)
+    sizes = rng.uniform(0.8, 1.2, (n, 1, 1))
+    return (sizes * (FIGURE + rng.normal(scale=0.02, size=(n, *FIGURE.shape))))[..., :n_dimensions]
+
+
+@pytest.fixture(scope="module")
+def namer():
+    space = learn_points(NAMES, people(), params=SMALL)
+    front = learn_points(NAMES, people(n_dimensions=2), params=SMALL)
+    back = learn_points(NAMES, people(n_dimensions=2) * [-1, 1], params=SMALL)
+    return Namer(SkeletonModel(space, {"anterior": front, "posterior": back}, 1.0))
+
+
+def shuffled(points, seed=0):
+    order = np.random.default_rng(seed).permutation(len(points))
+    return points[order], tuple(NAMES[i] if i < len(NAMES) else None for i in order)
+
+
+@pytest.mark.parametrize("view", HEADINGS_RAD)
+def test_shuffled_points_find_their_names_in_every_view(namer, view):
+    person = people(1, seed=5)[0] @ turn_back(HEADINGS_RAD[view] + 0.2) + [0.3, 0.1, 2.5]
+    points, truth = shuffled(person)
+    found = namer.label(points, view)
+    assert found.names == truth
+    assert abs(np.angle(np.exp(1j * (found.heading_rad - HEADINGS_RAD[view] - 0.2)))) < 0.15
+    np.testing.assert_allclose(found.masses.sum(axis=1), 1)
+
+
+def test_a_point_that_is_nothing_gets_no_name_and_a_hidden_one_is_not_replaced(namer):
+    person = people(1, seed=6)[0]
+    points, truth = shuffled(np.concatenate([person, [[2.0, -2.2, 1.0]]]))
+    assert namer.label(points, "anterior").names == truth
+    hidden = truth.index("torso")
+    found = namer.label(np.delete(points, hidden, axis=0), "anterior")
+    assert found.names == tuple(np.delete(np.array(truth, object), hidden))
+
+
+def test_sides_are_not_told_where_front_and_back_look_alike(namer):
+    person = people(1, seed=7, n_dimensions=2)[0]
+    points, truth = shuffled(person)
+    told = namer.label(points, "anterior")
+    assert told.names == truth
+    untold = namer.label(points)
+    for name, right in zip(untold.names, truth, strict=True):
+        assert name is None or name == right
+        assert name is None or mirrored_name(name) == name
+
+
+def test_the_declared_view_decides_the_sides(namer):
+    person = people(1, seed=8, n_dimensions=2)[0] * [-1, 1]
+    points, truth = shuffled(person)
+    assert namer.label(points, "posterior").names == truth
+
+
+def test_too_few_points_get_no_names(namer):
+    assert namer.label(FIGURE[:2]).names == (None, None)
+    assert namer.label(np.zeros((0, 3))).names == ()
+
+
+def test_points_in_one_place_are_no_person(namer):
+    assert set(namer.label(np.zeros((8, 3)), "anterior").names) == {None}
+
+
+def test_a_shape_in_any_turn_is_found_where_the_training_was_in_any_turn():
+    rng = np.random.default_rng(9)
+    shapes = []
+    for shape in people(40, seed=9):
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        shapes.append(shape @ (turn * np.linalg.det(turn)))
+    model = learn_points(NAMES, np.stack(shapes), params=SMALL)
+    assert not model.is_upright
+    assert list_turns(model, "")[0].shape == (24, 3, 3)
+    points, truth = shuffled(shapes[3])
+    found = Namer(SkeletonModel(model, {}, 1.0)).label(points)
+    named = [(a, b) for a, b in zip(found.names, truth, strict=True) if a is not None]
+    assert named
+    assert all(a == b for a, b in named)
+
+
+def test_the_shipped_model_names_a_simulated_patient():
+    from adibas.data.joints import JOINT_NAMES
+    from adibas.simulation.body import load_body_model
+    from adibas.simulation.body_shape import BodyShape
+    from adibas.simulation.poses import standing
+
+    body = load_body_model().shaped(BodyShape("female", 40, 1.65, 62))
+    joints_m = body.posed(standing()).joints_m
+    order = np.random.default_rng(1).permutation(len(joints_m))
+    for view in ("anterior", "posterior"):
+        seen = (joints_m @ turn_back(HEADINGS_RAD[view]))[order]
+        names = shipped_namer().label(seen, view).names
+        assert names == tuple(JOINT_NAMES[i] for i in order)
+
+
+def test_names_have_mirror_images():
+    assert mirrored_name("left_hand") == "right_hand"
+    assert mirrored_name("torso") == "torso"
+    assert mirror_order(NAMES) == [0, 1, 3, 2, 5, 4, 6, 7]
+    np.testing.assert_allclose(left_of(FIGURE, ("a",) * 8), 0)
+    assert left_of(FIGURE, NAMES)[0] > 0
+
+
+@pytest.mark.parametrize("heading_rad", [0.0, 1.0, -2.5])
+def test_a_heading_survives_its_rotation(heading_rad):
+    assert heading_of_turn(turn_back(heading_rad)) == pytest.approx(heading_rad)
+
+
+def test_names_last_through_frames_that_are_ambiguous(namer):
+    person = people(1, seed=11)[0]
+    tracker = NameTracker(namer, "anterior")
+    rng = np.random.default_rng(2)
+    for number in range(12):
+        moved = person + np.array([0.01 * number, 0.0, 0.0])
+        kept = [i for i in range(len(NAMES)) if i != 2 or not 4 <= number < 8]
+        order = rng.permutation(kept)
+        tracked = tracker.follow(moved[order], number / 30)
+        assert tracked.names == tuple(NAMES[i] for i in order)
+    # Of one point alone no frame can tell what it is; who followed it knows.
+    assert tracker.follow(person[[2]] + np.array([0.12, 0.0, 0.0]), 12 / 30).names == ("left_hand",)
+    assert tracker.follow(np.zeros((0, 3)), 13 / 30).names == ()
+
+
+def test_a_point_that_was_away_too_long_is_forgotten(namer):
+    person = people(1, seed=12)[0]
+    tracker = NameTracker(namer, "anterior")
+    tracker.follow(person, 0.0)
+    assert tracker.follow(person[[2]], 5.0).names == (None,)
+
+
+def test_a_model_file_names_as_the_model_did(tmp_path):
+    path = tmp_path / "model.json"
+    space = learn_points(NAMES, people(), kinds=["standing"] * 60, params=SMALL)
+    write_model(SkeletonModel(space, {}, 1.0, {"source": "test"}), path)
+    again = read_model(path)
+    assert again.space.prototypes[0].kind == "standing"
+    assert again.provenance == {"source": "test"}
+    np.testing.assert_allclose(again.space.tree.edges, space.tree.edges)
+    points, truth = shuffled(people(1, seed=13)[0])
+    assert Namer(again).label(points, "anterior").names == truth
+    assert not Namer(again).knows(2)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", '{"format": "other"}', '{"format": "adibas-skeleton", "version": 1}',
+     '{"format": "adibas-skeleton", "version": 2}'],
+)  # fmt: skip
+def test_a_file_that_is_no_model_is_told(tmp_path, text):
+    path = tmp_path / "broken.json"
+    path.write_text(text)
+    with pytest.raises(FileError, match=r"broken\.json"):
+        read_model(path)
+    with pytest.raises(FileError, match=r"missing\.json"):
+        read_model(tmp_path / "missing.json")
+
+
+def test_a_model_with_a_number_that_is_none_is_refused(tmp_path):
+    path = tmp_path / "broken.json"
+    space = learn_points(NAMES, people(), params=SMALL)
+    write_model(SkeletonModel(space, {}, 1.0), path)
+    document = json.loads(path.read_text())
+    document["space"]["prototypes"][0]["noise"][0] = float("nan")
+    path.write_text(json.dumps(document))
+    with pytest.raises(FileError, match="no skeleton model"):
+        read_model(path)
+
+
+def test_models_that_cannot_be_are_refused():
+    space = learn_points(NAMES, people(), params=SMALL)
+    with pytest.raises(ValueError, match="needs points"):
+        SkeletonModel(None, {}, 1.0)
+    with pytest.raises(ValueError, match="temperature"):
+        SkeletonModel(space, {}, 0.0)
+    with pytest.raises(ValueError, match="same names"):
+        SkeletonModel(space, {"": replace(space, names=tuple("abcdefgh"))}, 1.0)
+    with pytest.raises(ValueError, match="prototypes"):
+        replace(space, prototypes=())
+    with pytest.raises(ValueError, match="positive"):
+        replace(space.prototypes[0], weight=0.0)
+
+
+def test_what_is_given_up_for_a_lone_point_is_the_shares():
+    assert LabelParams(missing_share=0.1, spurious_share=0.1).lone == pytest.approx(np.log(100))
+
+
+# ---- files and commands -------------------------------------------------------------------------
+
+
+def write_csv(path, shapes, labelled, seed=0, n_dimensions=3, lacking=()):
+    rng = np.random.default_rng(seed)
+    lines = ["shape,point,label,x_m,y_m" + (",z_m" if n_dimensions == 3 else "")]
+    for number, shape in enumerate(shapes):
+        for i in rng.permutation(len(shape)):
+            if (number, i) not in lacking:
+                numbers = ",".join(f"{value:.5f}" for value in shape[i][:n_dimensions])
+                lines.append(f"s{number},{NAMES[i]}_p,{NAMES[i] if labelled else ''},{numbers}")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("n_dimensions", [2, 3])
+def test_the_commands_train_and_label(tmp_path, capsys, n_dimensions):
+    shapes = write_csv(
+        tmp_path / "shapes.csv", people(40), labelled=True, n_dimensions=n_dimensions,
+        lacking={(3, 2), (5, 6)},
+    )  # fmt: skip
+    points = write_csv(
+        tmp_path / "points.csv", people(3, seed=4), labelled=False, n_dimensions=n_dimensions
+    )
+    model, out = tmp_path / "model.json", tmp_path / "labelled.csv"
+    assert main(["skeleton", "train", str(shapes), "--out", str(model), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["provenance"]["n_shapes"] == 40
+    command = ["skeleton", "label", str(points), "--model", str(model), "--out", str(out)]
+    assert main([*command, "--view", "anterior", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["n_named"] == 24
+    for one in read_points(out):
+        assert [f"{label}_p" for label in one.labels] == list(one.points)
+        assert one.positions_m.shape[1] == n_dimensions
+
+
+def test_a_name_that_is_given_stays(tmp_path):
+    shapes = write_csv(tmp_path / "shapes.csv", people(20), labelled=True)
+    model, out = tmp_path / "model.json", tmp_path / "labelled.csv"
+    assert main(["skeleton", "train", str(shapes), "--out", str(model)]) == 0
+    points = write_csv(tmp_path / "points.csv", people(1, seed=4), labelled=False)
+    points.write_text(points.read_text().replace("head_p,,", "head_p,chin,"))
+    command = ["skeleton", "label", str(points), "--model", str(model), "--out", str(out)]
+    assert main([*command, "--view", "anterior"]) == 0
+    labels = dict(zip(*(getattr(read_points(out)[0], key) for key in ("points", "labels"))))  # noqa: B905
+    assert labels["head_p"] == "chin"
+    assert labels["neck_p"] == "neck"
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("a,b\n1,2\n", "no column"),
+        ("shape,point,label,x_m,y_m\n1,1,,x,2\n", "line 2"),
+        ("shape,point,label,x_m,y_m\n1,1,,nan,2\n", "line 2"),
+        ("shape,point,label,x_m,y_m,z_m\n1,1,,1,2,3\n1,2,,1,2,\n", "with and without"),
+        ("shape,point,label,x_m,y_m\n1,1,a,1,2\n1,2,a,1,2\n", "two points named a"),
+        ("shape,point,label,x_m,y_m,view\n1,1,a,1,2,top\n", "no view"),
+    ],
+)
+def test_a_broken_file_of_points_is_told_by_line(tmp_path, text, match):
+    path = tmp_path / "points.csv"
+    path.write_text(text)
+    with pytest.raises(FileError, match=match):
+        read_points(path)
+
+
+def test_files_that_are_no_text_or_not_there_are_told(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(FileError, match="UTF-8"):
+        read_points(path)
+    with pytest.raises(FileError, match="cannot be read"):
+        read_points(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(
+    ("n_shapes", "labelled", "match"),
+    [(2, True, "at least three"), (5, False, "needs three")],
+)
+def test_shapes_that_do_not_suffice_are_told(tmp_path, capsys, n_shapes, labelled, match):
+    shapes = write_csv(tmp_path / "shapes.csv", people(n_shapes), labelled=labelled)
+    out = tmp_path / "model.json"
+    assert main(["skeleton", "train", str(shapes), "--out", str(out)]) == 1
+    assert match in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_training_needs_a_file_or_the_simulator(tmp_path, capsys):
+    assert main(["skeleton", "train", "--out", str(tmp_path / "model.json")]) == 1
+    assert "--simulator" in capsys.readouterr().err
