@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from adibas.calibration.corner_fit_kernels import N_UNKNOWNS, _row
+from adibas.calibration.corner_response_kernels import peaks
 from adibas.calibration.corner_saddle_kernels import harris, saddle_shift
 from adibas.calibration.finder import (
     BoardProblem,
@@ -227,6 +228,21 @@ def test_harris_tells_a_corner_from_an_edge():
     edge = np.where(u < 5.5, 200, 0).astype(np.float32)
     assert harris(corner, 5, 5) > 0.1
     assert harris(edge, 5, 5) < 0
+
+
+@pytest.mark.parametrize("decimals", [0, 3])
+def test_a_peak_is_the_first_of_the_highest_in_its_five_by_five(decimals):
+    response = np.round(np.random.default_rng(0).normal(0, 3, (40, 53)), decimals)
+    response = response.astype(np.float32)
+    wanted = []
+    for row in range(2, 38):
+        for column in range(2, 51):
+            around = response[row - 2 : row + 3, column - 2 : column + 3].ravel()
+            if response[row, column] > 1.0 and np.argmax(around) == 12:
+                wanted.append((column, row))
+    assert len(wanted) > 20
+    np.testing.assert_array_equal(peaks(response, 1.0, 1000), wanted)
+    np.testing.assert_array_equal(peaks(response, 1.0, 7), wanted[:7])
 
 
 def test_derivatives_of_the_crossing_agree_with_differences():
