@@ -24,6 +24,8 @@ SECONDS_TO_MAKE = 0.4
 """The first kill of a store comes within this time of its start: while the store is made."""
 SECONDS_TO_OPEN = 0.15
 SECONDS_OF_WORK = 0.6
+OPENINGS_OF_WORK = 5.0
+"""So many times what opening takes, where a busy computer would not come to anything in less."""
 SECONDS_TO_START = 60.0
 
 
@@ -112,15 +114,19 @@ def _kill_once(
 ) -> Outcome:
     rng = np.random.default_rng(seed)
     is_early = is_new or rng.random() < 0.2
-    longest_s = (SECONDS_TO_MAKE if is_new else SECONDS_TO_OPEN) if is_early else SECONDS_OF_WORK
-    outcome = Outcome(seed, float(rng.uniform(0, longest_s)))
+    share = float(rng.random())
+    outcome = Outcome(seed, share * (SECONDS_TO_MAKE if is_new else SECONDS_TO_OPEN))
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=work, args=(str(folder), seed, sender), daemon=True)
+    start_s = time.monotonic()
     process.start()
     sender.close()
     latest = Acknowledged()
-    if not is_early and not receiver.poll(SECONDS_TO_START):
-        outcome.problems.append("the process did not open the store")
+    if not is_early:
+        if not receiver.poll(SECONDS_TO_START):
+            outcome.problems.append("the process did not open the store")
+        opening_s = time.monotonic() - start_s
+        outcome.moment_s = share * max(SECONDS_OF_WORK, OPENINGS_OF_WORK * opening_s)
     _listen(receiver, time.monotonic() + outcome.moment_s, before, latest)
     if not process.is_alive():
         outcome.problems.append(f"the process ended by itself: {process.exitcode}")

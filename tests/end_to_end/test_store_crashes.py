@@ -16,7 +16,7 @@ from adibas.recordings import RecordingOptions
 from adibas.sessions import NewCapture, open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from benchmarks.accuracy_crashes import kill_side_by_side
-from benchmarks.crash_trial import Acknowledged, Outcome, kill_often, look
+from benchmarks.crash_trial import KILLS_PER_STORE, Acknowledged, Outcome, kill_often, look
 from benchmarks.crash_victim import CALIBRATION, CHEAP, PASSPHRASE, marker
 from tests.unit.recorded_frames import assert_same_frame, make_frames
 
@@ -37,8 +37,9 @@ def test_twenty_kills_at_random_moments_lose_nothing_that_was_saved():
 
 def test_the_trial_sees_what_is_missing(tmp_path):
     folder = tmp_path / "store"
-    outcomes = list(kill_often(folder, range(3)))
-    assert outcomes[-1].n_saved > 0
+    kills = kill_often(folder, range(KILLS_PER_STORE))
+    saved = next(one for one in kills if one.n_saved and any(folder.rglob("pictures/*/*.sealed")))
+    assert saved.problems == []
     for said in (["session", "5e55"], ["frame", "ab" * 16, 3]):
         claimed, outcome = Acknowledged(), Outcome(0, 0.0)
         claimed.take(said)
