@@ -17,6 +17,7 @@ from adibas.pipeline.learning import read_target
 from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst, doubts_about
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.skeleton_names import names_joints, with_joint_names
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
@@ -89,6 +90,9 @@ def analyse_recording(
         notices = tuple(notice for notice in (recording.notice,) if notice)
     check_findings(findings)
     markers = with_labels(findings.markers, labels)
+    if request.protocol is not None and names_joints(request.protocol.protocol):
+        by_hand = frozenset(line.label for line in labels)
+        markers = with_joint_names(markers, request.view, calibration, by_hand)
     analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,

@@ -1,0 +1,69 @@
+"""Markers of a posture analysis get the joints' names where their protocol marks joints."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.markers import Marker
+from adibas.measures.protocol_store import find_protocol
+from adibas.pipeline import skeleton_names
+from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+from adibas.simulation.body import load_body_model
+from adibas.simulation.body_shape import BodyShape
+from adibas.simulation.poses import standing
+
+COVARIANCE = np.eye(3) * 1e-6
+
+
+@pytest.fixture(scope="module")
+def joints_m():
+    body = load_body_model().shaped(BodyShape("male", 35, 1.78, 75))
+    return body.posed(standing()).joints_m + np.array([0.0, 0.8, 2.2])
+
+
+def markers_at(positions_m):
+    return tuple(
+        Marker(f"m{i:02d}", 0.0, 0.0, 4.0, np.eye(2), position_m.copy(), COVARIANCE.copy())
+        for i, position_m in enumerate(positions_m, 1)
+    )
+
+
+@pytest.fixture
+def tilted_by(monkeypatch):
+    def tilt(up):
+        vertical = SimpleNamespace(up=np.array(up))
+        monkeypatch.setattr(skeleton_names, "vertical_of", lambda _calibration: vertical)
+
+    return tilt
+
+
+def test_only_a_protocol_of_joints_names_joints():
+    assert names_joints(find_protocol("joints-15"))
+    assert not names_joints(find_protocol("sapo-1"))
+
+
+@pytest.mark.parametrize("angle_deg", [0, 90, 180])
+def test_markers_get_names_however_the_sensor_is_mounted(joints_m, tilted_by, angle_deg):
+    angle = np.radians(angle_deg)
+    turn = np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+    )
+    tilted_by(turn @ [0.0, -1.0, 0.0])
+    named = with_joint_names(markers_at(joints_m @ turn.T), "anterior", None)
+    assert tuple(marker.label for marker in named) == JOINT_NAMES
+
+
+def test_names_by_hand_stay_and_are_not_given_twice(joints_m, tilted_by):
+    tilted_by([0.0, -1.0, 0.0])
+    markers = list(markers_at(joints_m))
+    markers[0] = Marker("neck", 0.0, 0.0, 4.0, np.eye(2), joints_m[0].copy(), COVARIANCE.copy())
+    named = with_joint_names(tuple(markers), "anterior", None, frozenset(["neck"]))
+    assert [marker.label for marker in named][:3] == ["neck", "m02", "left_shoulder"]
+
+
+def test_markers_without_a_position_keep_their_labels(tilted_by):
+    tilted_by([0.0, -1.0, 0.0])
+    flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
+    assert with_joint_names(flat, "anterior", None) == flat
