@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--labels",
         type=Path,
-        metavar="LABELS.csv",
+        metavar=_("FILE"),
         help=_("names of markers: a table with marker,label or u,v,label (pixels)"),
     )
     parser.add_argument("--view", choices=VIEWS, default="", help=_("which side is seen"))
