@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import AnyArray, FloatArray, Int32Array, check_shape
+from adibas.arrays import AnyArray, Float32Array, FloatArray, Int32Array, check_shape
 from adibas.graphcut.move_kernels import energy_of
 from adibas.graphcut.neighbors import PixelGraph
 
@@ -101,7 +101,7 @@ class LabelEnergy:
 
 def label_energy(
     graph: PixelGraph,
-    probabilities: FloatArray,
+    probabilities: FloatArray | Float32Array,
     boundary: FloatArray,
     penalties: Int32Array,
     params: EnergyParams | None = None,

@@ -108,7 +108,9 @@ def swap(
 ) -> Labelling:
     """Lower the energy by alpha-beta swap: pair by pair of labels, until none gains.
 
-    A pair is left out where since its last swap nothing changed in or beside its pixels.
+    What gains nothing for either goes to the label with more pixels, the first of equals: the
+    cut then looks at few. A pair is left out where since its last swap nothing changed in or
+    beside its pixels.
     """
     moves = _Moves(energy, start)
     n_labels = len(energy.penalties)
@@ -120,7 +122,7 @@ def swap(
         for alpha, beta in itertools.combinations(range(n_labels), 2):
             if swapped_at[alpha, beta] < touched_at[[alpha, beta]].max():
                 n_cuts += 1
-                moves.make(alpha, beta)
+                moves.make(*moves.larger_first(alpha, beta))
                 touched_at[moves.is_touched > 0] = n_cuts
                 swapped_at[alpha, beta] = n_cuts
         if n_cuts == n_before:
@@ -168,6 +170,10 @@ class _Moves:
         self.is_touched = np.zeros(n_labels, np.int8)
         self.labels = start_labels(energy) if start is None else _checked(energy, start)
         find_borders(self._arcs, self.labels, self._is_border)
+
+    def larger_first(self, alpha: int, beta: int) -> tuple[int, int]:
+        n_alpha, n_beta = (np.count_nonzero(self.labels == label) for label in (alpha, beta))
+        return (alpha, beta) if n_alpha >= n_beta else (beta, alpha)
 
     def make(self, alpha: int, beta: int = NO_LABEL) -> Move:
         self.is_touched[:] = 0

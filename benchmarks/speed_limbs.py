@@ -1,0 +1,268 @@
+"""Limb segmentation: the cut beside PyMaxflow, the forest beside scikit-learn, CPU time.
+
+CPU time of all threads, so that what else a machine does counts less; both sides in turn.
+"""
+
+import importlib
+import importlib.util
+import time
+import tracemalloc
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, Int32Array, UInt8Array
+from adibas.data.joints import BODY_PART_NAMES
+from adibas.forests.candidates import draw_candidates
+from adibas.forests.forest import Forest
+from adibas.forests.params import ForestParams
+from adibas.forests.training import Memory, train_forest, train_tree
+from adibas.graphcut.boundary import boundary_weights
+from adibas.graphcut.energy import (
+    EnergyParams,
+    LabelEnergy,
+    equal_penalties,
+    label_energy,
+    penalty_table,
+)
+from adibas.graphcut.minimising import cheapest_labels, expand, start_labels, swap
+from adibas.graphcut.neighbors import connect_pixels
+from benchmarks.graph_cut_peer import pairs_of, peer_expand, peer_swap, plain_energy
+from benchmarks.limb_frames import FOCAL_PX, UPPER_BODY, LimbFrames
+from benchmarks.table import Row
+
+SEED = 6200
+OTHER_POSES = 6201
+LABEL_SETS = {7: UPPER_BODY, 15: BODY_PART_NAMES}
+SMOOTHNESS = (10.0, 50.0)
+MEBIBYTE = 1 << 20
+Work = Callable[[], object]
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How much is measured."""
+
+    n_images: int
+    n_rounds: int
+    n_trees: int
+    set_sizes: tuple[int, ...]
+
+
+QUICK = Effort(n_images=12, n_rounds=1, n_trees=1, set_sizes=(50, 200))
+WHOLE = Effort(n_images=60, n_rounds=3, n_trees=3, set_sizes=(500, 2000, 8000))
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` a small forest, once, on small sets."""
+    effort = QUICK if quick else WHOLE
+    params = ForestParams(n_trees=effort.n_trees, n_images=None)
+    for labels in LABEL_SETS.values():
+        images = LimbFrames(effort.n_images, labels, SEED)
+        forest = train_forest(images, params, SEED)
+        yield from _cut_rows(forest, effort)
+        if labels == BODY_PART_NAMES:
+            yield from _forest_rows(images, forest, params, effort)
+    yield from _memory_rows(effort)
+
+
+def _cut_rows(forest: Forest, effort: Effort) -> Iterator[Row]:
+    """Cut an unseen frame by the forest's own probabilities, from either start."""
+    frames = LimbFrames(1, forest.labels, OTHER_POSES)
+    depth_m, mask = frames.person(0)
+    probabilities = forest.probabilities(depth_m, mask, FOCAL_PX)
+    n_labels = len(forest.labels)
+    tables = {"Omega_1, expansion": equal_penalties(n_labels), "Omega_2, swap": _omega_2(forest)}
+    for smoothness in SMOOTHNESS:
+        for name, table in tables.items():
+            graph = connect_pixels(mask)
+            boundary = boundary_weights(graph, depth_m)
+            params = EnergyParams(smoothness)
+            energy = label_energy(graph, probabilities, boundary, table, params)
+            title = f"{n_labels} labels, {graph.n_pixels} pixels, {name}, lambda {smoothness:g}"
+            yield from _compare_cuts(title, energy, effort.n_rounds)
+    yield _whole_cut(depth_m, mask, probabilities, effort.n_rounds)
+
+
+def _compare_cuts(title: str, energy: LabelEnergy, n_rounds: int) -> Iterator[Row]:
+    ours_of, peer_of = (expand, peer_expand) if energy.is_metric else (swap, peer_swap)
+    starts = {"likeliest labels": cheapest_labels(energy), "our start": start_labels(energy)}
+    for start_name, start in starts.items():
+        works: list[Work] = [partial(ours_of, energy, start), partial(peer_of, energy, start)]
+        ours_ms, peer_ms = _medians_ms(works, n_rounds)
+        name = f"cut of {title}, from {start_name}"
+        yield Row(name, ours_ms, "ms CPU", peer_ms, "PyMaxflow loop")
+        theirs = plain_energy(energy, pairs_of(energy), peer_of(energy, start)[0])
+        yield Row(f"energy of {title}", ours_of(energy, start).energy, "", theirs, "PyMaxflow loop")
+
+
+def _whole_cut(
+    depth_m: Float32Array, mask: BoolArray, probabilities: Float32Array, n_rounds: int
+) -> Row:
+    """Time everything from probabilities to labels, as it runs live."""
+
+    def work() -> object:
+        graph = connect_pixels(mask)
+        table = equal_penalties(probabilities.shape[1])
+        boundary = boundary_weights(graph, depth_m)
+        energy = label_energy(graph, probabilities, boundary, table, EnergyParams(SMOOTHNESS[0]))
+        return expand(energy)
+
+    (spent_ms,) = _medians_ms([work], n_rounds)
+    name = f"graph, energy, start and cut, {probabilities.shape[1]} labels"
+    return Row(f"{name}, lambda {SMOOTHNESS[0]:g}", spent_ms, "ms CPU")
+
+
+def _omega_2(forest: Forest) -> Int32Array:
+    """Return the table of equation 6.25 for whatever labels the forest has."""
+    prices = {}
+    for part in ("upper_arm", "hand", "lower_arm", "upper_leg", "lower_leg", "foot"):
+        for other, price in ((part, 10), *_other_side(part)):
+            pairs = ((f"left_{part}", f"right_{other}"), (f"right_{part}", f"left_{other}"))
+            for pair in pairs:
+                if set(pair) <= set(forest.labels):
+                    prices[forest.labels.index(pair[0]), forest.labels.index(pair[1])] = price
+    return penalty_table(len(forest.labels), prices)
+
+
+def _other_side(part: str) -> tuple[tuple[str, int], ...]:
+    neighbor = {"hand": "lower_arm", "foot": "lower_leg"}.get(part)
+    return ((neighbor, 5),) if neighbor else ()
+
+
+def _forest_rows(
+    images: LimbFrames, forest: Forest, params: ForestParams, effort: Effort
+) -> Iterator[Row]:
+    frames = LimbFrames(1, forest.labels, OTHER_POSES)
+    depth_m, mask = frames.person(0)
+    truth = frames.read(0)[1][mask] - 1
+    ours: Work = partial(forest.probabilities, depth_m, mask, FOCAL_PX)
+    size = f"{params.n_trees} trees of depth {params.max_depth}, {len(truth)} pixels"
+    found = forest.probabilities(depth_m, mask, FOCAL_PX).argmax(axis=1)
+    yield Row("share of right pixels, unseen pose", 100 * float((found == truth).mean()), "%")
+    training_s = _cpu_s(partial(train_forest, images, params, SEED))
+    name = f"forest training, {len(images)} images x {params.n_pixels} pixels"
+    if importlib.util.find_spec("sklearn") is None:
+        (ours_ms,) = _medians_ms([ours], effort.n_rounds)
+        yield Row(f"forest, {size} (scikit-learn is not installed)", ours_ms, "ms CPU")
+        yield Row(name, training_s, "s CPU")
+        return
+    peer = _ScikitPeer(images, params)
+    works: list[Work] = [ours, partial(peer.probabilities, depth_m, mask)]
+    ours_ms, peer_ms = _medians_ms(works, effort.n_rounds)
+    yield Row(f"forest, {size}", ours_ms, "ms CPU", peer_ms, "scikit-learn with its features")
+    values = peer.features(depth_m, mask)
+    (alone_ms,) = _medians_ms([partial(peer.model.predict_proba, values)], effort.n_rounds)
+    yield Row(f"forest, {size}", ours_ms, "ms CPU", alone_ms, "scikit-learn, features given")
+    right = peer.probabilities(depth_m, mask).argmax(axis=1) == truth
+    yield Row("share of right pixels of scikit-learn", 100 * float(right.mean()), "%")
+    yield Row(name, training_s, "s CPU", peer.training_s, "scikit-learn, 100 features in all")
+
+
+class _ScikitPeer:
+    """A forest of scikit-learn on dense depth comparisons: as many as one node here tries."""
+
+    def __init__(self, images: LimbFrames, params: ForestParams) -> None:
+        rng = np.random.default_rng(SEED)
+        self._offsets_m = draw_candidates(rng, 1, params)[0][:, 1:].astype(np.float64)
+        self._far_m = params.far_m
+        ensemble: Any = importlib.import_module("sklearn.ensemble")
+        self.model = ensemble.RandomForestClassifier(
+            params.n_trees, max_depth=params.max_depth, criterion="entropy", random_state=SEED
+        )
+        self.training_s = _cpu_s(partial(self._train, images, rng, params))
+
+    def _train(self, images: LimbFrames, rng: np.random.Generator, params: ForestParams) -> None:
+        values, labels = zip(
+            *(self._sample(images, n, rng, params) for n in range(len(images))), strict=True
+        )
+        self.model.fit(np.concatenate(values), np.concatenate(labels))
+
+    def _sample(
+        self, images: LimbFrames, index: int, rng: np.random.Generator, params: ForestParams
+    ) -> tuple[FloatArray, AnyArray]:
+        depth_m, labels, _ = images.read(index)
+        pixels = np.argwhere(labels > 0)
+        chosen = rng.choice(len(pixels), min(params.n_pixels, len(pixels)), replace=False)
+        mask = np.zeros(labels.shape, bool)
+        mask[tuple(pixels[chosen].T)] = True
+        return self.features(depth_m, mask), labels[mask]
+
+    def probabilities(self, depth_m: Float32Array, mask: BoolArray) -> AnyArray:
+        """Compute features, then probabilities of the labels at the pixels of the mask."""
+        return np.asarray(self.model.predict_proba(self.features(depth_m, mask)))
+
+    def features(self, depth_m: Float32Array, mask: BoolArray) -> FloatArray:
+        """Return the (N, F) values of equation 6.16, vectorised."""
+        far = np.where(np.isfinite(depth_m), depth_m, self._far_m)
+        height, width = depth_m.shape
+        rows_, columns = np.nonzero(mask)
+        scale = FOCAL_PX / far[mask]
+        read = []
+        for part in (0, 2):
+            steps = np.floor(scale[:, None, None] * self._offsets_m[:, part : part + 2] + 0.5)
+            row = rows_[:, None] + steps[:, :, 0].astype(np.int64)
+            column = columns[:, None] + steps[:, :, 1].astype(np.int64)
+            inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+            row, column = np.where(inside, row, 0), np.where(inside, column, 0)
+            read.append(np.where(inside, far[row, column], self._far_m))
+        values: FloatArray = (read[0] - read[1]).astype(np.float32)
+        return values
+
+
+class _Repeated:
+    """A set of any size, of a few small frames again and again."""
+
+    def __init__(self, frames: LimbFrames, n_frames: int) -> None:
+        self.labels = frames.labels
+        self._n_frames = n_frames
+        self._small = [self._shrunk(*frames.read(index)) for index in range(len(frames))]
+
+    @staticmethod
+    def _shrunk(
+        depth_m: Float32Array, labels: UInt8Array, focal_px: float
+    ) -> tuple[Float32Array, UInt8Array, float]:
+        every = np.s_[::4, ::4]
+        return depth_m[every].copy(), labels[every].copy(), focal_px / 4
+
+    def __len__(self) -> int:
+        return self._n_frames
+
+    def read(self, index: int) -> tuple[Float32Array, UInt8Array, float]:
+        """Return frame `index`, 160x120."""
+        return self._small[index % len(self._small)]
+
+
+def _memory_rows(effort: Effort) -> Iterator[Row]:
+    """Grow one tree on sets of several sizes with the same limits of memory."""
+    frames = LimbFrames(8, BODY_PART_NAMES, SEED)
+    params = ForestParams(n_trees=1, n_images=None, n_pixels=50, max_depth=6, n_candidates=10)
+    memory = Memory(n_batch_images=64, image_bytes=0, count_bytes=32 * MEBIBYTE)
+    train_tree(_Repeated(frames, 8), replace(params, max_depth=2), SEED, 0, memory)
+    for n_frames in effort.set_sizes:
+        images = _Repeated(frames, n_frames)
+        tracemalloc.start()
+        train_tree(images, params, SEED, 0, memory)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        drawn = n_frames * params.n_pixels * 20 / MEBIBYTE
+        name = f"training memory, {n_frames} frames; of it drawn pixels {drawn:.1f}"
+        yield Row(name, peak / MEBIBYTE, "MiB")
+
+
+def _cpu_s(work: Work) -> float:
+    begin = time.process_time()
+    work()
+    return time.process_time() - begin
+
+
+def _medians_ms(works: list[Work], n_rounds: int) -> list[float]:
+    """Run works in turn after a first time; return the median CPU time of each."""
+    spent: list[list[float]] = [[] for _ in works]
+    for _ in range(n_rounds + 1):
+        for work, times_s in zip(works, spent, strict=True):
+            times_s.append(_cpu_s(work))
+    return [1e3 * float(np.median(times_s[1:])) for times_s in spent]
