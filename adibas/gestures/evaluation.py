@@ -163,15 +163,17 @@ class _Tally:
 
     def add_sample(self, gesture: Segment, costs: FloatArray) -> None:
         """Count one isolated gesture; `costs` (labels,) as `GestureModel.classify` gives them."""
-        accepted = np.flatnonzero(costs <= 1.0)
         best = int(np.argmin(costs))
+        is_right = best == gesture.label and bool(np.isfinite(costs[best]))
         self._done[gesture.label] += 1
-        self._best_right += int(best == gesture.label and bool(np.isfinite(costs[best])))
-        self._missed[gesture.label] += int(not len(accepted))
-        self._confusion[gesture.label, accepted] += 1
-        if len(accepted):
-            self._reported[best] += 1
-            self._hits[best] += int(best == gesture.label)
+        self._best_right += int(is_right)
+        if costs[best] > 1.0:
+            self._missed[gesture.label] += 1
+            return
+        # As in a stream, where one movement is reported once: by its best class.
+        self._confusion[gesture.label, best] += 1
+        self._reported[best] += 1
+        self._hits[best] += int(is_right)
 
     def add_stream(self, done: Sequence[Segment], found: Sequence[Segment]) -> None:
         """Count what was found in one stream beside what was done."""

@@ -31,7 +31,7 @@ def pair_costs(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     for k in range(len(offsets) - 1):
         longest = max(longest, offsets[k + 1] - offsets[k])
     for worker in parallel_range(n_workers):
-        scratch = np.empty((6, longest))
+        scratch = np.empty(6 * longest)
         for number in range(np.int64(worker), len(pairs), n_workers):
             a, b = pairs[number, 0], pairs[number, 1]
             begin, end = offsets[b], offsets[b + 1]
@@ -46,5 +46,5 @@ def pair_costs(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
                 weights,
                 least_share,
                 is_squared,
-                scratch[:, : end - begin],
+                scratch[: 6 * (end - begin)].reshape(6, end - begin),
             )

@@ -1,0 +1,110 @@
+"""Time warping beside its peers, in turn in one run, and what a stream costs."""
+
+import importlib
+import time
+from collections.abc import Callable, Iterable, Iterator
+from types import ModuleType
+
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.timeseries.dtw import pairwise_costs
+from adibas.timeseries.stream import StreamAligner
+from benchmarks.speed_registration import medians_ms
+from benchmarks.table import Row
+
+MODEL_FRAMES, N_NUMBERS, STREAM_FRAMES = 60, 42, 10_000
+N_SEQUENCES = 200
+N_LIVE = 100
+SEED = 1
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` shorter streams and fewer sequences."""
+    rng = np.random.default_rng(SEED)
+    n_rounds = 3 if quick else 15
+    yield from _begin_to_end(rng, STREAM_FRAMES // (10 if quick else 1), n_rounds)
+    yield from _live(rng)
+    yield from _pairs(rng, 40 if quick else N_SEQUENCES, n_rounds)
+    yield from _lengths((1, 10) if quick else (1, 10, 60, 600))
+
+
+def _peer(name: str) -> ModuleType | None:
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        return None
+
+
+def _walk(rng: np.random.Generator, n_frames: int) -> FloatArray:
+    return np.asarray(np.cumsum(rng.normal(0.0, 0.1, (n_frames, N_NUMBERS)), axis=0))
+
+
+def _begin_to_end(rng: np.random.Generator, n_frames: int, n_rounds: int) -> Iterator[Row]:
+    model, stream = _walk(rng, MODEL_FRAMES), _walk(rng, n_frames)
+    free, sloped = StreamAligner([model], steps="free"), StreamAligner([model])
+
+    def run(aligner: StreamAligner) -> Callable[[], object]:
+        def work() -> object:
+            aligner.reset()
+            return aligner.feed(stream)
+
+        return work
+
+    works = [run(free), run(sloped)]
+    if peer := _peer("dtaidistance.subsequence.dtw"):
+        works.append(lambda: peer.subsequence_alignment(model, stream, use_c=True).align_fast())
+    times_ms = medians_ms(works, n_rounds)
+    told = f"begin to end, {MODEL_FRAMES} x {N_NUMBERS} in {n_frames} frames"
+    reference = times_ms[2] if peer else None
+    whose = "dtaidistance" if peer else ""
+    yield Row(f"{told}, free steps", times_ms[0], "ms", reference, whose)
+    yield Row(f"{told}, limited slope", times_ms[1], "ms", reference, whose)
+    per_frame_us = 1e3 * times_ms[1] / n_frames
+    yield Row("stream, a frame and model, limited slope", per_frame_us, "us", 2.0, "goal <=")
+
+
+def _live(rng: np.random.Generator) -> Iterator[Row]:
+    models = [_walk(rng, MODEL_FRAMES) for _ in range(N_LIVE)]
+    aligner = StreamAligner(models)
+    frames = _walk(rng, 60)
+    aligner.feed(frames[:1])
+    start = time.thread_time()
+    for frame in frames:
+        aligner.feed(frame[None])
+    spent_s = (time.thread_time() - start) / len(frames)
+    share = 100 * 30 * spent_s
+    yield Row(f"{N_LIVE} models live at 30 frames/s", share, "% of a core", 10.0, "goal <=")
+
+
+def _pairs(rng: np.random.Generator, n_sequences: int, n_rounds: int) -> Iterator[Row]:
+    sequences = [_walk(rng, MODEL_FRAMES) for _ in range(n_sequences)]
+    works: list[Callable[[], object]] = [lambda: pairwise_costs(sequences, is_squared=True)]
+    if peer := _peer("dtaidistance.dtw_ndim"):
+        works.append(lambda: peer.distance_matrix_fast(sequences, parallel=True))
+    times_ms = medians_ms(works, n_rounds)
+    yield Row(
+        f"all pairs of {n_sequences} sequences {MODEL_FRAMES} x {N_NUMBERS}, all threads",
+        times_ms[0],
+        "ms",
+        times_ms[1] if peer else None,
+        "dtaidistance" if peer else "",
+    )
+    if peer:
+        ours, theirs = (np.asarray(work()) for work in works)
+        upper = np.triu_indices(n_sequences, 1)
+        yield Row("same: largest difference", float(abs(ours - theirs)[upper].max()), "")
+
+
+def _lengths(minutes: Iterable[int]) -> Iterator[Row]:
+    """Yield what hours of stream cost: ten gestures of twelve examples at 15 frames a second."""
+    rng = np.random.default_rng(SEED)
+    aligner = StreamAligner([_walk(rng, 30) for _ in range(120)])
+    chunk = _walk(rng, 900)
+    for length in minutes:
+        aligner.reset()
+        start = time.thread_time()
+        for _ in range(length):
+            aligner.feed(chunk)
+        spent_s = time.thread_time() - start
+        yield Row(f"stream of {length} min at 15 frames/s, 120 examples", spent_s, "s")
