@@ -149,7 +149,7 @@ def _measures(capture: CaptureReport) -> Iterator[Flowable]:
     cells: list[list[str | Flowable]] = []
     for row in shown:
         name = f"{row.name} ({row.measure_id})"
-        told = row.remark or row.positive
+        told = "; ".join(text for text in (row.main and row.positive, row.remark) if text)
         value, interval = _measured(row.main, row.unit)
         other = row.projected if row.main is row.spatial else row.spatial
         beside, _interval = _measured(other, row.unit)
@@ -161,9 +161,12 @@ def _measures(capture: CaptureReport) -> Iterator[Flowable]:
     header = [_("Measure"), _("Value"), _("95 %"), other_name, _("Positive means")]
     widths = [share * WIDTH for share in (0.36, 0.11, 0.15, 0.11, 0.27)]
     yield number_table(header, cells, widths, text_columns=(0, 4))
+    ids_of: dict[str, list[str]] = {}
     for row in shown:
         if row.reference:
-            yield note(f"{row.measure_id}: {row.reference}")
+            ids_of.setdefault(row.reference, []).append(row.measure_id)
+    for reference, ids in ids_of.items():
+        yield note(f"{', '.join(ids)}: {reference}")
     if len(rows) > len(shown):
         yield note(
             _("The first {shown} of {total} measures; all are in the Excel report.").format(
