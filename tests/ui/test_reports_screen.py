@@ -86,7 +86,9 @@ def test_titles_of_pages_take_two_lines_where_one_row_is_too_short(qtbot):
 
     assert shown() == titles
     one_line = sum(bar.tabSizeHint(index).width() for index in range(3))
+    height = bar.sizeHint().height()
     bar.resize(one_line - 5, 60)
+    assert bar.sizeHint().height() == height + bar.fontMetrics().lineSpacing()
     assert shown() == ("anterior", "lateral\nderecha", "lateral\nizquierda")
     assert sum(bar.tabSizeHint(index).width() for index in range(3)) <= bar.width()
     bar.resize(900, 60)

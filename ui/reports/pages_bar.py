@@ -30,6 +30,12 @@ class PagesBar(QTabBar):
         """Ask for the height alone: where even two lines have no room, arrows lead to the rest."""
         return QSize(0, super().minimumSizeHint().height())
 
+    def tabSizeHint(self, index: int) -> QSize:  # noqa: N802  (Qt's name)
+        """Ask for the height of all lines: Qt leaves room for one."""
+        size = super().tabSizeHint(index)
+        n_more = max(self.tabText(one).count("\n") for one in range(self.count()))
+        return size + QSize(0, n_more * self.fontMetrics().lineSpacing())
+
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
         super().resizeEvent(event)
         self._fit()

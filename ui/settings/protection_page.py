@@ -57,9 +57,9 @@ class ProtectionPage(QWidget):
 
     def _lay_out(self) -> None:
         lock, passphrase, check = self._groups
-        form = QFormLayout(lock)
+        form = _form(lock)
         form.addRow(self._minutes_label, self._minutes)
-        form = QFormLayout(passphrase)
+        form = _form(passphrase)
         for label, field in zip(self._field_labels, self._fields, strict=True):
             field.setEchoMode(QLineEdit.EchoMode.Password)
             label.setBuddy(field)
@@ -133,3 +133,10 @@ class ProtectionPage(QWidget):
 
 def _ignore(**_changes: Any) -> None:
     """Send changes nowhere: nobody is bound yet."""
+
+
+def _form(parent: QWidget) -> QFormLayout:
+    """Return a form whose fields go below their words where large letters leave no room."""
+    form = QFormLayout(parent)
+    form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
+    return form
