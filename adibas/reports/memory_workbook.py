@@ -56,10 +56,10 @@ class _MemoryWorkbook(Workbook):
     def __init__(self) -> None:
         super().__init__(write_only=True)
 
-    def create_sheet(self, title: str | None = None, index: int | None = None) -> Any:
+    def create_sheet(self, title: Any = None, index: int | None = None) -> Any:
         """Add a sheet."""
         sheet = _MemorySheet(self, title)
-        self._add_sheet(sheet, index)
+        self._add_sheet(sheet, index)  # type: ignore[attr-defined]  # the types lack it
         return sheet
 
     def encoded(self) -> bytes:
@@ -89,5 +89,6 @@ class _MemoryWriter(ExcelWriter):
         ws._drawing.images = ws._images  # noqa: SLF001
         ws.close()
         ws._rels = ws._writer._rels  # noqa: SLF001
-        self._archive.writestr(ws.path[1:], ws._writer.out.getvalue())  # noqa: SLF001
+        archive: ZipFile = self._archive  # type: ignore[attr-defined]  # the types lack it
+        archive.writestr(ws.path[1:], ws._writer.out.getvalue())  # noqa: SLF001
         self.manifest.append(ws)
