@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, add_report_options, frame_range
+from adibas.cli.options import add_json, add_out, add_report_options, frame_range, positive_count
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.data.posture import VIEWS
 from adibas.data.report import PictureChoice
@@ -42,6 +42,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_("in place of the recording's own calibration"),
     )
+    parser.add_argument(
+        "--oldest-calibration",
+        type=positive_count,
+        metavar=_("DAYS"),
+        help=_("refuse a calibration that is older; of any age if not given"),
+    )
     add_protocol(parser)
     parser.add_argument(
         "--labels",
@@ -68,6 +74,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Analyse the burst and write the report."""
+    from adibas.clock import utc_now
+    from adibas.pipeline.calibration_age import check_age
     from adibas.pipeline.session import PostureRequest, analyse_recording
     from adibas.pipeline.session_report import report_of_analysis
     from adibas.reports.json_report import posture_to_json
@@ -92,6 +100,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     )
     with console.progress(_("Analysing")) as progress:
         analysis = analyse_recording(request, progress)
+    if arguments.oldest_calibration is not None:
+        check_age(analysis.calibration, arguments.oldest_calibration, utc_now())
     pictures = PictureChoice(arguments.pictures)
     write_report(report_of_analysis(analysis, arguments.language, pictures), arguments.out)
     for notice in analysis.notices:
