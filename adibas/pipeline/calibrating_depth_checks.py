@@ -17,6 +17,7 @@ from adibas.calibration.registration_check import (
 )
 from adibas.calibration.shots import cells_near_plane
 from adibas.calibration.vertical import Vertical, vertical_from_floor
+from adibas.calibration.vertical_uncertainty import with_depth_error
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.sentence import Sentence
@@ -57,6 +58,8 @@ def vertical_of(seen: Sequence[Seen], calibration: RgbdCalibration) -> Vertical 
             continue
         blocks_m = cells_near_plane(depth_m, depth, floor)
         found = vertical_from_floor(blocks_m, floor)
+        if found is not None:
+            found = with_depth_error(found, blocks_m, calibration)
         if found is not None and (best is None or found.sd_rad < best.sd_rad):
             best = found
     return best
