@@ -58,6 +58,7 @@ def uncertainty_table(fit: CameraFit) -> Iterator[Flowable]:
     yield title(_("What the calibration makes uncertain: 95 %, plus or minus"), level=2)
     length = _("{length} m long [mm]").format(length=decimal_text(LENGTH_M, 0))
     header = [_("At [m]"), _("worst place [px]"), _("worst place [mm]"), length]
+    header = [text.replace(" [", "\n[") for text in header]  # longer in other languages
     cells = [
         [
             decimal_text(row.distance_m, 0),
@@ -103,9 +104,9 @@ def image_tables(report: CalibrationReport) -> Iterator[Flowable]:
         ]
         half = -(-len(cells) // 2)
         cells += [[""] * len(cells[0])] * (2 * half - len(cells))
-        header = [_("No."), _("Image"), _("corners"), "rms", "max", _("tilt"), "m", "Q_k"]
+        header = [_("No."), _("Image"), "n", "rms", "max", "°", "m", "Q_k"]
         lines = [left + right for left, right in zip(cells[:half], cells[half:], strict=True)]
-        shares = [0.08, 0.3, 0.14, 0.11, 0.09, 0.09, 0.09, 0.1]
+        shares = [0.1, 0.34, 0.08, 0.11, 0.1, 0.07, 0.1, 0.1]
         yield number_table(
             header * 2, lines, [share * WIDTH / 2 for share in shares] * 2, text_columns=(1, 9)
         )
@@ -123,9 +124,10 @@ def _notes(report: CalibrationReport, n_more: int) -> Iterator[Flowable]:
     if report.fit is not None:
         yield note(
             _(
-                "rms and max: error of the corners [px]; tilt [deg]; m: distance; Q_k: mean error "
-                "[mm] on the board of every other corner, with the board's pose from the rest. "
-                "Every such corner (pixel, real and computed place, error) is in the Excel report."
+                "n: corners that took part; rms and max: their error [px]; °: tilt; m: distance; "
+                "Q_k: mean error [mm] on the board of every other corner, with the board's pose "
+                "from the rest. Every such corner (pixel, real and computed place, error) is in "
+                "the Excel report."
             )
         )
 

@@ -5,6 +5,7 @@ file is said before its first row.
 """
 
 import io
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -46,6 +47,10 @@ MOST_ROWS = 1_048_575
 """Below the header of one sheet; Excel has one row more."""
 HEADER_HEIGHT = 32
 """Points: two lines."""
+LINE_HEIGHT = 15
+"""Points: one line. Not every program makes a row as high as its text needs."""
+LETTER_WIDTH = 1.05
+"""Of a letter on average, in widths of a column, with room for wide fonts."""
 ROW_PX = 20
 """Height of a row that nothing has changed."""
 JPEG_QUALITY = 90
@@ -132,7 +137,10 @@ def add_parts(
                 sheet.row_breaks.append(Break(id=n_rows))
             sheet.append([_styled(sheet, part.heading, PART_FONT)])
             n_rows += 1
-        for name, value in part.pairs:
+        for row, (name, value) in enumerate(part.pairs, n_rows + 1):
+            n_lines = _lines_of(name, value)
+            if n_lines > 1:
+                sheet.row_dimensions[row].height = LINE_HEIGHT * n_lines
             sheet.append(_pair(sheet, name, value, part.number_format))
         sheet.append([])
         n_rows += len(part.pairs) + 1
@@ -173,6 +181,15 @@ def add_blocks(
             )
         sheet.append([])
         n_rows += len(block.rows) + 3
+
+
+def _lines_of(name: str, value: Value) -> int:
+    """Return how many lines a pair needs."""
+    texts = (name, value if isinstance(value, str) else "")
+    return max(
+        sum(max(1, math.ceil(LETTER_WIDTH * len(line) / width)) for line in text.splitlines())
+        for text, width in zip(texts, PAIR_WIDTHS, strict=True)
+    )
 
 
 def discard_unsaved(workbook: Workbook) -> None:
