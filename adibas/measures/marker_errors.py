@@ -28,7 +28,7 @@ class MarkerErrors(NamedTuple):
 
     def of_all(self) -> FloatArray:
         """Return the (3N, 3N) covariance of all markers together."""
-        moves_m = self.shared_m.reshape(3 * len(self.shared_m), -1)
+        moves_m = self.shared_m.reshape(3 * len(self.shared_m), self.shared_m.shape[-1])
         joint = moves_m @ moves_m.T
         for place, covariance_m2 in enumerate(self.covariances_m2):
             own = slice(3 * place, 3 * place + 3)

@@ -395,3 +395,11 @@ def test_a_height_may_be_measured_as_an_offset_upwards():
     protocol = replace(SAPO, measures=(up,))
     places = moved(standing(), left_acromion=(0, 0.012, 0))
     assert values("anterior", places, protocol=protocol)["UP"] == pytest.approx(12.0)
+
+
+def test_markers_without_names_are_measured_by_nothing():
+    unnamed = seen_from("anterior", {"m01": standing()["left_asis"]})
+    for markers in ([], unnamed):
+        found = measure_protocol(SAPO, markers, Capturing("anterior", LEVEL))
+        assert {one.main for one in found.results} == {None}
+        assert found.notices == ()
