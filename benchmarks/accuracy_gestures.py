@@ -57,6 +57,7 @@ def _simulated(*, quick: bool) -> Iterator[Row]:
         ("table-7.1", 0, "thesis, plain"),
         ("dtw", 0, "thesis, plain"),
         ("weighted-dtw", 1, "thesis, weighted"),
+        ("hmm", 1, "thesis, weighted"),
         ("likeness", 1, "thesis, weighted"),
     )
     for method, column, whose in compared:
@@ -86,7 +87,7 @@ def _examples(recorded: SkeletonSet) -> Examples:
 def _continuous(folder: Path) -> Iterator[Row]:
     recorded = utkinect(folder)
     examples = _examples(recorded)
-    methods: tuple[Method, ...] = ("likeness", "dtw", "weighted-dtw", "table-7.1")
+    methods: tuple[Method, ...] = ("likeness", "hmm", "dtw", "weighted-dtw", "table-7.1")
     for method in methods:
         result = leave_one_out(examples, DESCRIPTOR, TrainingParams(method=method))
         three = [result.labels.index(label) for label in THREE]
@@ -110,7 +111,7 @@ def _isolated(folder: Path, read: Callable[[Path], SkeletonSet], goal: float) ->
     recorded = read(folder)
     examples = _examples(recorded)
     nearest = 100 * nearest_neighbour(examples)
-    methods: tuple[Method, ...] = ("likeness", "dtw", "weighted-dtw")
+    methods: tuple[Method, ...] = ("likeness", "hmm", "dtw", "weighted-dtw")
     for method in methods:
         result = leave_one_out(examples, DESCRIPTOR, TrainingParams(method=method))
         name = f"{recorded.name}, {len(result.labels)} classes, {method}"

@@ -17,7 +17,7 @@ SUMMARY = message("learn gestures from examples, and find when they begin and en
 TRAIN = message("learn gestures from a folder of examples")
 DETECT = message("find the gestures of a model in a table of joints")
 EVALUATE = message("measure on people who were left out of the training")
-METHODS = ("likeness", "dtw", "weighted-dtw", "table-7.1")
+METHODS = ("likeness", "hmm", "dtw", "weighted-dtw", "table-7.1")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -8,13 +8,15 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.gestures.descriptor import DescribedTrack, DescriptorParams
+from adibas.gestures.hidden_markov import HiddenMarkov
 from adibas.gestures.likeness import Likeness
 from adibas.gestures.proposals import ClassAligner, ProposalParams
 from adibas.gestures.segments import Segment, at_one_length
 from adibas.gestures.weighting import spread
 
-Method: TypeAlias = Literal["likeness", "dtw", "weighted-dtw", "table-7.1"]
-METHODS: tuple[Method, ...] = ("likeness", "dtw", "weighted-dtw", "table-7.1")
+Method: TypeAlias = Literal["likeness", "hmm", "dtw", "weighted-dtw", "table-7.1"]
+METHODS: tuple[Method, ...] = ("likeness", "hmm", "dtw", "weighted-dtw", "table-7.1")
+Judge: TypeAlias = Likeness | HiddenMarkov
 MOST_SHARED = 0.3
 """Of the shorter of two reports: more is the same movement reported twice."""
 
@@ -26,7 +28,8 @@ class GestureModel:
     Attributes
     ----------
     method : str
-        ``likeness``: proposals by alignment, judged by `Likeness` (the default); ``dtw`` and
+        ``likeness``: proposals by alignment, judged by `Likeness` (the default); ``hmm``: judged
+        by `HiddenMarkov`; ``dtw`` and
         ``weighted-dtw``: the alignment's cost against a threshold; ``table-7.1``: the thesis'
         algorithm literally.
     labels : tuple of str
@@ -38,10 +41,11 @@ class GestureModel:
     weights : (14,) array
         Of the joints, their sum 1.
     thresholds : (labels,) array
-        Largest cost of a detection; for ``likeness`` largest 1 - likeness.
+        Largest cost of a detection; for ``likeness`` and ``hmm`` largest 1 - likeness.
     gates : (labels,) array
         Largest cost of a proposal that is judged at all.
-    likeness : Likeness or None
+    judge : Likeness or HiddenMarkov or None
+        What rates proposals.
     provenance : dict
         What it was trained on, and how.
     """
@@ -54,7 +58,7 @@ class GestureModel:
     weights: FloatArray
     thresholds: FloatArray
     gates: FloatArray
-    likeness: Likeness | None = None
+    judge: Judge | None = None
     provenance: dict[str, object] = field(default_factory=dict)
 
     def aligner(self) -> ClassAligner:
@@ -86,19 +90,19 @@ class GestureModel:
 
         The best class is the least; above 1 it is none.
         """
-        if self.likeness is not None:
-            found = self.likeness.predict([at_one_length(frames)])[0]
+        if self.judge is not None:
+            found = self.judge.predict([at_one_length(frames)])[0]
             return np.asarray((1.0 - found) / self.thresholds)
         costs, _ = self.aligner().curves(frames)
         return np.asarray(costs.min(axis=0) / self.thresholds)
 
     def _rated(self, frames: FloatArray, proposals: Sequence[Segment]) -> list[Segment]:
-        if self.likeness is None:
+        if self.judge is None:
             return [
                 _with(one, one.label, one.cost / self.thresholds[one.label]) for one in proposals
             ]
         pieces = [at_one_length(frames[one.begin : one.end + 1]) for one in proposals]
-        costs = (1.0 - self.likeness.predict(pieces)) / self.thresholds
+        costs = (1.0 - self.judge.predict(pieces)) / self.thresholds
         best = costs.argmin(axis=1)
         return [
             _with(one, int(label), float(cost[label]))

@@ -11,8 +11,9 @@ from adibas.arrays import AnyArray
 from adibas.errors import GestureError
 from adibas.files import written_whole
 from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams
+from adibas.gestures.hidden_markov import Chain, HiddenMarkov
 from adibas.gestures.likeness import Likeness
-from adibas.gestures.model import GestureModel, Method
+from adibas.gestures.model import GestureModel, Judge, Method
 
 FORMAT, VERSION = "adibas-gestures", 1
 DECIMALS = 4
@@ -76,7 +77,6 @@ def _check_kind(path: Path, document: Any) -> None:
 
 
 def _document(model: GestureModel) -> dict[str, object]:
-    likeness = model.likeness
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -91,14 +91,33 @@ def _document(model: GestureModel) -> dict[str, object]:
             {"label": model.labels[owner], "frames": _listed(frames)}
             for owner, frames in zip(model.owners, model.examples, strict=True)
         ],
-        "likeness": None
-        if likeness is None
-        else {
-            "segments": _listed(likeness.segments),
-            "coefficients": likeness.coefficients.tolist(),
-            "scales": likeness.scales.tolist(),
-        },
+        "judge": _described_judge(model.judge),
         "provenance": model.provenance,
+    }
+
+
+def _described_judge(judge: Judge | None) -> dict[str, object] | None:
+    if judge is None:
+        return None
+    if isinstance(judge, HiddenMarkov):
+        return {
+            "kind": "hmm",
+            "mean": judge.mean.tolist(),
+            "axes": judge.axes.tolist(),
+            "chains": [
+                {
+                    "stay": chain.stay.tolist(),
+                    "means": chain.means.tolist(),
+                    "variances": chain.variances.tolist(),
+                }
+                for chain in judge.chains
+            ],
+        }
+    return {
+        "kind": "likeness",
+        "segments": _listed(judge.segments),
+        "coefficients": judge.coefficients.tolist(),
+        "scales": judge.scales.tolist(),
     }
 
 
@@ -127,7 +146,7 @@ def _model(document: dict[str, Any]) -> GestureModel:
     if not examples or any(frames.shape[1] != descriptor.n_numbers for frames in examples):
         raise ValueError("examples do not fit the descriptor")
     gates = [np.inf if value is None else value for value in document["gates"]]
-    stored = document["likeness"]
+    stored = document["judge"]
     return GestureModel(
         method,
         labels,
@@ -137,7 +156,7 @@ def _model(document: dict[str, Any]) -> GestureModel:
         np.array([document["weights"][joint] for joint in DESCRIBED_JOINTS], np.float64),
         _per_label(document["thresholds"], labels),
         _per_label(gates, labels),
-        None if stored is None else _likeness(stored, labels),
+        None if stored is None else _judge(stored, labels),
         dict(document["provenance"]),
     )
 
@@ -149,7 +168,19 @@ def _per_label(values: Any, labels: tuple[str, ...]) -> AnyArray:
     return array
 
 
-def _likeness(stored: dict[str, Any], labels: tuple[str, ...]) -> Likeness:
+def _judge(stored: dict[str, Any], labels: tuple[str, ...]) -> Judge:
+    if stored["kind"] == "hmm":
+        chains = tuple(
+            Chain(
+                _array(chain["stay"], 1), _array(chain["means"], 2), _array(chain["variances"], 2)
+            )
+            for chain in stored["chains"]
+        )
+        if len(chains) < len(labels):
+            raise ValueError("a chain for each label")
+        return HiddenMarkov(
+            _array(stored["mean"], 1), _array(stored["axes"], 2), chains, len(labels)
+        )
     segments = _array(stored["segments"], 3)
     coefficients = _array(stored["coefficients"], 2)
     if coefficients.shape != (len(segments), len(labels)):

@@ -14,6 +14,7 @@ import numpy as np
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.errors import GestureError
 from adibas.gestures.descriptor import DescriptorParams
+from adibas.gestures.hidden_markov import MarkovTraining
 from adibas.gestures.likeness import LikenessParams, LikenessTraining
 from adibas.gestures.model import GestureModel, Method
 from adibas.gestures.proposals import SHORTEST, chosen_examples
@@ -79,8 +80,8 @@ def train(
         proposals = _held_out(examples, descriptor, params, folds == fold)
         found += proposals
         fold_of += [int(fold)] * len(proposals)
-    if params.method == "likeness":
-        return _with_likeness(model, examples, params, found, (folds, np.array(fold_of, np.int64)))
+    if params.method in ("likeness", "hmm"):
+        return _with_judge(model, examples, params, found, (folds, np.array(fold_of, np.int64)))
     costs = np.array([proposal.cost for proposal in found])
     right = np.array([_target(one, examples)[one.label] > 0 for one in found], bool)
     labels = np.array([proposal.label for proposal in found], np.int64)
@@ -200,7 +201,7 @@ def best_threshold(costs: FloatArray, is_right: BoolArray, n_wanted: int) -> flo
     return max(float(0.5 * (here + min(after, 1.1 * here))), BARELY)
 
 
-def _with_likeness(
+def _with_judge(
     model: GestureModel,
     examples: Examples,
     params: TrainingParams,
@@ -216,7 +217,11 @@ def _with_likeness(
     chosen = whole if examples.is_isolated else _balanced(targets, n_given, params)
     segments = [*examples.gestures, *found]
     pieces = [at_one_length(examples.frames_of(segments[index])) for index in chosen]
-    training = LikenessTraining.of(pieces, targets[chosen], LikenessParams())
+    training: LikenessTraining | MarkovTraining
+    if params.method == "hmm":
+        training = MarkovTraining(pieces, targets[chosen], params.seed)
+    else:
+        training = LikenessTraining.of(pieces, targets[chosen], LikenessParams())
     predicted = training.held_out(fold_of[chosen])
     costs = 1.0 - predicted.max(axis=1)
     right = targets[chosen][np.arange(len(chosen)), predicted.argmax(axis=1)] > 0
