@@ -24,6 +24,7 @@ WORLD_FAILED = 1
 COMMANDS = (
     "demo",
     "posture",
+    "movement",
     "skeleton",
     "calibrate",
     "wand",

@@ -84,7 +84,7 @@ def analyse_recording(
         check_view(request.protocol, request.view)
     with open_recording(request.recording) as recording:
         begin, end = _burst_range(recording, request.frames)
-        calibration = _calibration(recording, request.calibration)
+        calibration = calibration_of(recording, request.calibration)
         burst = _Burst(recording, calibration, begin, end, progress)
         findings = analyse_burst(burst, calibration, target, request.params)
         notices = tuple(notice for notice in (recording.notice,) if notice)
@@ -185,7 +185,14 @@ def _burst_range(recording: RecordingReader, frames: tuple[int, int | None]) -> 
     return begin, end
 
 
-def _calibration(recording: RecordingReader, path: Path | None) -> RgbdCalibration:
+def calibration_of(recording: RecordingReader, path: Path | None) -> RgbdCalibration:
+    """Return the calibration of a file, or the recording's own.
+
+    Raises
+    ------
+    CalibrationError
+        There is none.
+    """
     calibration = recording.info.calibration if path is None else read_calibration(path)
     if calibration is None and recording.notice:
         raise CalibrationError(

@@ -10,7 +10,9 @@ from adibas.texts import translate as _
 Pairs = list[tuple[str, str | float]]
 
 ORIGINS: dict[str, Message] = {
-    "markers": message("markers on the skin"),
+    "markers": message(
+        "markers on the skin: angles are between them, not between the centres of the joints"
+    ),
     "markerless": message("markerless: joints estimated from the depth, never as sure as markers"),
     "unknown": message("a file of joints that does not say how they were found"),
 }

@@ -50,7 +50,8 @@ def test_the_workbook_holds_ranges_symmetry_and_curves_as_numbers(movement, tmp_
     assert rows[50][at] is None
     assert rows[10][at] == pytest.approx(movement.curves[at - 1].deg[10])
     words = {cell.value for row in book["Summary"].iter_rows() for cell in row}
-    assert {"P-7", "markers on the skin", "5.0"} <= words
+    assert {"P-7", "5.0"} <= words
+    assert any("markers on the skin" in str(word) for word in words)
     assert len(book["Summary"]._images) == 1
 
 

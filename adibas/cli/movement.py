@@ -1,0 +1,109 @@
+"""`adibas movement`: a moving recording in, joint angles and ranges of movement out."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, positive_count
+from adibas.data.posture import VIEWS
+from adibas.errors import FileError, MarkerError
+from adibas.files import check_place
+from adibas.texts import LANGUAGES, message, spoken_language, translate_plural
+from adibas.texts import translate as _
+
+SUMMARY = message("measure joint angles over time and how far each joint moves")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument(
+        "source",
+        type=Path,
+        metavar=_("RECORDING"),
+        help=_(".mcap, .oni or a TUM RGB-D folder with markers on the joints, or a JOINTS.csv"),
+    )
+    parser.add_argument(
+        "--markers",
+        default="",
+        metavar="colours.json|led",
+        help=_("learned colours, or led for LED markers; not for a JOINTS.csv"),
+    )
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("in place of the recording's own calibration"),
+    )
+    parser.add_argument(
+        "--view", choices=VIEWS, default="", help=_("which side is seen in the first frame")
+    )
+    parser.add_argument(
+        "--person",
+        type=positive_count,
+        metavar="N",
+        help=_("of a JOINTS.csv with several people; the one who was seen longest if not given"),
+    )
+    parser.add_argument(
+        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
+    )
+    parser.add_argument(
+        "--language",
+        choices=tuple(LANGUAGES),
+        default=spoken_language(),
+        help=_("of the report; the program's own if not given"),
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        action="append",
+        metavar="report.xlsx|.pdf|.csv|.c3d|.trc",
+        help=_("report to write, or joints as C3D or TRC; may be given several times"),
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Measure the movement and write the reports."""
+    from adibas.pipeline.movement import JOINT_FILE, MovementRequest, measure_moving
+    from adibas.reports.movement import MOVEMENT_KINDS, write_movement
+    from adibas.reports.movement_json import movement_to_json
+
+    for path in arguments.out:
+        if path.suffix.lower() not in MOVEMENT_KINDS:
+            raise FileError(
+                "{file} is no report. Give --out a name that ends in one of: {endings}.",
+                file=path.name or str(path),
+                endings=", ".join(MOVEMENT_KINDS),
+            )
+        check_place(path)
+    if not arguments.markers and arguments.source.suffix.lower() != JOINT_FILE:
+        raise MarkerError(
+            "How are the markers found? Give --markers led, or --markers and a file of colours "
+            "from adibas markers learn."
+        )
+    request = MovementRequest(
+        arguments.source,
+        arguments.markers,
+        arguments.calibration,
+        arguments.view,
+        arguments.patient,
+        arguments.person,
+    )
+    with console.progress(_("Analysing")) as progress:
+        movement = measure_moving(request, progress)
+    for path in arguments.out:
+        write_movement(movement, path, arguments.language)
+    for notice in movement.notices:
+        console.warn(notice.text)
+    n_angles = len(movement.ranges)
+    for path in arguments.out:
+        console.say(
+            _("{file}: {angles} over {seconds:.1f} s.").format(
+                file=path,
+                angles=translate_plural("{n} angle", "{n} angles", n_angles).format(n=n_angles),
+                seconds=float(movement.times_s[-1]),
+            )
+        )
+    console.give(movement_to_json(movement))
+    return 0

@@ -1,0 +1,234 @@
+"""From a moving recording, or a table of joints, to joint angles over time."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from adibas import __version__
+from adibas.arrays import FloatArray
+from adibas.calibration.files import check_fits
+from adibas.clock import Clock, to_text, utc_now
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.frames import RgbdFrame
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.movement import Movement
+from adibas.data.posture import Provenance
+from adibas.data.protocol_measures import VerticalOrigin
+from adibas.data.sentence import Sentence
+from adibas.data.skeleton_track import SkeletonTrack
+from adibas.errors import MarkerError, RecordingError
+from adibas.markers.disparity import DisparitySum
+from adibas.markers.position import PositionFinder
+from adibas.measures.sight_plane import vertical_of
+from adibas.movement.measuring import MovementParams, MovementSource, measure_movement
+from adibas.pipeline.in_order import in_order
+from adibas.pipeline.learning import read_target
+from adibas.pipeline.posture import (
+    N_THREADS,
+    MarkerTarget,
+    PostureParams,
+    check_selective,
+    detect,
+)
+from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.session import calibration_of
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.recordings import open_recording
+from adibas.recordings.checksum import recording_sha256
+from adibas.recordings.decoding import to_rgbd
+from adibas.recordings.joints_csv import read_joints_csv
+from adibas.recordings.ports import RecordingReader
+from adibas.skeleton.tracking import NameTracker
+from adibas.texts import message
+
+Progress = Callable[[int, int], None]
+
+JOINT_FILE = ".csv"
+NANOSECONDS = 1e-9
+
+OTHER_PEOPLE = message(
+    "The file has joints of {n} people; these are of person {person}. Choose another with --person."
+)
+SPARE_MARKERS = message(
+    "In {percent} % of the frames some markers have no name: they are none of the 15 joints, or "
+    "which one is not sure. They are not in the angles."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class MovementRequest:
+    """What to measure.
+
+    Attributes
+    ----------
+    source : Path
+        A recording, or a table of joints (``.csv``).
+    markers : str
+        A file of learned colours, or ``led``; of no use for a table.
+    calibration : Path or None
+        In place of the recording's own.
+    view, patient : str
+        Of the first frame, one of `VIEWS` or empty; a pseudonym or empty.
+    person : int or None
+        Of a table; None: the one who was seen longest.
+    """
+
+    source: Path
+    markers: str = ""
+    calibration: Path | None = None
+    view: str = ""
+    patient: str = ""
+    person: int | None = None
+    posture: PostureParams = field(default_factory=PostureParams)
+    movement: MovementParams = field(default_factory=MovementParams)
+
+
+def measure_moving(
+    request: MovementRequest, progress: Progress, clock: Clock = utc_now
+) -> Movement:
+    """Measure the movement of a recording or of a table of joints.
+
+    Raises
+    ------
+    RecordingError
+        The source is missing, broken, or empty, or has no such person.
+    CalibrationError
+        The recording has no calibration, or one for another resolution.
+    MarkerError
+        No joint was found in any frame, or the colour model fits everything.
+    """
+    if request.source.suffix.lower() == JOINT_FILE:
+        return _of_table(request, clock)
+    return _of_recording(request, progress, clock)
+
+
+def _of_table(request: MovementRequest, clock: Clock) -> Movement:
+    read = read_joints_csv(request.source)
+    tracks = {track.person: track for track in read.tracks}
+    longest = max(read.tracks, key=lambda track: int(track.seen.any(axis=1).sum()))
+    person = longest.person if request.person is None else request.person
+    if person not in tracks:
+        raise RecordingError(
+            "{file} has no person {person}. Choose one of: {people}.",
+            file=request.source.name,
+            person=person,
+            people=", ".join(map(str, sorted(tracks))),
+        )
+    notices = read.notices
+    if len(tracks) > 1:
+        notices += (Sentence(OTHER_PEOPLE, {"n": len(tracks), "person": person}),)
+    provenance = Provenance(
+        recording_sha256(request.source),
+        "",
+        __version__,
+        to_text(clock()),
+        asdict(request.movement),
+    )
+    source = MovementSource("unknown", provenance, request.patient, None, notices)
+    return measure_movement(tracks[person], source, request.movement)
+
+
+def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) -> Movement:
+    target = read_target(request.markers)
+    with open_recording(request.source) as recording:
+        if len(recording) == 0:
+            raise RecordingError("The recording holds no whole frame. Record the session again.")
+        calibration = calibration_of(recording, request.calibration)
+        joints, unnamed_share = _follow(recording, calibration, target, request, progress)
+        notice = recording.notice
+    if not joints.seen.any():
+        raise MarkerError(
+            "No joint was found in any frame. Check that the markers have the learned colour, sit "
+            "on the joints, and are in view."
+        )
+    provenance = provenance_of(
+        recording_sha256(request.source), calibration, target, request.posture, clock()
+    )
+    provenance = replace(
+        provenance, parameters={**provenance.parameters, **asdict(request.movement)}
+    )
+    vertical = vertical_of(calibration)
+    up = None if vertical.origin is VerticalOrigin.UNKNOWN else vertical.up
+    notices: tuple[Sentence, ...] = ()
+    if notice is not None:
+        notices += (Sentence(message("{notice}"), {"notice": notice}),)
+    if unnamed_share > 0:
+        fields = {"percent": 100.0 * unnamed_share}
+        notices += (Sentence(SPARE_MARKERS, fields, decimals=0),)
+    source = MovementSource("markers", provenance, request.patient, up, notices)
+    return measure_movement(joints, source, request.movement)
+
+
+def _follow(
+    recording: RecordingReader,
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    request: MovementRequest,
+    progress: Progress,
+) -> tuple[SkeletonTrack, float]:
+    """Return the joints in the colour camera's axes, and the share of frames with unnamed ones."""
+    up = vertical_of(calibration).up
+    tracker = NameTracker(shipped_namer(), request.view)
+    n_frames = len(recording)
+    joints_m = np.full((n_frames, len(JOINT_NAMES), 3), np.nan)
+    confidence = np.full((n_frames, len(JOINT_NAMES)), np.nan)
+    timestamps_ns = np.asarray(recording.timestamps_ns, np.int64)
+    n_unnamed = 0
+
+    def work(frame: RgbdFrame) -> FloatArray:
+        return marker_points(frame, calibration, target, request.posture)
+
+    with in_order(work, _frames(recording, calibration), N_THREADS) as results:
+        for number, points_m in enumerate(results):
+            if len(points_m):
+                time_s = float(timestamps_ns[number] - timestamps_ns[0]) * NANOSECONDS
+                found = tracker.follow(points_m @ level_from_camera(up).T, time_s)
+                n_unnamed += None in found.names
+                for name, point_m, sure in zip(
+                    found.names, points_m, found.confidences, strict=True
+                ):
+                    if name is not None:
+                        place = JOINT_NAMES.index(name)
+                        joints_m[number, place], confidence[number, place] = point_m, sure
+            progress(number + 1, n_frames)
+    return SkeletonTrack(timestamps_ns, joints_m, confidence), n_unnamed / n_frames
+
+
+def marker_points(
+    frame: RgbdFrame, calibration: RgbdCalibration, target: MarkerTarget, params: PostureParams
+) -> FloatArray:
+    """Return (N, 3) positions of the markers of one frame, colour camera, metres.
+
+    Raises
+    ------
+    MarkerError
+        The colour model fits everything.
+    """
+    detections = detect(frame, calibration, target, params)
+    if detections is None:
+        return np.empty((0, 3))
+    check_selective(detections, target, params)
+    depth = DisparitySum(calibration.depth_bias, calibration.depth)
+    depth.add(frame.depth_m)
+    disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
+    finder = PositionFinder(disparity, calibration, params.position)
+    found = (finder.locate(np.array([b.u, b.v]), b.covariance_px2) for b in detections.blobs)
+    positions = [position.position_m for position in found if position is not None]
+    return np.array(positions).reshape(-1, 3)
+
+
+def level_from_camera(up: FloatArray) -> FloatArray:
+    """Return the turn (3, 3) into level axes: x to the picture's right, y down, z away."""
+    right = np.array([1.0, 0.0, 0.0]) - up[0] * up
+    right /= np.linalg.norm(right)
+    return np.stack([right, -up, np.cross(up, right)])
+
+
+def _frames(recording: RecordingReader, calibration: RgbdCalibration) -> Iterator[RgbdFrame]:
+    for index in range(len(recording)):
+        frame = to_rgbd(recording.read(index), recording.info)
+        if index == 0:
+            check_fits(calibration, frame.color_rgb.shape[:2], frame.depth_m.shape)
+        yield frame

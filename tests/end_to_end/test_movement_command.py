@@ -1,0 +1,99 @@
+"""A movement on the command line: a recording with markers, or a table of joints, to reports."""
+
+import json
+
+import numpy as np
+import openpyxl
+import pytest
+
+from adibas.cli.command_line import main
+from adibas.data.joints import JOINT_NAMES
+from adibas.movement.joint_angles import joint_angles
+from adibas.recordings import create_recording
+from adibas.recordings.joints_csv import write_joints_csv
+from adibas.simulation.patient import MarkerSettings
+from adibas.simulation.scenes import open_scene
+from tests.unit.movement_samples import LEFT_DEG, bending
+
+N_FRAMES = 8
+
+
+@pytest.fixture(scope="module")
+def led_scene():
+    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
+    return open_scene("anterior_led", 4, markers=markers, distance_m=2.7, color_size=(480, 640))
+
+
+@pytest.fixture(scope="module")
+def recording(led_scene, tmp_path_factory):
+    path = tmp_path_factory.mktemp("movement") / "standing.mcap"
+    with create_recording(path, led_scene.info) as writer:
+        for index in range(N_FRAMES):
+            writer.write(led_scene.frame(index).sensor_frame)
+    return path
+
+
+@pytest.fixture
+def joints_file(tmp_path):
+    path = tmp_path / "elbows.joints.csv"
+    write_joints_csv(path, [bending()])
+    return path
+
+
+def test_markers_of_a_recording_become_the_angles_of_the_joints(
+    led_scene, recording, tmp_path, capsys
+):
+    out = tmp_path / "m.xlsx"
+    words = ["movement", str(recording), "--markers", "led", "--view", "anterior", "--json"]
+    assert main([*words, "--out", str(out)]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["origin"] == "markers"
+    truth = led_scene.frame(0).truth
+    places = {marker.name: marker.position_m for marker in truth.markers}
+    true_m = np.array([places.get(name, np.full(3, np.nan)) for name in JOINT_NAMES])
+    expected = joint_angles(true_m, np.array([0.0, -1.0, 0.0]))
+    found = {one["angle"]: one for one in document["ranges"]}
+    assert len(found) >= 10
+    for name, one in found.items():
+        middle_deg = (one["least_deg"] + one["greatest_deg"]) / 2
+        assert middle_deg == pytest.approx(np.degrees(expected[name]), abs=6.0), name
+    assert "Ranges" in openpyxl.load_workbook(out).sheetnames
+
+
+def test_a_table_of_joints_gives_several_reports_at_once(joints_file, tmp_path, capsys):
+    outs = [tmp_path / f"m{kind}" for kind in (".pdf", ".c3d", ".trc")]
+    words = [word for out in outs for word in ("--out", str(out))]
+    assert main(["movement", str(joints_file), "--json", *words]) == 0
+    document = json.loads(capsys.readouterr().out)
+    left = next(one for one in document["ranges"] if one["angle"] == "left_elbow_flexion")
+    assert left["greatest_deg"] == pytest.approx(LEFT_DEG[1], abs=0.5)
+    assert all(out.stat().st_size > 0 for out in outs)
+
+
+def test_a_recording_needs_to_know_its_markers(recording, tmp_path, capsys):
+    assert main(["movement", str(recording), "--out", str(tmp_path / "m.xlsx")]) == 1
+    assert "--markers led" in capsys.readouterr().err
+
+
+def test_another_person_than_there_is_is_told(joints_file, tmp_path, capsys):
+    words = ["movement", str(joints_file), "--person", "3", "--out", str(tmp_path / "m.pdf")]
+    assert main(words) == 1
+    assert "Choose one of: 1." in capsys.readouterr().err
+
+
+def test_of_several_people_the_one_seen_longest_is_taken_and_it_is_said(tmp_path, capsys):
+    path = tmp_path / "two.joints.csv"
+    short = bending(n_frames=30)
+    other = type(short)(short.timestamps_ns + 7, short.joints_m, short.confidence, 1)
+    long = bending()
+    write_joints_csv(
+        path, [other, type(long)(long.timestamps_ns, long.joints_m, long.confidence, 2)]
+    )
+    assert main(["movement", str(path), "--out", str(tmp_path / "m.csv")]) == 0
+    assert "of person 2" in capsys.readouterr().err
+
+
+def test_a_name_that_is_no_report_is_refused_before_the_work(joints_file, tmp_path, capsys):
+    assert main(["movement", str(joints_file), "--out", str(tmp_path / "m.doc")]) == 1
+    assert ".c3d" in capsys.readouterr().err
+    assert not (tmp_path / "m.doc").exists()
