@@ -18,6 +18,6 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from calibration_corners.rows(quick=quick)
     yield from fitting.rows(quick=quick)
     yield from calibration_real.rows()
-    yield from calibration_coma.rows()
+    yield from calibration_coma.rows(quick=quick)
     yield from calibration_chain.rows(quick=quick)
     yield from calibration_depth.rows(quick=quick)

@@ -74,8 +74,8 @@ def run_trial(seed: int) -> ChainTrial:
 
 
 def rows(*, quick: bool) -> Iterator[Row]:
-    """Measure; with `quick` four calibrations."""
-    n = 4 if quick else 1000
+    """Measure; with `quick` two calibrations."""
+    n = 2 if quick else 1000
     with ProcessPoolExecutor(N_PROCESSES, get_context("spawn")) as pool:
         trials = list(pool.map(run_trial, range(n), chunksize=5))
         told = f"{n} calibrations of {N_VIEWS} rendered pictures 1280x1024, seed {SEED}"

@@ -41,7 +41,7 @@ FLAGS = {
 def rows(*, quick: bool) -> Iterable[Row]:
     """Measure; with `quick` fewer calibrations."""
     yield from _beside_opencv(quick=quick)
-    yield from _intervals(30 if quick else 1000)
+    yield from _intervals(10 if quick else 1000)
     yield from _thesis_board(quick=quick)
 
 
