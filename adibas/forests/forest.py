@@ -11,7 +11,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, Int32Array, check_shape, read_only
 from adibas.forests.feature_kernels import KIND
-from adibas.forests.images import ForestImage, prepare_image
+from adibas.forests.images import ForestImage, join_images, prepare_image
 from adibas.forests.params import GRADIENT
 from adibas.forests.prediction_kernels import predict
 
@@ -109,12 +109,12 @@ class Forest:
         rows, columns = np.nonzero(mask)
         at = np.empty((len(rows), 2), np.int32)
         at[:, 0], at[:, 1] = rows - image.top, columns - image.left
-        height, width = image.depth_m.shape
+        batch = join_images([image], self.far_m)
         return predict(
-            np.ascontiguousarray(image.depth_m).ravel(),
-            _flat(image.slope_x),
-            _flat(image.slope_y),
-            np.array([[0, height, width, 0]], np.int64),
+            batch.depth_m,
+            batch.slope_x,
+            batch.slope_y,
+            batch.places,
             at,
             np.array([focal_px, self.far_m]),
             self.roots,
@@ -122,7 +122,3 @@ class Forest:
             self.nodes,
             self.leaves,
         )
-
-
-def _flat(slope: Float32Array) -> Float32Array:
-    return np.ascontiguousarray(slope).ravel() if slope.size else np.zeros(1, np.float32)

@@ -104,9 +104,10 @@ class ImageBatch:
     Attributes
     ----------
     depth_m, slope_x, slope_y : (S,) float32 arrays
-        Slopes have one element where they are not wanted.
+        Slopes are a few zeros where they are not wanted.
     places : (B, 4) int64 array
-        Where each image begins, its height, its width.
+        Where the first pixel of each image is, its height, its width, and how much further the
+        next row is: there is a border about each image.
     focal_px : (B,) float32 array
     """
 
@@ -122,22 +123,25 @@ class ImageBatch:
         return self.depth_m.nbytes + self.slope_x.nbytes + self.slope_y.nbytes
 
 
-def join_images(images: list[ForestImage]) -> ImageBatch:
-    """Lay images end to end."""
+def join_images(images: list[ForestImage], far_m: float) -> ImageBatch:
+    """Lay images end to end, each with a border of what is outside."""
     places = np.zeros((len(images), 4), np.int64)
     begin = 0
     for place, image in zip(places, images, strict=True):
-        place[:3] = begin, *image.depth_m.shape
-        begin += image.depth_m.size
+        height, width = image.depth_m.shape
+        stride = width + 2
+        place[:] = begin + stride + 1, height, width, stride
+        begin += (height + 2) * stride
     return ImageBatch(
-        _end_to_end([image.depth_m for image in images]),
-        _end_to_end([image.slope_x for image in images]),
-        _end_to_end([image.slope_y for image in images]),
+        _end_to_end([image.depth_m for image in images], far_m),
+        _end_to_end([image.slope_x for image in images], 0.0),
+        _end_to_end([image.slope_y for image in images], 0.0),
         places,
         np.array([image.focal_px for image in images], np.float32),
     )
 
 
-def _end_to_end(images: list[Float32Array]) -> Float32Array:
-    joined = np.concatenate([image.ravel() for image in images] or [np.zeros(0, np.float32)])
-    return joined if joined.size else np.zeros(1, np.float32)
+def _end_to_end(images: list[Float32Array], border: float) -> Float32Array:
+    return np.concatenate(
+        [np.pad(image, 1, constant_values=border).ravel() for image in images]
+    ).astype(np.float32)

@@ -273,12 +273,11 @@ class _Sample:
             batch, at_node = self._batch(number), self._at_node[number]
             images = batch.depth_m, batch.slope_x, batch.slope_y, batch.places
             scales = scales_of(batch.depth_m, batch.places, batch.focal_px, pixels)
-            far_m = self.params.far_m
-            route(*images, pixels, scales, far_m, child, nodes, at_node)
+            route(*images, pixels, scales, child, nodes, at_node)
             slots = slot_of[at_node]
             is_in = slots >= 0
             rows = np.ascontiguousarray(pixels[is_in])
-            count_values(*images, rows, scales[is_in], far_m, slots[is_in], *candidates, counts)
+            count_values(*images, rows, scales[is_in], slots[is_in], *candidates, counts)
 
     def _draw(self, begin: int) -> Int32Array:
         """Return (P, 4) pixels of the batch that begins with chosen image `begin`."""
@@ -301,7 +300,9 @@ class _Sample:
         if number in self._kept:
             return self._kept[number]
         begin = number * self.memory.n_batch_images
-        batch = join_images([prepared for _, prepared, _, _ in self._read(begin)])
+        batch = join_images(
+            [prepared for _, prepared, _, _ in self._read(begin)], self.params.far_m
+        )
         if self._n_kept_bytes + batch.n_bytes <= self.memory.image_bytes:
             self._kept[number] = batch
             self._n_kept_bytes += batch.n_bytes

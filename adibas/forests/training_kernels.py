@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray
-from adibas.forests.feature_kernels import BEGIN, WIDTH, feature_value
+from adibas.forests.feature_kernels import BEGIN, STRIDE, feature_value
 from adibas.kernels import compiled, compiled_parallel, parallel_range
 
 IMAGE, ROW, COLUMN, LABEL = range(4)
@@ -26,7 +26,7 @@ def scales_of(
     scales = np.empty(pixels.shape[0], np.float32)
     for i in range(pixels.shape[0]):
         image = pixels[i, IMAGE]
-        row_begin = places[image, BEGIN] + pixels[i, ROW] * places[image, WIDTH]
+        row_begin = places[image, BEGIN] + pixels[i, ROW] * places[image, STRIDE]
         scales[i] = focal_px[image] / depth_m[row_begin + pixels[i, COLUMN]]
     return scales
 
@@ -39,7 +39,6 @@ def route(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     places: IntArray,
     pixels: Int32Array,
     scales: Float32Array,
-    far_m: float,
     child: Int32Array,
     nodes: Float32Array,
     at_node: Int32Array,
@@ -52,9 +51,7 @@ def route(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
         node = at_node[i]
         if child[node] != LEAF:
             at = (pixels[i, IMAGE], pixels[i, ROW], pixels[i, COLUMN])
-            value = feature_value(
-                depth_m, slope_x, slope_y, places, at, scales[i], nodes, node, far_m
-            )
+            value = feature_value(depth_m, slope_x, slope_y, places, at, scales[i], nodes, node)
             at_node[i] = child[node] + np.int32(np.float32(value) >= nodes[node, THRESHOLD])
 
 
@@ -66,7 +63,6 @@ def count_values(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     places: IntArray,
     pixels: Int32Array,
     scales: Float32Array,
-    far_m: float,
     slots: Int32Array,
     features: Float32Array,
     thresholds: Float32Array,
@@ -84,9 +80,7 @@ def count_values(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
             at = (pixels[i, IMAGE], pixels[i, ROW], pixels[i, COLUMN])
             feature = slot * counts.shape[0] + candidate
             value = np.float32(
-                feature_value(
-                    depth_m, slope_x, slope_y, places, at, scales[i], features, feature, far_m
-                )
+                feature_value(depth_m, slope_x, slope_y, places, at, scales[i], features, feature)
             )
             gap = 0
             for t in range(thresholds.shape[1]):

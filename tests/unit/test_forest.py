@@ -105,7 +105,7 @@ def test_features_are_those_of_a_slow_version():
     )
     depth_m, mask = body_image(rng)
     image = prepare_image(depth_m, mask, FOCAL_PX, FAR_M, smoothing_px=1.5)
-    batch = join_images([image, image])
+    batch = join_images([image, image], FAR_M)
     padded = np.full(mask.shape, FAR_M, np.float32)
     padded[mask & np.isfinite(depth_m)] = depth_m[mask & np.isfinite(depth_m)]
     slopes = np.zeros((2, *mask.shape), np.float32)
@@ -120,7 +120,7 @@ def test_features_are_those_of_a_slow_version():
         for number, feature in enumerate(features):
             value = feature_value(
                 batch.depth_m, batch.slope_x, batch.slope_y, batch.places, at, scale, features,
-                number, FAR_M,
+                number,
             )  # fmt: skip
             expected = slow_value(padded, slopes, tuple(pixel), feature)
             assert value == pytest.approx(expected, abs=1e-5)
