@@ -26,6 +26,7 @@ from adibas.pipeline.demo import run_demo
 from adibas.pipeline.demo_session import take_demo_session
 from adibas.pipeline.learning import read_target
 from adibas.sessions import open_store
+from adibas.sessions.demo_patient import demo_identity, demo_notes
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.texts import LANGUAGES
 from ui.application import Application
@@ -67,6 +68,7 @@ def main() -> int:
                 continue
             preferences.change(language=look.language, theme=look.theme, font_scale=look.font_scale)
             application.window.resize(*look.size)
+            studio.name_demo_patient()
             for path in studio.draw(folder, look.suffix):
                 sys.stdout.write(f"{path}\n")
         application.window.close()
@@ -142,6 +144,15 @@ class _Studio:
             x, y = picture.placement.to_widget(marker.u, marker.v)
             QTest.mouseClick(picture, Qt.MouseButton.LeftButton, pos=QPoint(round(x), round(y)))
             self._settle()
+
+    def name_demo_patient(self) -> None:
+        """Name the demo patient as a store does that was made in the language in use."""
+        workspace = self._application.workspace
+        if workspace is not None and workspace.patient is not None:
+            change, pseudonym = workspace.store.patients.change, workspace.patient.pseudonym
+            workspace.choose_patient(
+                change(pseudonym, identity=demo_identity(), notes=demo_notes())
+            )
 
     def draw(self, folder: Path, suffix: str) -> Iterator[Path]:
         """Draw every screen, and every page of one that has pages."""

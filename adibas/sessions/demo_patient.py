@@ -12,7 +12,14 @@ def demo_patient(store: SessionStore) -> Patient:
     for row in store.patients.search(DEMO_RECORD_NUMBER):
         if row.identity.record_number == DEMO_RECORD_NUMBER:
             return store.patients.get(row.pseudonym)
-    return store.patients.add(
-        Identity(_("Demo patient"), record_number=DEMO_RECORD_NUMBER),
-        notes=_("A simulated patient, to try the program with the simulator as the sensor."),
-    )
+    return store.patients.add(demo_identity(), notes=demo_notes())
+
+
+def demo_identity() -> Identity:
+    """Return who the demo patient is, in the language in use."""
+    return Identity(_("Demo patient"), record_number=DEMO_RECORD_NUMBER)
+
+
+def demo_notes() -> str:
+    """Return what is noted on the demo patient, in the language in use."""
+    return _("A simulated patient, to try the program with the simulator as the sensor.")
