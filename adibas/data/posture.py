@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,11 +9,10 @@ from adibas.arrays import Float32Array, UInt8Array, check_shape, read_only
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.measures import AngleMeasure, DistanceMeasure
+from adibas.data.protocol_measures import ProtocolMeasures
+from adibas.data.views import VIEWS
 
-if TYPE_CHECKING:
-    from adibas.data.protocol_measures import ProtocolMeasures  # which needs VIEWS
-
-VIEWS = ("anterior", "posterior", "right_lateral", "left_lateral")
+__all__ = ("VIEWS", "PostureAnalysis", "Provenance")
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +80,7 @@ class PostureAnalysis:
     provenance: Provenance
     notices: tuple[str, ...] = field(default=())
     surface_per_m: Float32Array | None = None
-    measures: "ProtocolMeasures | None" = None
+    measures: ProtocolMeasures | None = None
 
     def __post_init__(self) -> None:
         if self.view not in ("", *VIEWS):

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from adibas.data.posture import VIEWS
+from adibas.data.views import VIEWS
 from adibas.texts import spoken_language
 
 SIDEWAYS, LENGTHWAYS = ("left", "right"), ("anterior", "posterior")

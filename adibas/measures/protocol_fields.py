@@ -2,8 +2,8 @@
 
 import re
 
-from adibas.data.posture import VIEWS
 from adibas.data.protocols import Wording
+from adibas.data.views import VIEWS
 from adibas.errors import ProtocolError
 from adibas.measures.json_lines import Node
 from adibas.texts import Message, message

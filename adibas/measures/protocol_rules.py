@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from itertools import combinations
 
-from adibas.data.posture import VIEWS
 from adibas.data.protocols import (
     CONVENTION,
     KINDS,
@@ -15,6 +14,7 @@ from adibas.data.protocols import (
     Wording,
     axes_of,
 )
+from adibas.data.views import VIEWS
 from adibas.measures.json_lines import Node
 from adibas.measures.protocol_fields import Findings, Group, text_of
 from adibas.measures.protocol_places import Places

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from adibas.data.posture import VIEWS
 from adibas.data.protocols import (
     CONVENTION,
     KINDS,
@@ -16,6 +15,7 @@ from adibas.data.protocols import (
     Wording,
     same_label,
 )
+from adibas.data.views import VIEWS
 from adibas.errors import ProtocolError
 from adibas.measures import protocol_store
 from adibas.measures.json_lines import DEEPEST, LARGEST_FILE, parse_lines

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.posture import VIEWS
 from adibas.data.protocol_measures import PlaneChoice, VerticalOrigin
 from adibas.data.protocols import MeasureDefinition, Wording
+from adibas.data.views import VIEWS
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.measures.protocol_measures import Capturing, measure_protocol

@@ -1,0 +1,3 @@
+"""The four sides from which a patient is seen."""
+
+VIEWS = ("anterior", "posterior", "right_lateral", "left_lateral")
