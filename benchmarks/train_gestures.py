@@ -13,7 +13,7 @@ from benchmarks.gesture_actors import streams
 SEED = 9000
 """None of the actors of the benchmarks."""
 
-N_ACTORS, N_EACH = 5, 5
+N_ACTORS, N_EACH = 3, 4
 PLACE = Path(__file__).parents[1] / "resources" / "models" / "gestures.json"
 
 
@@ -21,7 +21,7 @@ def main() -> None:
     """Simulate actors, train, and write the model."""
     tracks, events = streams(N_ACTORS, N_EACH, SEED)
     examples, rule, _ = examples_of(tracks, events, DescriptorParams())
-    params = TrainingParams(most_examples=6, most_others=100, seed=SEED)
+    params = TrainingParams(most_examples=6, most_others=80, seed=SEED)
     model = train(examples, DescriptorParams(), params)
     provenance: dict[str, object] = {
         "version": __version__,
