@@ -110,6 +110,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         return _print_board(arguments, console)
     if arguments.depth or arguments.infrared:
         return _calibrate_sensor(arguments, console)
+    if arguments.wall or arguments.calibration is not None:
+        console.warn(_("--wall and --calibration go with --depth or --infrared. Add one of them."))
+        return WRONG_USAGE
     if not arguments.images or arguments.board is None or arguments.square_mm is None:
         console.warn(
             _(

@@ -76,6 +76,12 @@ def missing(arguments: argparse.Namespace) -> str | None:
 
 def run_depth(arguments: argparse.Namespace, console: Console, fitting: "FittingParams") -> int:
     """Calibrate the depth camera, and the colour camera where that is not done."""
+    from adibas.calibration.files import write_calibration
+    from adibas.cli.calibrate_depth_texts import depth_document, describe_depth
+    from adibas.cli.calibrate_texts import describe_camera, document
+    from adibas.data.calibration_verdict import Grade
+    from adibas.pipeline.calibrating_pictures import joined
+
     problem = missing(arguments)
     if problem is not None:
         console.warn(problem)
@@ -84,8 +90,32 @@ def run_depth(arguments: argparse.Namespace, console: Console, fitting: "Fitting
     if calibration is None:
         return REPEAT
     outcome = _depth(arguments, console, calibration)
-    _tell(arguments, console, outcome, color)
-    return REPEAT if _is_bad(outcome, color) else 0
+    verdict = outcome.verdict if color is None else joined(color.verdict, outcome.verdict)
+    is_bad = verdict.grade is Grade.REPEAT
+    is_written = arguments.keep_bad or not is_bad
+    if is_written:
+        write_calibration(arguments.out, outcome.calibration)
+    for line in describe_camera(color) if color is not None else ():
+        console.say(line)
+    for line in (*describe_depth(outcome), *verdict.sentences()):
+        console.say(line)
+    say_where(arguments, console, is_written=is_written)
+    _write_reports(arguments, console, outcome, color)
+    found = depth_document(outcome, verdict, arguments.out if is_written else None)
+    console.give(found if color is None else found | {"color": document(color, None)})
+    return REPEAT if is_bad else 0
+
+
+def say_where(arguments: argparse.Namespace, console: Console, *, is_written: bool) -> None:
+    """Say whether the calibration is written."""
+    if is_written:
+        console.say(_("{file} is written.").format(file=arguments.out))
+    else:
+        console.warn(
+            _("{file} is not written; add --keep-bad to write it all the same.").format(
+                file=arguments.out
+            )
+        )
 
 
 def color_of_recordings(
@@ -149,44 +179,6 @@ def _depth(
     if outcome is None:
         raise ValueError("nothing can stop this calibration")
     return outcome
-
-
-def _is_bad(outcome: "DepthOutcome", color: "CameraOutcome | None") -> bool:
-    from adibas.data.calibration_verdict import Grade
-
-    verdicts = [outcome.verdict, *([] if color is None else [color.verdict])]
-    return any(verdict.grade is Grade.REPEAT for verdict in verdicts)
-
-
-def _tell(
-    arguments: argparse.Namespace,
-    console: Console,
-    outcome: "DepthOutcome",
-    color: "CameraOutcome | None",
-) -> None:
-    """Write what was found, and say where."""
-    from adibas.calibration.files import write_calibration
-    from adibas.cli.calibrate_depth_texts import depth_document, describe_depth
-    from adibas.cli.calibrate_texts import describe_outcome, document
-
-    is_written = arguments.keep_bad or not _is_bad(outcome, color)
-    if is_written:
-        write_calibration(arguments.out, outcome.calibration)
-    for line in () if color is None else describe_outcome(color):
-        console.say(line)
-    for line in describe_depth(outcome):
-        console.say(line)
-    if is_written:
-        console.say(_("{file} is written.").format(file=arguments.out))
-    else:
-        console.warn(
-            _("{file} is not written; add --keep-bad to write it all the same.").format(
-                file=arguments.out
-            )
-        )
-    _write_reports(arguments, console, outcome, color)
-    found = depth_document(outcome, arguments.out if is_written else None)
-    console.give(found if color is None else found | {"color": document(color, None)})
 
 
 def _write_reports(

@@ -7,6 +7,7 @@ from pathlib import Path
 from adibas.calibration.drift import Drift
 from adibas.calibration.registration_check import RegistrationCheck
 from adibas.calibration.vertical import Vertical
+from adibas.data.calibration_verdict import Verdict
 from adibas.pipeline.calibrating_depth import DepthOutcome
 from adibas.pipeline.calibration_report import report_of_depth_outcome
 from adibas.reports.calibration_depth_rows import bias_rows, depth_parameter_rows, shot_rows
@@ -43,7 +44,6 @@ def describe_depth(outcome: DepthOutcome) -> Iterator[str]:
                 half=correction.high_mm - correction.added_mm,
             )
     yield from _checks(outcome)
-    yield from outcome.verdict.sentences()
 
 
 def _checks(outcome: DepthOutcome) -> Iterator[str]:
@@ -64,10 +64,10 @@ def _checks(outcome: DepthOutcome) -> Iterator[str]:
         )
 
 
-def depth_document(outcome: DepthOutcome, out: Path | None) -> dict[str, object]:
-    """Return everything as plain values."""
+def depth_document(outcome: DepthOutcome, verdict: Verdict, out: Path | None) -> dict[str, object]:
+    """Return everything as plain values; `verdict` is that of the whole sensor."""
     report = report_of_depth_outcome(outcome)
-    verdict, scale = outcome.verdict, outcome.scale
+    scale = outcome.scale
     return {
         "out": None if out is None else str(out),
         "verdict": {"grade": verdict.grade.value, "sentences": list(verdict.sentences())},

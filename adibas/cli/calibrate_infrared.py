@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adibas.cli.calibrate_depth import REPEAT, WRONG_USAGE, board_of
+from adibas.cli.calibrate_depth import REPEAT, WRONG_USAGE, board_of, say_where
 from adibas.cli.console import Console
 from adibas.texts import translate as _
 
@@ -62,14 +62,7 @@ def run_infrared(arguments: argparse.Namespace, console: Console, fitting: "Fitt
     if is_written:
         write_calibration(arguments.out, outcome.calibration)
     _tell(outcome, console)
-    if is_written:
-        console.say(_("{file} is written.").format(file=arguments.out))
-    else:
-        console.warn(
-            _("{file} is not written; add --keep-bad to write it all the same.").format(
-                file=arguments.out
-            )
-        )
+    say_where(arguments, console, is_written=is_written)
     console.give(_document(outcome, arguments.out if is_written else None))
     return REPEAT if is_bad else 0
 

@@ -20,6 +20,12 @@ from adibas.texts import translate as _
 
 def describe_outcome(outcome: CameraOutcome) -> Iterator[str]:
     """Give the lines for a reader: images, parameters, what they are worth, and what to do."""
+    yield from describe_camera(outcome)
+    yield from outcome.verdict.sentences()
+
+
+def describe_camera(outcome: CameraOutcome) -> Iterator[str]:
+    """Give the lines without the verdict."""
     from adibas.calibration.finder import TEXTS
 
     for image in outcome.images:
@@ -33,7 +39,6 @@ def describe_outcome(outcome: CameraOutcome) -> Iterator[str]:
             "Distances rest on squares of {side:g} mm: measure one with a ruler. Images alone do "
             "not show a wrong size."
         ).format(side=1000.0 * fit.board.square_m)
-    yield from outcome.verdict.sentences()
 
 
 def document(outcome: CameraOutcome, out: Path | None) -> dict[str, object]:

@@ -22,9 +22,10 @@ from adibas.data.calibration_report import (
     ReportedShot,
     ReportedVertical,
 )
-from adibas.data.calibration_verdict import Grade, Verdict
+from adibas.data.calibration_verdict import Verdict
 from adibas.pipeline.calibrating import CameraOutcome, SearchedImage
 from adibas.pipeline.calibrating_depth_types import DepthOutcome
+from adibas.pipeline.calibrating_pictures import joined
 
 
 def report_of_calibration(
@@ -108,11 +109,8 @@ def report_of_sensor(
         Two letters.
     """
     color = color or CameraOutcome(board, (), None, Verdict())
-    grades = list(Grade)
-    findings = (*color.verdict.findings, *outcome.verdict.findings)
-    worst_first = sorted(findings, key=lambda found: -grades.index(found.grade))
     return report_of_calibration(
-        replace(color, verdict=Verdict(tuple(worst_first))),
+        replace(color, verdict=joined(color.verdict, outcome.verdict)),
         outcome.calibration,
         language,
         depth=report_of_depth_outcome(outcome),

@@ -162,6 +162,8 @@ def test_the_reader_is_told_of_both_cameras(folder, run):
     assert "Depth of 2 m is corrected by" in said
     assert "By depth the squares of the board measure" in said
     assert f"{folder / 'whole.json'} is written." in said
+    verdicts = ("Good:", "Usable,", "Repeat")
+    assert sum(line.startswith(verdicts) for line in said.splitlines()) == 1
 
 
 def test_an_error_of_the_colour_camera_moves_the_depth_camera(found):
@@ -292,6 +294,7 @@ def test_frames_are_spread_over_a_burst():
         (["picture.png", "--depth", *TOLD], "give recordings"),
         (["b.mcap", "--depth"], "Give the board's inner corners"),
         (["b.mcap", "--depth", "--wall"], "A wall alone needs --wall and the --calibration"),
+        (["b.mcap", "--wall", *TOLD], "--wall and --calibration go with --depth"),
         (
             ["b.mcap", "--depth", "--wall", "--calibration", "c.json", "--report", "r.pdf"],
             "A wall alone has no report",
