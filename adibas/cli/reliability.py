@@ -1,6 +1,7 @@
 """`adibas sessions reliability`: how well the measures of a protocol repeat in this clinic."""
 
 import argparse
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from adibas.cli.console import Console
@@ -88,5 +89,6 @@ def _document(one: "Reliability") -> dict[str, Any]:
         "mdc95": one.mdc95,
         "icc_2_1": correlation(one.icc_2_1),
         "icc_3_1": correlation(one.icc_3_1),
+        "bland_altman": None if one.agreement is None else asdict(one.agreement),
         "reasons": [str(reason.message).format(**reason.fields) for reason in one.reasons],
     }

@@ -36,34 +36,6 @@ class Correlation:
 
 
 @dataclass(frozen=True, slots=True)
-class Reliability:
-    """What the repeats of one measure say; None where they do not suffice.
-
-    Attributes
-    ----------
-    n_patients, n_values : int
-        Patients with two repeats at least, and their values.
-    sem, sem_interval : float and (float, float), or None
-        Standard deviation within a patient (standard error of measurement), and its 95 %.
-    icc_2_1, icc_3_1 : Correlation or None
-        Absolute agreement and consistency of single values.
-    mdc95 : float or None
-        Smallest change that chance alone exceeds in 5 of 100 unchanged patients.
-    reasons : tuple of Sentence
-        Why something is None.
-    """
-
-    n_patients: int
-    n_values: int
-    sem: float | None = None
-    sem_interval: Interval | None = None
-    icc_2_1: Correlation | None = None
-    icc_3_1: Correlation | None = None
-    mdc95: float | None = None
-    reasons: tuple[Sentence, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
 class Agreement:
     """Two values of each patient against each other, for a Bland-Altman plot.
 
@@ -88,6 +60,37 @@ class Agreement:
     bias_interval: Interval
     limits: Interval
     limits_intervals: tuple[Interval, Interval]
+
+
+@dataclass(frozen=True, slots=True)
+class Reliability:
+    """What the repeats of one measure say; None where they do not suffice.
+
+    Attributes
+    ----------
+    n_patients, n_values : int
+        Patients with two repeats at least, and their values.
+    sem, sem_interval : float and (float, float), or None
+        Standard deviation within a patient (standard error of measurement), and its 95 %.
+    icc_2_1, icc_3_1 : Correlation or None
+        Absolute agreement and consistency of single values.
+    mdc95 : float or None
+        Smallest change that chance alone exceeds in 5 of 100 unchanged patients.
+    reasons : tuple of Sentence
+        Why something is None.
+    agreement : Agreement or None
+        Of the first two repeats of each patient; None for fewer than two patients.
+    """
+
+    n_patients: int
+    n_values: int
+    sem: float | None = None
+    sem_interval: Interval | None = None
+    icc_2_1: Correlation | None = None
+    icc_3_1: Correlation | None = None
+    mdc95: float | None = None
+    reasons: tuple[Sentence, ...] = ()
+    agreement: Agreement | None = None
 
 
 class Verdict(Enum):

@@ -70,8 +70,17 @@ def reliability_of(repeats: Sequence[Repeat]) -> Reliability:
         else:
             reasons.append(Sentence(NO_SPREAD))
     mdc95 = MDC_FACTOR * sem if anew else None
+    pairs = [(values[0], values[1]) for values in used]
     return Reliability(
-        *(len(rows), n_values, sem, interval, agreement, consistency, mdc95), tuple(reasons)
+        n_patients=len(rows),
+        n_values=n_values,
+        sem=sem,
+        sem_interval=interval,
+        icc_2_1=agreement,
+        icc_3_1=consistency,
+        mdc95=mdc95,
+        reasons=tuple(reasons),
+        agreement=agreement_of(pairs) if len(pairs) >= LEAST_REPEATS else None,
     )
 
 

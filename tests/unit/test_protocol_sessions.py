@@ -293,6 +293,9 @@ def test_the_command_line_tells_how_measures_repeat(clinic, tmp_path, capsys):
     # 1 mm of height over 360 mm, twice a patient.
     assert one["sem_ci95"][0] < np.degrees(0.001 / 0.36) < one["sem_ci95"][1]
     assert found["ANT.ASIS.H"]["sem"] == 0.0
+    plotted = one["bland_altman"]
+    assert len(plotted["means"]) == len(plotted["differences"]) == 10
+    assert plotted["limits"][0] < plotted["bias"] < plotted["limits"][1]
     assert "do not differ" in captured.err
     assert main(["sessions", "reliability", *options, "--operator", "nobody"]) == 0
     assert "No session of this operator" in capsys.readouterr().err

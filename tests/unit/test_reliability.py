@@ -135,6 +135,7 @@ def test_ten_patients_with_two_repeats_suffice_and_nine_do_not():
     enough, few = reliability_of(repeats(10, 2)), reliability_of(repeats(9, 2))
     assert enough.reasons == ()
     assert enough.icc_2_1.value > 0.9
+    assert len(enough.agreement.differences) == 10
     assert enough.mdc95 == pytest.approx(2.772 * enough.sem, rel=1e-3)
     assert enough.sem_interval[0] < enough.sem < enough.sem_interval[1]
     assert (few.icc_2_1, few.icc_3_1) == (None, None)
