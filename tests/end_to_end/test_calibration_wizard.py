@@ -19,15 +19,15 @@ from tests.unit.store_samples import use_keyring
 
 LEFT = Qt.MouseButton.LeftButton
 SMALL = (480, 640)
-STILL_EVERY, FRAMES_A_STOP = 3, 6
-"""Ten frames a second for half a second tell that the board is held still."""
+STILL_EVERY, FRAMES_A_STOP = 3, 8
+"""Ten frames a second for 0.7 s tell that the board is held still, some of them missed."""
 
 nothing_left_behind = rules.nothing_left_behind
 open_window = window_user.open_window
 
 
 class HurriedScene:
-    """The board of the simulator at its stops alone, and at each for half a second.
+    """The board of the simulator at its stops alone, and at each for less than a second.
 
     What is left out the wizard would pass over; each picture is the scene's own.
     """
@@ -105,6 +105,7 @@ def test_a_sensor_is_calibrated_and_used_with_its_new_calibration(open_window):
     user.until(lambda: not user.screen._shown.guidance.lacking[1:])
     user.settle()
     user.click("Calculate the calibration")
+    user.settle()
     user.until(lambda: user.button("Use this calibration").isVisible())
     user.click("Use this calibration")
     user.until(lambda: user.window.told == "The new calibration is in use from now on.")

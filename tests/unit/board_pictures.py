@@ -5,12 +5,14 @@ from functools import cache
 
 import numpy as np
 
+from adibas.calibration.kept import KeptCalibrations
 from adibas.data.board import Board
 from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.acquisition import Arrival
+from adibas.pipeline.calibration_session import CalibratedSensor, CalibrationSession
 from adibas.pipeline.looking import Look, look_at
 from adibas.simulation.boards import render_board
 from adibas.simulation.boards_look import BoardLook
@@ -30,6 +32,7 @@ MAKERS = RgbdCalibration(
 WALL_M = 2.5
 MARGIN_SQUARES = 1.0
 INFO = SourceInfo(sensor_name="S", sensor_serial="SN1", calibration=MAKERS)
+SENSOR = CalibratedSensor("SN1", (640, 480), INFO)
 N_POSES = 12
 NS = 1_000_000_000
 
@@ -94,3 +97,14 @@ def live_frame(index, time_s=0.0, board=BOARD, **faults):
     """Return what the live view tells of a frame at some time."""
     frame = seen_frame(index, board, tuple(faults.items()))
     return replace(frame, sequence=round(time_s * 30), timestamp_ns=round(time_s * NS))
+
+
+def taken(folder):
+    """Return a session in which the board was held still everywhere, for half a second each."""
+    session = CalibrationSession(SENSOR, KeptCalibrations(folder), BOARD)
+    for index in range(N_POSES):
+        frames = [live_frame(index, index + 0.1 * step) for step in range(6)]
+        for frame in frames:
+            session.see(frame)
+        session.add(session.keep(session.picture(frames[-1])))
+    return session

@@ -5,13 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adibas.calibration.kept import KeptCalibrations
 from adibas.data.board import Board
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.frames import SourceInfo
 from adibas.pipeline.calibrating_depth import DepthOutcome
 from adibas.pipeline.calibrating_pictures import NO_DEPTH, calibrate_depth_of, check_scales, joined
-from adibas.pipeline.calibration_session import CalibratedSensor, CalibrationSession
 from tests.unit.board_pictures import (
     BIAS,
     BOARD,
@@ -20,23 +18,11 @@ from tests.unit.board_pictures import (
     INFO,
     MAKERS,
     N_POSES,
-    live_frame,
+    taken,
 )
 
-SENSOR = CalibratedSensor("SN1", (640, 480), INFO)
 KNOWN = replace(MAKERS, color=CAMERA)
 MADE_OF = ("tx", "ty", "tz")
-
-
-def taken(folder):
-    """Return a session in which the board was held still everywhere, for half a second each."""
-    session = CalibrationSession(SENSOR, KeptCalibrations(folder), BOARD)
-    for index in range(N_POSES):
-        frames = [live_frame(index, index + 0.1 * step) for step in range(6)]
-        for frame in frames:
-            session.see(frame)
-        session.add(session.keep(session.picture(frames[-1])))
-    return session
 
 
 @pytest.fixture(scope="module")
