@@ -76,11 +76,15 @@ def _tell(outcome: "InfraredOutcome", console: Console) -> None:
         )
     )
     for axis, value, half in zip("xyz", turn_deg, turn_half, strict=True):
-        console.say(f"  color_from_depth.r{axis} {value:10.4f} ± {half:.2g} deg")
+        console.say(_line(f"color_from_depth.r{axis}", value, half, _("deg")))
     for axis, value, half in zip("xyz", shift_mm, shift_half, strict=True):
-        console.say(f"  color_from_depth.t{axis} {value:10.3f} ± {half:.2g} mm")
+        console.say(_line(f"color_from_depth.t{axis}", value, half, "mm"))
     for sentence in outcome.verdict.sentences():
         console.say(sentence)
+
+
+def _line(name: str, value: float, half: float, unit: str) -> str:
+    return f"  {name} {value:10.4f} ± {half:.2g} {unit}"
 
 
 def _pose(
