@@ -178,7 +178,11 @@ def _decimals(half_width: float) -> int:
 
 
 def _signed(value: float, n_decimals: int) -> str:
-    return ("+" if value >= 0 else "\N{MINUS SIGN}") + decimal_text(abs(value), n_decimals)
+    """Return a change; one that is rounded away has no sign."""
+    text = decimal_text(abs(value), n_decimals)
+    if round(value, n_decimals) == 0:
+        return text
+    return ("+" if value > 0 else "\N{MINUS SIGN}") + text
 
 
 def _list(sentences: Sequence[str]) -> str:
