@@ -2,7 +2,7 @@
 
 BIN := .venv/bin
 
-.PHONY: run test check translations screenshots setup lock clean
+.PHONY: run test check translations train screenshots setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
 run: setup
@@ -25,6 +25,10 @@ check: setup
 ## Collect new texts into the Spanish and Catalan catalogues, and compile these.
 translations: setup
 	$(BIN)/python -m installers.translations
+
+## Train the shipped model of the 15 joints again on simulated people (20 minutes).
+train: setup
+	$(BIN)/adibas skeleton train --simulator --out resources/models/skeleton.json
 
 setup:
 	@installers/setup.sh
