@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, positive_count, sentence
+from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
 from adibas.data.posture import VIEWS
 from adibas.errors import FileError
 from adibas.files import check_place
@@ -78,6 +78,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="",
         help=_("which side is seen; without it left and right are named only where they show"),
     )
+    label.add_argument(
+        "--movement",
+        type=positive,
+        metavar="HZ",
+        help=_("the shapes are frames of one movement, so many a second: names are followed"),
+    )
     add_out(label, "labelled.csv", _("file to write; an older one is replaced"))
     add_json(label)
     label.set_defaults(action=_label)
@@ -129,12 +135,11 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _label(arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.pipeline.skeleton_labelling import label_file
+    from adibas.pipeline.skeleton_labelling import LabelRequest, label_file
 
+    request = LabelRequest(arguments.points, arguments.model, arguments.view, arguments.movement)
     with console.progress(_("Naming")) as progress:
-        found = label_file(
-            arguments.points, arguments.model, arguments.view, arguments.out, progress
-        )
+        found = label_file(request, arguments.out, progress)
     console.say(
         _("{file}: {n_named} of {n_points} points have names, {n_unsure} are not sure.").format(
             file=arguments.out,

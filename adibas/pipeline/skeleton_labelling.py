@@ -1,16 +1,16 @@
 """Point sets of a file get names; the shipped model, or one of the clinic's own."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from adibas.errors import FileError
 from adibas.resources import resource_path
-from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.model_files import read_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
+from adibas.skeleton.tracking import NameTracker
 
 Progress = Callable[[int, int], None]
 
@@ -42,49 +42,64 @@ def shipped_namer() -> Namer:
     return Namer(read_model(resource_path("models", "skeleton.json")))
 
 
-def label_file(
-    path: Path, model: Path | None, view: str, out: Path, progress: Progress
-) -> LabelledFile:
-    """Name the points of a CSV file that have no name yet, and write them all to another.
+@dataclass(frozen=True, slots=True)
+class LabelRequest:
+    """What to name.
 
-    Parameters
+    Attributes
     ----------
+    points : Path
+        A file of point sets.
     model : Path or None
         None: the shipped one.
     view : str
         Of the shapes that tell none themselves; empty: the sides are inferred.
+    frames_per_s : float or None
+        The shapes are frames of one movement, in their order, so many a second; None: each stands
+        for itself.
+    """
+
+    points: Path
+    model: Path | None = None
+    view: str = ""
+    frames_per_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Words:
+    """What is said of the points of one set."""
+
+    names: tuple[str | None, ...]
+    guesses: tuple[str | None, ...]
+    confidences: Sequence[float]
+
+
+def label_file(request: LabelRequest, out: Path, progress: Progress) -> LabelledFile:
+    """Name the points of a CSV file that have no name yet, and write them all to another.
 
     Raises
     ------
     FileError
         A file is missing or broken, or the model does not fit the points.
     """
-    namer = shipped_namer() if model is None else Namer(read_model(model))
-    sets = read_points(path)
+    namer = shipped_namer() if request.model is None else Namer(read_model(request.model))
+    sets = read_points(request.points)
     labelled, confidences, guesses = [], [], []
     n_named = n_unsure = 0
-    for done, one in enumerate(sets, 1):
-        if not namer.knows(one.positions_m.shape[1]):
-            raise FileError(
-                "{file}: the model knows no points with {n} coordinates. Train one with such "
-                "shapes.",
-                file=path.name,
-                n=one.positions_m.shape[1],
-            )
-        result = namer.label(one.positions_m, one.view or view)
-        named = _with_given(one, result)
+    for done, (one, words) in enumerate(_all_words(namer, sets, request), 1):
+        named = _with_given(one, words)
         labelled.append(named)
         confidences.append(
             [
                 "" if given else f"{confidence:.{DIGITS}f}"
-                for given, confidence in zip(one.labels, result.confidences, strict=True)
+                for given, confidence in zip(one.labels, words.confidences, strict=True)
             ]
         )
-        guesses.append([guess or "" for guess in result.guesses])
+        guesses.append([guess or "" for guess in words.guesses])
         n_named += sum(bool(label) for label in named.labels)
         n_unsure += sum(
             bool(guess) and not label
-            for guess, label in zip(result.guesses, named.labels, strict=True)
+            for guess, label in zip(words.guesses, named.labels, strict=True)
         )
         progress(done, len(sets))
     write_points(labelled, out, {"confidence": confidences, "guess": guesses})
@@ -92,7 +107,34 @@ def label_file(
     return LabelledFile(len(sets), n_points, n_named, n_unsure)
 
 
-def _with_given(one: PointSet, result: Labelling) -> PointSet:
+def _all_words(
+    namer: Namer, sets: Sequence[PointSet], request: LabelRequest
+) -> Iterator[tuple[PointSet, _Words]]:
+    """Give each set with what is said of its points; of a movement, by the frames before, too."""
+    tracker = NameTracker(namer, request.view or (sets[0].view if sets else ""))
+    for number, one in enumerate(sets):
+        n_dimensions = one.positions_m.shape[1]
+        if not namer.knows(n_dimensions):
+            raise FileError(
+                "{file}: the model knows no points with {n} coordinates. Train one with such "
+                "shapes.",
+                file=request.points.name,
+                n=n_dimensions,
+            )
+        if request.frames_per_s is None:
+            found = namer.label(one.positions_m, one.view or request.view)
+            yield one, _Words(found.names, found.guesses, found.confidences.tolist())
+            continue
+        if n_dimensions != sets[0].positions_m.shape[1]:
+            raise FileError(
+                "{file}: the frames of a movement must all have z_m, or none.",
+                file=request.points.name,
+            )
+        tracked = tracker.follow(one.positions_m, number / request.frames_per_s)
+        yield one, _Words(tracked.names, tracked.labelling.guesses, tracked.confidences)
+
+
+def _with_given(one: PointSet, result: _Words) -> PointSet:
     """Keep the names that the file gives; none of them is given twice."""
     given = set(one.labels)
     labels = tuple(

@@ -248,6 +248,24 @@ def test_the_commands_train_and_label(tmp_path, capsys, n_dimensions):
         assert one.positions_m.shape[1] == n_dimensions
 
 
+def test_the_frames_of_a_movement_are_followed(tmp_path, capsys):
+    shapes = write_csv(tmp_path / "shapes.csv", people(20), labelled=True)
+    model, out = tmp_path / "model.json", tmp_path / "labelled.csv"
+    assert main(["skeleton", "train", str(shapes), "--out", str(model)]) == 0
+    person = people(1, seed=4)[0]
+    frames = [person + np.array([0.01 * number, 0.0, 0.0]) for number in range(6)]
+    alone = {(5, i) for i in range(len(NAMES)) if i != 3}
+    points = write_csv(tmp_path / "points.csv", frames, labelled=False, lacking=alone)
+    command = ["skeleton", "label", str(points), "--model", str(model), "--out", str(out)]
+    assert main([*command, "--view", "anterior", "--movement", "30", "--json"]) == 0
+    assert read_points(out)[-1].labels == ("right_hand",)
+    assert main([*command, "--view", "anterior"]) == 0
+    assert read_points(out)[-1].labels == ("",)
+    points.write_text(points.read_text() + "s9,p,,0.1,0.2,\n")
+    assert main([*command, "--movement", "30"]) == 1
+    assert capsys.readouterr().err
+
+
 def test_a_name_that_is_given_stays(tmp_path):
     shapes = write_csv(tmp_path / "shapes.csv", people(20), labelled=True)
     model, out = tmp_path / "model.json", tmp_path / "labelled.csv"
