@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QListWidget, QPushButton, QRadioButton, QSlider
+from PySide6.QtWidgets import (
+    QApplication,
+    QLabel,
+    QListWidget,
+    QPushButton,
+    QRadioButton,
+    QSlider,
+)
 
 from adibas.data.frames import SourceInfo
 from adibas.pipeline.live import LiveFrame, SensorState
@@ -50,7 +57,8 @@ def screen(store, jobs, preferences, theme, qtbot, simulated):  # noqa: ARG001
     screen = build_markers_screen(Workspace(store, jobs, preferences, live))
     qtbot.addWidget(screen)
     screen.resize(1140, 740)
-    screen.show()
+    with qtbot.waitExposed(screen):
+        screen.show()
     screen.entered()
     yield screen
     screen.closed()
@@ -62,6 +70,7 @@ def settle(jobs, qtbot):
 
 
 def at(screen, u, v):
+    QApplication.processEvents()  # the picture has its place when all is laid out
     x, y = screen.findChild(ImageView).placement.to_widget(u, v)
     return QPoint(round(x), round(y))
 
