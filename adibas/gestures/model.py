@@ -101,8 +101,12 @@ class GestureModel:
             return [
                 _with(one, one.label, one.cost / self.thresholds[one.label]) for one in proposals
             ]
-        pieces = [at_one_length(frames[one.begin : one.end + 1]) for one in proposals]
-        costs = (1.0 - self.judge.predict(pieces)) / self.thresholds
+        # Several gestures may propose the same frames: they are judged once.
+        spans = sorted({(one.begin, one.end) for one in proposals})
+        place = {span: number for number, span in enumerate(spans)}
+        pieces = [at_one_length(frames[begin : end + 1]) for begin, end in spans]
+        judged = (1.0 - self.judge.predict(pieces)) / self.thresholds
+        costs = judged[[place[one.begin, one.end] for one in proposals]]
         best = costs.argmin(axis=1)
         return [
             _with(one, int(label), float(cost[label]))

@@ -20,6 +20,7 @@ from adibas.gestures.weighting import joint_weights
 from adibas.pipeline.gesture_examples import examples_of
 from adibas.recordings.events_csv import read_events_csv, write_events_csv
 from adibas.recordings.joints_csv import write_joints_csv
+from adibas.resources import resource_path
 from tests.unit.gesture_examples import STANDING_M, body, clips, recording, streams
 
 PARAMS = DescriptorParams()
@@ -290,3 +291,11 @@ def test_an_empty_folder_is_named(tmp_path, capsys):
     assert main(["gestures", "evaluate", str(tmp_path)]) == 1
     assert "holds no joints" in capsys.readouterr().err
     assert len(STANDING_M) == len(JOINT_NAMES)
+
+
+def test_the_shipped_model_knows_the_five_gestures_and_keeps_quiet_while_nothing_happens():
+    model = read_model(resource_path("models", "gestures.json"))
+    assert model.labels == ("bend", "clap", "greet", "jump", "note")
+    assert "simulated" in str(model.provenance["source"])
+    joints = np.array([body(0, 0)] * 90)
+    assert model.detect(describe(track_of(np.arange(90) / 30, joints), model.descriptor)) == []
