@@ -52,9 +52,10 @@ def _begin_to_end(rng: np.random.Generator, n_frames: int, n_rounds: int) -> Ite
         return work
 
     works = [run(free), run(sloped)]
-    if peer := _peer("dtaidistance.subsequence.dtw"):
-        works.append(lambda: peer.subsequence_alignment(model, stream, use_c=True).align_fast())
-    times_ms = medians_ms(works, n_rounds)
+    if peer := _peer("dtaidistance.dtw_ndim"):
+        anywhere = [0, 0, n_frames, n_frames]
+        works.append(lambda: peer.warping_paths_fast(model, stream, psi=anywhere))
+    times_ms = _processor_medians_ms(works, n_rounds)
     told = f"begin to end, {MODEL_FRAMES} x {N_NUMBERS} in {n_frames} frames"
     reference = times_ms[2] if peer else None
     whose = "dtaidistance" if peer else ""
@@ -62,6 +63,17 @@ def _begin_to_end(rng: np.random.Generator, n_frames: int, n_rounds: int) -> Ite
     yield Row(f"{told}, limited slope", times_ms[1], "ms", reference, whose)
     per_frame_us = 1e3 * times_ms[1] / n_frames
     yield Row("stream, a frame and model, limited slope", per_frame_us, "us", 2.0, "goal <=")
+
+
+def _processor_medians_ms(works: list[Callable[[], object]], n_rounds: int) -> list[float]:
+    """Like `medians_ms`, in processor time: fair where one thread works on a busy machine."""
+    times_s: list[list[float]] = [[] for _ in works]
+    for _ in range(n_rounds + 1):
+        for work, spent in zip(works, times_s, strict=True):
+            start = time.process_time()
+            work()
+            spent.append(time.process_time() - start)
+    return [1e3 * float(np.median(spent[1:])) for spent in times_s]
 
 
 def _live(rng: np.random.Generator) -> Iterator[Row]:
