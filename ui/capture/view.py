@@ -216,7 +216,8 @@ class CaptureScreen(Screen):
 
     def _ask_recording(self) -> None:
         dialog = QFileDialog(self, _("Open a recording"))
-        dialog.setNameFilter(f"{_('Recordings')} {RECORDINGS}")
+        kinds = _("Recordings")
+        dialog.setNameFilter(f"{kinds} {RECORDINGS}")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.fileSelected.connect(lambda name: self._presenter.sources.open_recording(Path(name)))
         dialog.open()

@@ -197,20 +197,23 @@ class LearnerScreen(Screen):
 
     def _ask_picture(self) -> None:
         dialog = QFileDialog(self, _("Open a picture or a recording"))
-        dialog.setNameFilter(f"{_('Pictures and recordings')} {PICTURES}")
+        kinds = _("Pictures and recordings")
+        dialog.setNameFilter(f"{kinds} {PICTURES}")
         dialog.fileSelected.connect(lambda name: self._presenter.open_file(Path(name)))
         _open(dialog)
 
     def _ask_colors(self) -> None:
         dialog = QFileDialog(self, _("Load learned colours"))
-        dialog.setNameFilter(f"{_('Learned colours')} {COLORS}")
+        kinds = _("Learned colours")
+        dialog.setNameFilter(f"{kinds} {COLORS}")
         dialog.fileSelected.connect(lambda name: self._presenter.load(Path(name)))
         _open(dialog)
 
     def _ask_place(self) -> None:
         dialog = QFileDialog(self, _("Save the learned colours"))
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-        dialog.setNameFilter(f"{_('Learned colours')} {COLORS}")
+        kinds = _("Learned colours")
+        dialog.setNameFilter(f"{kinds} {COLORS}")
         dialog.setDefaultSuffix("json")
         dialog.fileSelected.connect(lambda name: self._presenter.save(Path(name)))
         _open(dialog)
