@@ -145,6 +145,18 @@ def test_gestures_of_a_stranger_are_found_once_with_begin_and_end(trained):
         assert one.cost <= 1.0
 
 
+@pytest.mark.parametrize("method", ["likeness", "hmm", "dtw"])
+def test_examples_of_one_person_in_one_recording_suffice(method):
+    tracks, events = streams(1, ("wave", "bend", "wave", "bend", "bend", "wave"))
+    model = train(examples_of(tracks, events, PARAMS)[0], PARAMS, TrainingParams(method=method))
+    two = examples_of(*streams(2), PARAMS)[0]
+    result = leave_one_out(two, PARAMS, TrainingParams(method=method))
+    track, done = recording(60, ("wave", "bend"))
+    found = model.detect(describe(track, PARAMS))
+    assert [model.labels[one.label] for one in found] == [label for label, _, _ in done]
+    assert result.hits.sum() >= 4
+
+
 def test_who_only_stands_does_nothing(trained):
     joints = np.array([body(0, 0)] * 300) + np.random.default_rng(1).normal(0, 0.008, (300, 15, 3))
     assert trained.detect(describe(track_of(np.arange(300) / 30, joints), PARAMS)) == []
