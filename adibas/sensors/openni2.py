@@ -1,5 +1,6 @@
 """Sensors of the PrimeSense family (Carmine, Xtion, ...), and .oni files, by OpenNI2."""
 
+import atexit
 from pathlib import Path
 
 from adibas.data.frames import SensorFrame, SourceInfo
@@ -44,6 +45,8 @@ class OpenNI2Camera(DepthCamera):
         opening = self._thread.begin(lambda: OpenNI2Device(file, sensor, options))
         try:
             self._device = wait_for(opening)
+            # Before the library is unloaded, which fails where a stream is still waited for.
+            atexit.register(self.close)
         except BaseException:  # Ctrl-C does not stop what opens the sensor
             self._thread.begin(lambda: opening.result().close())
             self._give_thread_back()
@@ -75,6 +78,7 @@ class OpenNI2Camera(DepthCamera):
     def close(self) -> None:
         """Stop the streams and give the device back; calling it twice does no harm."""
         if self._thread is not None:
+            atexit.unregister(self.close)
             self._device.stop_waiting()  # Ctrl-C may have left a `read` behind
             self._thread.call(self._device.close)
             self._give_thread_back()

@@ -13,7 +13,13 @@ from adibas.errors import SensorError
 from adibas.sensors.openni2_description import describe_source
 from adibas.sensors.openni2_images import copy_image
 from adibas.sensors.openni2_library import load_openni2, openni2_errors
-from adibas.sensors.openni2_modes import describe_device, describe_uri, text_of
+from adibas.sensors.openni2_modes import (
+    describe_device,
+    describe_uri,
+    open_recorded,
+    sensor_uris,
+    text_of,
+)
 from adibas.sensors.openni2_playback import Playback
 from adibas.sensors.openni2_streams import (
     OpenStream,
@@ -225,8 +231,7 @@ class OpenNI2Device:
 
 
 def _open_sensor(openni2: ModuleType, sensor: str | None) -> Any:
-    with openni2_errors("OpenNI2 cannot list its sensors: {reason}. Plug them in anew."):
-        uris = openni2.Device.enumerate_uris()
+    uris = sensor_uris(openni2)
     if not uris:
         raise SensorError(
             "OpenNI2 finds no sensor. Plug it in, into a USB port of its own, and try again; "
@@ -245,7 +250,7 @@ def _address_of(openni2: ModuleType, sensor: str, uris: Sequence[bytes]) -> byte
         return sensor.encode()
     for uri in uris:
         if describe_uri(openni2, uri).serial == sensor:
-            return bytes(uri)
+            return uri
     raise SensorError(
         "The sensor {sensor} is not plugged in. Plug it in, or look for sensors and choose one.",
         sensor=sensor,
@@ -269,7 +274,7 @@ def _open_file(openni2: ModuleType, file: Path) -> Any:
     with openni2_errors(
         "{file} cannot be played by OpenNI2: {reason}. Use its copy.", file=file.name
     ):
-        return openni2.Device(bytes(file.resolve()))
+        return open_recorded(openni2, bytes(file.resolve()))
 
 
 def _listen(openni2: ModuleType, uri: str, unplugged: threading.Event) -> Any:

@@ -36,6 +36,7 @@ SERIAL_PROPERTY = 3
 SERIAL_BYTES = 256
 
 _OPENNI2 = TimeLimit("OpenNI2", gave_up=leave_running)
+_played: set[bytes] = set()
 
 
 def list_sensors() -> tuple[SensorDescription, ...]:
@@ -51,9 +52,28 @@ def list_sensors() -> tuple[SensorDescription, ...]:
 
 def _list() -> tuple[SensorDescription, ...]:
     openni2 = load_openni2()
+    return tuple(describe_uri(openni2, uri) for uri in sensor_uris(openni2))
+
+
+def sensor_uris(openni2: ModuleType) -> tuple[bytes, ...]:
+    """Return the addresses of the sensors that are plugged in.
+
+    OpenNI2 counts every file that it ever played in this process among its devices.
+
+    Raises
+    ------
+    SensorError
+        The library fails.
+    """
     with openni2_errors("OpenNI2 cannot list its sensors: {reason}. Unplug them and try again."):
         uris = openni2.Device.enumerate_uris()
-    return tuple(describe_uri(openni2, uri) for uri in uris)
+    return tuple(uri for uri in map(bytes, uris) if uri not in _played)
+
+
+def open_recorded(openni2: ModuleType, uri: bytes) -> Any:
+    """Open a file as a device, which from then on is no sensor."""
+    _played.add(uri)
+    return openni2.Device(uri)
 
 
 def describe_uri(openni2: ModuleType, uri: bytes) -> SensorDescription:

@@ -8,6 +8,7 @@ from adibas.errors import SensorError
 from adibas.recordings import create_recording, open_recording
 from adibas.sensors import open_source
 from adibas.sensors.openni2 import OpenNI2Camera
+from adibas.sensors.openni2_modes import list_sensors
 
 N_FRAMES = 12
 PERIOD_US = 33_333
@@ -147,3 +148,13 @@ def test_a_file_with_less_than_it_promises_is_told(tmp_path):
     ):
         while camera.read(0.5) is not None:
             pass
+
+
+def test_a_file_that_was_played_is_no_sensor(tmp_path):
+    write(tmp_path / "a.oni", make_frames((240, 320), None))
+    with OpenNI2Camera(tmp_path / "a.oni") as camera:
+        assert camera.read() is not None
+        assert list_sensors() == ()
+    assert list_sensors() == ()
+    with pytest.raises(SensorError, match="finds no sensor"):
+        OpenNI2Camera()

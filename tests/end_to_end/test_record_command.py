@@ -57,7 +57,7 @@ def plugged_in(monkeypatch):
             sensor.options = options
             return sensor
 
-        monkeypatch.setattr("adibas.sensors.open_source", open_source)
+        monkeypatch.setattr("adibas.sensors.calibrated.open_source", open_source)
         return sensor
 
     return plug
