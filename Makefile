@@ -8,8 +8,10 @@ BIN := .venv/bin
 run: setup
 	$(BIN)/adibas
 
-## Run all tests, without a display.
+## Run all tests, without a display; what is compiled is compiled before, as in a window that has
+## been open for a minute.
 test: setup
+	$(BIN)/python -m adibas.pipeline.warming
 	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --cov --cov-report=term \
 		--durations=15 $(PYTEST_ARGS)
 	$(BIN)/coverage report --skip-covered --fail-under=100 \

@@ -1,6 +1,6 @@
 """Compiles the hot loops before somebody waits for them: once after an installation.
 
-Compiling takes half a minute and holds Python's lock all the while, so the window leaves it to a
+Compiling takes a minute and holds Python's lock all the while, so the window leaves it to a
 process of its own; the machine code comes to everybody through numba's cache.
 """
 
@@ -8,19 +8,26 @@ import importlib.metadata
 import logging
 import os
 import tempfile
+import zlib
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+import numpy as np
 import platformdirs
 
-from adibas import __version__
+import adibas
 from adibas.errors import FileError
 from adibas.files import written_whole
 
 logger = logging.getLogger(__name__)
 
 N_FRAMES = 2
+N_BOARDS = 8
+COLOR_SIZE = (480, 640)
+SPACE = 3
 NICENESS = 10
 """Of the process: whoever waits for the computer goes first."""
 
@@ -42,13 +49,66 @@ def start_warming(folder: Path | None = None) -> BaseProcess | None:
 
 
 def warm_kernels(note: Path) -> None:
-    """Take a tiny demo session, which runs every hot loop, and note that it was done."""
+    """Do a little of every work that has hot loops, and note that it was done."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
+    for work in WORKS:
+        work()
+    _write(note)
+
+
+def warm_at_once(folder: Path | None = None) -> None:
+    """Do what `start_warming` does with every core, and wait for its end."""
+    note = _note(folder or platformdirs.user_cache_path("adibas"))
+    if note.exists():
+        return
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as processes:
+        for done in [processes.submit(work) for work in WORKS]:
+            done.result()
+    _write(note)
+
+
+def take_session() -> None:
+    """Take a tiny demo session."""
     from adibas.pipeline.demo import run_demo
 
     with tempfile.TemporaryDirectory() as name:
         run_demo(Path(name), _say_nothing, n_frames=N_FRAMES)
+
+
+def calibrate_a_camera() -> None:
+    """Find a board in some pictures, and fit their camera."""
+    from adibas.data.board import Board
+    from adibas.pipeline.calibrating import NamedImage, calibrate_camera
+    from adibas.simulation.boards import render_board
+    from adibas.simulation.boards_device import uncalibrated_device
+    from adibas.simulation.boards_poses import random_board_poses
+
+    rng = np.random.default_rng(0)
+    device = uncalibrated_device(0, COLOR_SIZE)
+    color = device.calibration.color
+    if color is None:
+        raise ValueError("the simulated device has no colour camera")
+    board = Board(9, 6, 0.025)
+    poses = random_board_poses(rng, board, color, N_BOARDS)
+    pictures = (render_board(board, pose, color, rng).image for pose in poses)
+    calibrate_camera([NamedImage(str(i), image) for i, image in enumerate(pictures)], board)
+
+
+def name_joints() -> None:
+    """Name the points of a standing body."""
+    from adibas.pipeline.skeleton_labelling import shipped_namer
+
+    namer = shipped_namer()
+    points_m = np.random.default_rng(0).normal(0.0, 0.5, (len(namer.names), SPACE))
+    namer.label(points_m)
+    namer.label(points_m[:, :2], "front")
+
+
+WORKS: tuple[Callable[[], None], ...] = (take_session, calibrate_a_camera, name_joints)
+
+
+def _write(note: Path) -> None:
     try:
         with written_whole(note) as unfinished:
             unfinished.touch()
@@ -57,10 +117,15 @@ def warm_kernels(note: Path) -> None:
 
 
 def _note(folder: Path) -> Path:
-    """Return the note's place: other versions of program or compiler need another one."""
+    """Return the note's place: another program, version or compiler needs another one."""
     compiler = importlib.metadata.version("numba")
-    return folder / f"compiled-{__version__}-numba-{compiler}"
+    program = zlib.crc32(str(Path(adibas.__file__).resolve()).encode())
+    return folder / f"compiled-{adibas.__version__}-{program:08x}-numba-{compiler}"
 
 
 def _say_nothing(_done: int, _total: int) -> None:
     """Report to nobody."""
+
+
+if __name__ == "__main__":
+    warm_at_once()

@@ -13,7 +13,7 @@ def test_the_hot_loops_are_compiled_once_and_noted(tmp_path):
 
 
 def test_another_version_compiles_anew(tmp_path, monkeypatch):
-    monkeypatch.setattr(warming, "__version__", "0.0.1")
+    monkeypatch.setattr(warming.adibas, "__version__", "0.0.1")
     older = warming._note(tmp_path)
     monkeypatch.undo()
     assert warming._note(tmp_path) != older
