@@ -10,6 +10,7 @@ import pytest
 from pypdf import PdfReader
 
 from adibas.calibration.finder import TEXTS, BoardProblem, BoardSearch
+from adibas.data.calibration_report import DepthReport
 from adibas.data.calibration_verdict import Grade
 from adibas.pipeline.calibrating import SearchedImage, color_calibration, fit_searched
 from adibas.pipeline.calibration_report import report_of_calibration
@@ -199,3 +200,27 @@ def test_a_calibration_to_be_repeated_has_a_report_that_says_why(tmp_path):
 def test_another_ending_is_a_mistake_of_the_caller(report, tmp_path):
     with pytest.raises(ValueError, match="txt"):
         write_calibration_report(report, tmp_path / "report.txt")
+
+
+def test_a_report_refuses_a_search_that_did_not_end(report):
+    with pytest.raises(ValueError, match="did not end"):
+        replace(report, fit=replace(report.fit, is_settled=False))
+
+
+def test_a_report_refuses_a_time_without_its_zone(report):
+    with pytest.raises(ValueError, match="time zone"):
+        replace(report, written_utc=NOW.replace(tzinfo=None))
+
+
+def test_a_depth_report_gives_the_deviation_of_what_was_estimated_and_of_nothing_else(outcome):
+    calibration = color_calibration(outcome.fit, "SN7", clock)
+    depth = DepthReport(
+        calibration.color_from_depth,
+        calibration.depth_bias,
+        outcome.fit.camera,
+        ("depth_bias.a", "depth.fx"),
+        np.array([[4e-6, 1e-6], [1e-6, 0.25]]),
+    )
+    assert depth.sd("depth_bias.a") == pytest.approx(0.002)
+    assert depth.sd("depth.fx") == pytest.approx(0.5)
+    assert np.isnan(depth.sd("depth.fy"))
