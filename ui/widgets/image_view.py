@@ -287,11 +287,11 @@ class ImageView(QWidget):
         """Tell what the dot under the mouse says."""
         if not isinstance(event, QHelpEvent):
             return super().event(event)
-        dot = self._nearest_dot(QPointF(event.pos()), lambda one: bool(one.tooltip))
+        dot = self._nearest_dot(QPointF(event.pos()), lambda one: bool(one.tooltip or one.label))
         if dot is None:
             QToolTip.hideText()
-        else:
-            QToolTip.showText(event.globalPos(), dot.tooltip, self)
+        else:  # a name is not drawn where it would hide another one
+            QToolTip.showText(event.globalPos(), dot.tooltip or dot.label, self)
         return True
 
     def _nudge(self, dx: float, dy: float) -> None:

@@ -1,13 +1,20 @@
 """Where names stand beside what they name, so that they can be read; without Qt."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray
 
 Box: TypeAlias = tuple[float, float, float, float]
 """Left, top, right and bottom, in pixels."""
 
 GAP_PX = 3.0
+N_ROWS, N_COLUMNS = 6, 3
+"""How far a name may go away, in half heights up or down and in half widths to the side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,31 +30,42 @@ class Named:
 
 def place_labels(
     things: Sequence[Named], window: tuple[float, float], taken: Sequence[Box] = ()
-) -> tuple[Box, ...]:
+) -> tuple[Box | None, ...]:
     """Return a box for each name: at the first of eight sides where it hides nothing.
 
-    Things come first, names after them in the order given; where every side would hide something,
-    the side that hides least many. `taken` is what else should be seen, `window` its
-    (width, height).
+    Where every side would hide something it goes farther away, as near as there is room; where
+    there is none, it stands where it hides least many things, but never another name: None
+    where it would, and for a thing outside the window. Names are placed in the order given.
+    `taken` is what else should be seen, `window` its (width, height).
     """
-    blocked = [*taken, *(_about(thing) for thing in things if thing.radius > 0)]
-    placed: list[Box] = []
+    about = [_about(thing) for thing in things if thing.radius > 0]
+    hidden = np.array([*taken, *about], np.float64).reshape(-1, 4)
+    placed: list[Box | None] = []
     for thing in things:
-        box = _best(thing, window, blocked)
-        placed.append(box)
-        blocked.append(box)
+        names = np.array([box for box in placed if box is not None], np.float64).reshape(-1, 4)
+        placed.append(_best(thing, window, hidden, names))
     return tuple(placed)
 
 
-def _best(thing: Named, window: tuple[float, float], blocked: Sequence[Box]) -> Box:
-    best, fewest = next(_sides(thing)), len(blocked) + 2
-    for box in _sides(thing):
-        n_hidden = _outside(box, window) + sum(_overlap(box, other) for other in blocked)
-        if n_hidden < fewest:
-            best, fewest = box, n_hidden
-        if not fewest:
-            break
-    return best
+def leader(thing: Named, box: Box) -> tuple[float, float] | None:
+    """Return where a line from the thing to its name ends; None where the name stands beside it."""
+    x, y = min(max(thing.x, box[0]), box[2]), min(max(thing.y, box[1]), box[3])
+    is_beside = math.dist((x, y), (thing.x, thing.y)) <= 1.5 * (thing.radius + GAP_PX) + 1.0
+    return None if is_beside else (x, y)
+
+
+def _best(
+    thing: Named, window: tuple[float, float], hidden: FloatArray, names: FloatArray
+) -> Box | None:
+    if not (0 <= thing.x <= window[0] and 0 <= thing.y <= window[1]):
+        return None
+    places = np.array([*_sides(thing), *_farther(thing)])
+    is_allowed = _is_inside(places, window) & ~_overlap(places, names).any(axis=1)
+    if not is_allowed.any():
+        return None
+    n_hidden = np.where(is_allowed, _overlap(places, hidden).sum(axis=1), np.inf)
+    left, top, right, bottom = places[int(n_hidden.argmin())].tolist()
+    return left, top, right, bottom
 
 
 def _sides(thing: Named) -> Iterator[Box]:
@@ -66,6 +84,28 @@ def _sides(thing: Named) -> Iterator[Box]:
         yield x, y, x + thing.width, y + thing.height
 
 
+def _farther(thing: Named) -> list[Box]:
+    """Return places at either side that a line has to lead to, the nearest first."""
+    boxes = [
+        (left, top, left + thing.width, top + thing.height)
+        for top in (
+            thing.y - thing.height / 2 + row * (thing.height + GAP_PX) / 2
+            for row in range(-N_ROWS, N_ROWS + 1)
+        )
+        for column in range(N_COLUMNS)
+        for left in _either_side(thing, thing.radius + 2 * GAP_PX + column * thing.width / 2)
+    ]
+    return sorted(boxes, key=lambda box: _distance(thing, box))
+
+
+def _either_side(thing: Named, away: float) -> tuple[float, float]:
+    return thing.x + away, thing.x - away - thing.width
+
+
+def _distance(thing: Named, box: Box) -> float:
+    return math.dist((thing.x, thing.y), ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2))
+
+
 def _about(thing: Named) -> Box:
     return (
         thing.x - thing.radius,
@@ -75,9 +115,14 @@ def _about(thing: Named) -> Box:
     )
 
 
-def _overlap(one: Box, other: Box) -> bool:
-    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+def _overlap(ones: FloatArray, others: FloatArray) -> BoolArray:
+    """Say of each pair of (N, 4) and (M, 4) boxes whether they share anything: (N, M)."""
+    lower, upper = ones[:, None, :2], ones[:, None, 2:]
+    shared: BoolArray = np.all((lower < others[:, 2:]) & (others[:, :2] < upper), axis=2)
+    return shared
 
 
-def _outside(box: Box, window: tuple[float, float]) -> bool:
-    return box[0] < 0 or box[1] < 0 or box[2] > window[0] or box[3] > window[1]
+def _is_inside(boxes: FloatArray, window: tuple[float, float]) -> BoolArray:
+    right_bottom = np.array(window)
+    inside: BoolArray = np.all((boxes[:, :2] >= 0) & (boxes[:, 2:] <= right_bottom), axis=1)
+    return inside

@@ -1,5 +1,6 @@
 """Paints overlays so that they are seen on any picture: light lines on a dark border."""
 
+import math
 from functools import cache, lru_cache
 
 import cv2
@@ -18,7 +19,7 @@ from PySide6.QtGui import (
 
 from ui.theme import DRAWN
 from ui.widgets.image_geometry import ImagePlacement
-from ui.widgets.label_places import Named, place_labels
+from ui.widgets.label_places import Named, leader, place_labels
 from ui.widgets.overlays import Curve, Dot, Line, Overlay, Region, Role, Text
 
 GRAB_PX = 9.0
@@ -96,11 +97,26 @@ def _paint_names(
         Named(*placement.to_widget(u, v), radius, metrics.horizontalAdvance(text), metrics.ascent())
         for text, _role, u, v, radius in named
     ]
-    boxes = place_labels(things, placement.widget)
-    for (text, role, _u, _v, _radius_px), (left, _top, _right, bottom) in zip(
-        named, boxes, strict=True
+    for (text, role, *_place), thing, box in zip(
+        named, things, place_labels(things, placement.widget), strict=True
     ):
-        _paint_text(painter, QPointF(left, bottom), text, role)
+        if box is None:
+            continue  # the tip and the list tell it; nearer by there is room
+        end = leader(thing, box)
+        if end is not None:
+            _paint_leader(painter, QPointF(thing.x, thing.y), QPointF(*end), role, thing.radius)
+        _paint_text(painter, QPointF(box[0], box[3]), text, role)
+
+
+def _paint_leader(
+    painter: QPainter, center: QPointF, end: QPointF, role: Role, radius: float
+) -> None:
+    """Lead from the edge of a marker to its name, which stands apart."""
+    way = end - center
+    start = center + way * (radius / math.hypot(way.x(), way.y()))
+    for color, width in ((BORDER, 3.0), (QColor(DRAWN[role]), 1.0)):
+        painter.setPen(QPen(color, width))
+        painter.drawLine(start, end)
 
 
 def _anchor(overlay: Line | Curve | Text) -> tuple[float, float]:

@@ -10,6 +10,9 @@ from PySide6.QtGui import QImage
 
 from adibas.arrays import Float32Array, UInt8Array
 
+SCREEN_BYTES = 4
+"""Of a pixel as Qt's painter copies it: blue, green, red, and one that counts for nothing."""
+
 
 @dataclass(frozen=True, slots=True)
 class Coloring:
@@ -64,17 +67,24 @@ class ShownPicture:
         time that Qt's painter takes.
         """
         if self._fitted is None or self._fitted_as != (size, rotation_deg, ratio):
-            way = cv2.INTER_LINEAR if self._coloring is None else cv2.INTER_NEAREST
-            small = cv2.resize(self._pixels, size, interpolation=way)
-            turned = np.ascontiguousarray(np.rot90(small, -rotation_deg // 90))
+            turned = np.ascontiguousarray(np.rot90(self._smaller(size), -rotation_deg // 90))
             self._fitted = self._as_image(turned).convertToFormat(QImage.Format.Format_RGB32)
             self._fitted.setDevicePixelRatio(ratio)
             self._fitted_as = size, rotation_deg, ratio
         return self._fitted
 
+    def _smaller(self, size: tuple[int, int]) -> Any:
+        """Return numbers as they are, colours as the screen has them: 4 bytes are done faster."""
+        if self._coloring is not None:
+            return cv2.resize(self._pixels, size, interpolation=cv2.INTER_NEAREST)
+        padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
+        return cv2.resize(padded, size, interpolation=cv2.INTER_LINEAR)
+
     def _as_image(self, pixels: Any) -> QImage:
         """Return an image that borrows `pixels`: who holds it holds both."""
         height, width = pixels.shape[:2]
+        if self._coloring is None and pixels.shape[2] == SCREEN_BYTES:
+            return QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGB32)
         if self._coloring is None:
             return QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888)
         levels = self._coloring.levels_of(pixels)
