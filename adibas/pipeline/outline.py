@@ -18,6 +18,8 @@ BORDER_PX = 12
 DEFAULT_DISTANCE_M = 2.0
 FOOT_M = 0.03
 """By so much a leg or a head grows wider on either side where it is carried on."""
+WIDENING = 0.5
+"""How fast it does: by so much to either side for each unit of the way."""
 HOLE_RADIUS_M = 0.05
 """A place without depth inside the body, up to a disc of this radius, is taken for the body."""
 
@@ -45,7 +47,7 @@ def body_in_color(
         without depth up to `HOLE_RADIUS_M` that the body surrounds. What is known to lie behind
         the body is left out, but for half that margin, by which outlines of depth are unsure.
         Carried on to the edge of the colour image where the depth camera's picture cuts the body
-        off.
+        off. Its border is smooth: a pixel's noise of depth is not seen in it.
     """
     moved = registration.moved(body).astype(np.uint8)
     depths_m = registration.depth_m[moved > 0]
@@ -63,8 +65,16 @@ def body_in_color(
     widened = cv2.dilate(cv2.morphologyEx(near, cv2.MORPH_CLOSE, _disc(reach)), _disc(reach))
     other = np.isfinite(registration.depth_m[window]) & (near == 0)
     behind = cv2.erode(other.astype(np.uint8), _disc((reach + 1) // 2))
-    outline[window] = (widened > 0) & (behind == 0)
+    outline[window] = _smooth((widened > 0) & (behind == 0), reach)
     return outline
+
+
+def _smooth(body: BoolArray, radius_px: int) -> BoolArray:
+    """Round off what sticks out of the border or into it and is narrower than the radius."""
+    side = 2 * radius_px + 1
+    share = cv2.blur(body.view(np.uint8) * np.uint8(255), (side, side), borderType=cv2.BORDER_REPLICATE)
+    smooth: BoolArray = share > 127
+    return smooth
 
 
 def _fill_holes(body: UInt8Array, depth_m: Float32Array, greatest_px: float) -> None:
@@ -111,5 +121,6 @@ def _carry_down(moved: UInt8Array, widening_px: int) -> None:
     """Repeat the lowest stretch of the body down to the last row, a little wider, in place."""
     last_row = int(np.flatnonzero(moved.any(axis=1))[-1])
     lowest = moved[max(last_row - widening_px, 0) : last_row + 1].max(axis=0)
-    wide = np.ones((1, 2 * widening_px + 1), np.uint8)
-    moved[last_row:] |= cv2.dilate(lowest[None, :], wide)[0]
+    for row in range(last_row, len(moved)):
+        wider = min(round(WIDENING * (row - last_row)), widening_px)
+        moved[row] |= cv2.dilate(lowest[None, :], np.ones((1, 2 * wider + 1), np.uint8))[0]

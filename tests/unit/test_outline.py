@@ -94,3 +94,26 @@ def test_a_body_beside_the_colour_picture_has_no_outline_in_it():
     depth_m = np.where(body, 2.0, 3.0).astype(np.float32)
     registration = register_pixels(depth_m, RgbdCalibration(narrow, DEPTH))
     assert not body_in_color(body, registration, narrow, MARGIN_M).any()
+
+
+def rows_of_border(found):
+    """Return the columns of the left border, row by row."""
+    rows = np.flatnonzero(found.any(axis=1))
+    return found[rows].argmax(axis=1)
+
+
+def test_the_noise_of_a_border_is_not_seen():
+    body = box(slice(100, 300), slice(200, 400))
+    rng = np.random.default_rng(5)
+    for row in range(100, 300):
+        body[row, 200 : 200 + rng.integers(0, 4)] = False
+    columns = rows_of_border(outline(body))[40:-40]
+    assert np.abs(np.diff(columns)).mean() < 0.25
+    assert np.abs(np.diff(columns)).max() <= 2
+
+
+def test_a_leg_that_is_carried_on_grows_wider_little_by_little():
+    found = outline(box(slice(100, 480), slice(250, 300)))
+    below = rows_of_border(found)[-120:]
+    assert below[0] - below[-1] > 10, "it grows wider"
+    assert np.abs(np.diff(below)).max() <= 2, "without a step"
