@@ -84,6 +84,7 @@ class Application:
         self._take_hook_away = install_crash_report(self._bugs.publish)
         self._appearance = Appearance(app, self._theme, self.window, preferences)
         self._autolock_minutes = preferences.now.autolock_minutes
+        self._language = preferences.now.language
         self._is_closed = False
         self._connect()
 
@@ -265,6 +266,14 @@ class Application:
         self._autolock_minutes = now.autolock_minutes
         if self.workspace is not None:
             self.workspace.store.operator = now.operator
+            self._name_demo_patient(self.workspace)
+
+    def _name_demo_patient(self, workspace: Workspace) -> None:
+        """Call the demo patient as in the language in use: no English in a Spanish window."""
+        if self._language == self.preferences.now.language:
+            return
+        self._language = self.preferences.now.language
+        workspace.attempt(lambda: _rename_demo_patient(workspace))
 
 
 def _open_calibrated(text: str, options: "SensorOptions") -> "DepthCamera":
@@ -278,6 +287,14 @@ def _open_calibrated(text: str, options: "SensorOptions") -> "DepthCamera":
 def _preload() -> None:
     """Import what other screens need."""
     preload()
+
+
+def _rename_demo_patient(workspace: Workspace) -> None:
+    from adibas.sessions.demo_patient import rename_demo_patient
+
+    renamed, chosen = rename_demo_patient(workspace.store), workspace.patient
+    if renamed is not None and chosen is not None and chosen.pseudonym == renamed.pseudonym:
+        workspace.choose_patient(renamed)
 
 
 def _want_nothing(_patient: Patient) -> None:

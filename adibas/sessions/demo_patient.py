@@ -2,6 +2,7 @@
 
 from adibas.data.patients import Identity, Patient
 from adibas.sessions.store import SessionStore
+from adibas.texts import LANGUAGES, speaking
 from adibas.texts import translate as _
 
 DEMO_RECORD_NUMBER = "DEMO"
@@ -9,10 +10,30 @@ DEMO_RECORD_NUMBER = "DEMO"
 
 def demo_patient(store: SessionStore) -> Patient:
     """Return the demo patient of a store, added where there is none."""
-    for row in store.patients.search(DEMO_RECORD_NUMBER):
-        if row.identity.record_number == DEMO_RECORD_NUMBER:
-            return store.patients.get(row.pseudonym)
+    pseudonym = _pseudonym(store)
+    if pseudonym is not None:
+        return store.patients.get(pseudonym)
     return store.patients.add(demo_identity(), notes=demo_notes())
+
+
+def rename_demo_patient(store: SessionStore) -> Patient | None:
+    """Let the demo patient be called as in the language in use.
+
+    One whom somebody gave another name, birth date or note stays as it is.
+
+    Returns
+    -------
+    patient : Patient or None
+        As renamed; None where nothing was changed.
+    """
+    pseudonym = None if store.is_read_only else _pseudonym(store)
+    if pseudonym is None:
+        return None
+    patient = store.patients.get(pseudonym)
+    now = (demo_identity(), demo_notes())
+    if (patient.identity, patient.notes) not in _in_all_languages() - {now}:
+        return None
+    return store.patients.change(pseudonym, identity=now[0], notes=now[1])
 
 
 def demo_identity() -> Identity:
@@ -23,3 +44,18 @@ def demo_identity() -> Identity:
 def demo_notes() -> str:
     """Return what is noted on the demo patient, in the language in use."""
     return _("A simulated patient, to try the program with the simulator as the sensor.")
+
+
+def _pseudonym(store: SessionStore) -> str | None:
+    for row in store.patients.search(DEMO_RECORD_NUMBER):
+        if row.identity.record_number == DEMO_RECORD_NUMBER:
+            return row.pseudonym
+    return None
+
+
+def _in_all_languages() -> set[tuple[Identity, str]]:
+    said = set()
+    for language in LANGUAGES:
+        with speaking(language):
+            said.add((demo_identity(), demo_notes()))
+    return said

@@ -23,6 +23,8 @@ import ui.theme
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.sessions import open_store
+from adibas.sessions.demo_patient import demo_patient
+from adibas.texts import speaking
 from tests.ui import window_user
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import CTRL, SECRET, visible, visible_dialogs
@@ -345,6 +347,19 @@ def test_every_screen_speaks_the_new_language_at_once(user):
     assert "Cancel·la" in {one.text().replace("&", "") for one in visible(dialog, QPushButton)}
     dialog.close()
     assert user.window.locale().language() == user.window.locale().Language.Catalan
+    user.close()
+
+
+def test_the_demo_patient_is_called_as_in_the_new_language(user):
+    with speaking("en"):
+        demo = demo_patient(user.store)
+    user.workspace.choose_patient(demo)
+    user.application.preferences.change(language="es")
+    assert user.workspace.patient.identity.name == "Paciente de demostración"
+    user.workspace.choose_patient(None)
+    user.application.preferences.change(language="en")
+    assert user.workspace.patient is None
+    assert demo_patient(user.store) == demo
     user.close()
 
 
