@@ -49,6 +49,14 @@ class GestureError(AdibasError):
     """Examples or a model of gestures cannot be used."""
 
 
+class BehaviourError(AdibasError):
+    """An ethogram or a coding cannot be read, written or compared."""
+
+
+class LimbError(AdibasError):
+    """Labelled images or a model of limbs cannot be used."""
+
+
 class ReportError(AdibasError):
     """A report cannot be written."""
 

@@ -133,7 +133,11 @@ def join_trees(
         np.concatenate(leaves),
         params.far_m,
         params.smoothing_px,
-        {"params": asdict(params), **source},
+        {
+            "params": asdict(params),
+            "label_pixels": [tree.counts[0].tolist() for tree in trees],
+            **source,
+        },
     )
 
 

@@ -1,0 +1,138 @@
+"""A trained model of limbs: a forest, and what belongs to its labels."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from adibas.arrays import FloatArray, Int32Array, IntArray, check_shape, read_only
+from adibas.data.limbs import LimbLabels, labels_named
+from adibas.errors import LimbError
+from adibas.forests.files import load_forest, save_forest
+from adibas.forests.forest import Forest
+from adibas.limbs.penalties import omega_2
+
+CLUTTER = "clutter"
+"""The last label of a forest that knows what is no limb: furniture, floor, wall."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimbModel:
+    """What segments limbs.
+
+    Attributes
+    ----------
+    labels : LimbLabels
+        The L limbs.
+    forest : Forest
+        Of the same labels, perhaps with `CLUTTER` behind them: K labels.
+    omega_2 : (K, K) int32 array
+        Table of equation 6.25.
+    """
+
+    labels: LimbLabels
+    forest: Forest
+    omega_2: Int32Array
+
+    def __post_init__(self) -> None:
+        n_labels = len(self.forest.labels)
+        check_shape("omega_2", self.omega_2, (n_labels, n_labels))
+        read_only(self.omega_2)
+
+    @property
+    def has_clutter(self) -> bool:
+        """Say whether the model knows what is no limb."""
+        return len(self.forest.labels) > len(self.labels)
+
+    def require(self, labels: LimbLabels) -> None:
+        """See that the model is for these labels.
+
+        Raises
+        ------
+        LimbError
+            It is for others.
+        """
+        if self.labels != labels:
+            raise LimbError(
+                "The model is for other limbs ({found}), and {wanted} are needed. Choose a model "
+                "that was trained for these.",
+                found=self.labels.name,
+                wanted=labels.name,
+            )
+
+
+def model_of(forest: Forest) -> LimbModel:
+    """Return the model of a forest; the table of its provenance, or ours where it has none."""
+    names = forest.labels
+    limbs = names[:-1] if names[-1] == CLUTTER and len(names) > 1 else names
+    table = forest.provenance.get("omega_2")
+    penalties = omega_2(names) if table is None else np.array(table, np.int32)
+    return LimbModel(labels_named(limbs), forest, penalties)
+
+
+def load_model(path: Path) -> LimbModel:
+    """Read a model.
+
+    Raises
+    ------
+    FileError
+        The file is missing, damaged, of another format or of a later version.
+    """
+    return model_of(load_forest(path))
+
+
+def save_model(model: LimbModel, path: Path) -> None:
+    """Write a model to `path`, its table in the provenance; whole or not at all.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    table = {"omega_2": model.omega_2.tolist()}
+    forest = replace(model.forest, provenance={**model.forest.provenance, **table})
+    save_forest(forest, path)
+
+
+def merged(model: LimbModel, labels: LimbLabels, onto: Mapping[str, str]) -> LimbModel:
+    """Return the model of fewer labels: leaves say what training with these would have said.
+
+    The splits stay those that were best for the labels before.
+
+    Parameters
+    ----------
+    model : LimbModel
+        With the pixels of each label in its provenance, as training leaves them there.
+    labels : LimbLabels
+        Wanted.
+    onto : mapping
+        The new label of each old one; one that is missing keeps its name.
+    """
+    forest = model.forest
+    names = (*labels.names, *((CLUTTER,) if model.has_clutter else ()))
+    target = np.array([names.index(onto.get(name, name)) for name in forest.labels])
+    pixels = np.array(forest.provenance["label_pixels"], float)
+    moved = np.zeros((len(target), len(names)))
+    moved[np.arange(len(target)), target] = 1.0
+    weights = pixels[_tree_of_leaf(forest)]
+    shares: FloatArray = (forest.leaves * weights) @ moved / np.maximum(weights @ moved, 1.0)
+    shares /= shares.sum(axis=1, keepdims=True)
+    provenance = {
+        **forest.provenance,
+        "label_pixels": (pixels @ moved).astype(int).tolist(),
+        "merged_from": model.labels.name,
+        "omega_2": omega_2(names).tolist(),
+    }
+    return model_of(
+        replace(forest, labels=names, leaves=shares.astype(np.float32), provenance=provenance)
+    )
+
+
+def _tree_of_leaf(forest: Forest) -> IntArray:
+    """Return the tree of each leaf."""
+    trees = np.searchsorted(forest.roots, np.arange(len(forest.child)), side="right") - 1
+    is_leaf = forest.child < 0
+    of_leaf = np.empty(len(forest.leaves), np.int64)
+    of_leaf[-1 - forest.child[is_leaf]] = trees[is_leaf]
+    return of_leaf

@@ -1,0 +1,143 @@
+"""From the depth of a person to limbs: forest, then graph cut on the person's pixels alone.
+
+Source: thesis, section 6.2.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import cv2
+import numpy as np
+
+from adibas.arrays import AnyArray, BoolArray, Float32Array, check_shape
+from adibas.data.limbs import NO_LABEL, LimbParts
+from adibas.graphcut.boundary import boundary_weights
+from adibas.graphcut.energy import EnergyParams, equal_penalties, label_energy
+from adibas.graphcut.minimising import minimise
+from adibas.graphcut.neighbors import Connectivity, connect_pixels
+from adibas.limbs.model import LimbModel
+
+Cut: TypeAlias = Literal["omega_1", "omega_2", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class LimbParams:
+    """How limbs are segmented; the defaults are the live ones.
+
+    Attributes
+    ----------
+    cut : str
+        ``omega_1`` (alpha-expansion), ``omega_2`` (alpha-beta swap), or ``none``: the likeliest
+        label of the forest.
+    smoothness : float
+        Lambda. The thesis has 50; 10 is right more often (see ``docs/limbs.md``).
+    connectivity : 4 or 8
+    step : int
+        Of how many rows and columns one is looked at; the pixels between take the label of the
+        nearest one. 2 is a quarter of the work.
+    is_from_behind : bool
+        The person's back is seen: left and right are swapped.
+    """
+
+    cut: Cut = "omega_1"
+    smoothness: float = 10.0
+    connectivity: Connectivity = 8
+    step: int = 2
+    is_from_behind: bool = False
+
+    def __post_init__(self) -> None:
+        if self.step < 1:
+            raise ValueError(f"step must be positive, got {self.step}")
+
+
+def segment(
+    depth_m: Float32Array,
+    mask: BoolArray,
+    focal_px: float,
+    model: LimbModel,
+    params: LimbParams | None = None,
+) -> LimbParts:
+    """Find the limbs of one person.
+
+    Parameters
+    ----------
+    depth_m : (H, W) float32 array
+        Metres; NaN where not measured.
+    mask : (H, W) bool array
+        The person's pixels; may be empty.
+    focal_px : float
+        Of the camera that took `depth_m`, pixels: any resolution and field of view will do.
+    model : LimbModel
+    params : LimbParams or None
+
+    Returns
+    -------
+    LimbParts
+        Pixels of the mask without depth have even probabilities, and the label that their
+        neighbours suggest.
+    """
+    params = params or LimbParams()
+    check_shape("mask", mask, depth_m.shape)
+    every = np.s_[:: params.step, :: params.step]
+    pixels = np.zeros_like(mask)
+    pixels[every] = mask[every]
+    probabilities = model.forest.probabilities(depth_m, mask, focal_px, pixels)
+    thin = np.full(mask[every].shape, NO_LABEL, np.int16)
+    thin[mask[every]] = cut_labels(depth_m[every], mask[every], probabilities, model, params)
+    chosen = _filled(thin, mask, params.step)
+    n_limbs = len(model.labels)
+    chosen[chosen >= n_limbs] = NO_LABEL
+    limbs = np.ascontiguousarray(probabilities[:, :n_limbs])
+    parts = LimbParts(model.labels, pixels, limbs, chosen)
+    return parts.with_sides_swapped() if params.is_from_behind else parts
+
+
+def cut_labels(
+    picture: AnyArray,
+    mask: BoolArray,
+    probabilities: Float32Array,
+    model: LimbModel,
+    params: LimbParams,
+) -> AnyArray:
+    """Return the (N,) labels of the forest at the mask's pixels, clutter among them.
+
+    Parameters
+    ----------
+    picture : (H, W) or (H, W, C) array
+        Depth, colour or both: where it changes, labels may.
+    mask : (H, W) bool array
+        N pixels.
+    probabilities : (N, K) float32 array
+        Of the forest's labels.
+    model : LimbModel
+        For its table.
+    params : LimbParams
+    """
+    if params.cut == "none" or not len(probabilities):
+        return np.asarray(probabilities.argmax(axis=1))
+    n_labels = probabilities.shape[1]
+    penalties = model.omega_2 if params.cut == "omega_2" else equal_penalties(n_labels)
+    graph = connect_pixels(mask, params.connectivity)
+    boundary = boundary_weights(graph, picture)
+    energy = label_energy(
+        graph, probabilities, boundary, penalties, EnergyParams(params.smoothness)
+    )
+    return minimise(energy).labels
+
+
+def _filled(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
+    """Return (H, W) labels from those of every `step`-th pixel: that of the nearest one."""
+    if step == 1:
+        return thin
+    chosen = np.full(mask.shape, NO_LABEL, np.int16)
+    if not (thin >= 0).any():
+        return chosen
+    sampled = np.ones(mask.shape, np.uint8)
+    sampled[::step, ::step][thin >= 0] = 0
+    _, nearest = cv2.distanceTransformWithLabels(
+        sampled, cv2.DIST_L2, cv2.DIST_MASK_3, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    label_of = np.empty(int(nearest.max()) + 1, np.int16)
+    label_of[nearest[::step, ::step][thin >= 0]] = thin[thin >= 0]
+    chosen[mask] = label_of[nearest[mask]]
+    return chosen

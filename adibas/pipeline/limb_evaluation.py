@@ -1,0 +1,186 @@
+"""A model's accuracy on labelled images: its own, or of those that are trained for the purpose."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from adibas.arrays import AnyArray, BoolArray, Float32Array, IntArray, UInt8Array
+from adibas.errors import LimbError
+from adibas.forests.params import ForestParams
+from adibas.forests.training import TrainingImages, train_forest
+from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
+from adibas.limbs.model import LimbModel, model_of
+from adibas.limbs.segmentation import LimbParams, cut_labels
+from adibas.limbs.training_set import Chosen, LimbFolder
+
+Progress = Callable[[int, int], None]
+Split: TypeAlias = Literal["folds", "people"]
+N_FOLDS = 5
+WHOLE = LimbParams(step=1)
+"""Every pixel is labelled, as in the thesis."""
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationParams:
+    """How a set is split and what is trained.
+
+    Attributes
+    ----------
+    split : str
+        ``folds``: five, drawn at random; ``people``: each person once is left out.
+    seed : int
+    forest : ForestParams
+    limbs : LimbParams
+    """
+
+    split: Split = "folds"
+    seed: int = 0
+    forest: ForestParams = field(default_factory=ForestParams)
+    limbs: LimbParams = WHOLE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """One image as the forest alone and the cut label it; labels 1 to K, 0 = none."""
+
+    index: int
+    depth_m: Float32Array
+    truth: UInt8Array
+    by_forest: UInt8Array
+    by_cut: UInt8Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimbEvaluation:
+    """What came out.
+
+    Attributes
+    ----------
+    protocol : str
+    n_groups, n_images : int
+    forest, cut : Confusion
+        Of the likeliest labels, and after the graph cut.
+    """
+
+    protocol: str
+    n_groups: int
+    n_images: int
+    forest: Confusion
+    cut: Confusion
+
+
+def judge(
+    images: TrainingImages, indices: Sequence[int] | IntArray, model: LimbModel, params: LimbParams
+) -> Iterator[Judged]:
+    """Label the images by a model with the same labels."""
+    for index in indices:
+        depth_m, truth, focal_px = images.read(int(index))
+        mask = truth > 0
+        probabilities = model.forest.probabilities(depth_m, mask, focal_px)
+        picture = np.where(mask, depth_m, np.nan)
+        cut = cut_labels(picture, mask, probabilities, model, params)
+        yield Judged(
+            int(index),
+            depth_m,
+            truth,
+            _image(mask, probabilities.argmax(axis=1)),
+            _image(mask, cut),
+        )
+
+
+def _image(mask: BoolArray, labels: AnyArray) -> UInt8Array:
+    image = np.zeros(mask.shape, np.uint8)
+    image[mask] = labels + 1
+    return image
+
+
+def evaluate_model(
+    images: TrainingImages,
+    model: LimbModel,
+    params: LimbParams,
+    progress: Progress,
+    show: Callable[[Judged], None] | None = None,
+) -> LimbEvaluation:
+    """Evaluate one model on all images.
+
+    Raises
+    ------
+    LimbError
+        The model has other labels than the images.
+    """
+    if model.forest.labels != images.labels:
+        raise LimbError(
+            "The model has other labels than the images ({found}). Choose a model that was "
+            "trained for these.",
+            found=", ".join(images.labels),
+        )
+    counts = _Counts(images.labels)
+    for done, judged in enumerate(judge(images, range(len(images)), model, params), start=1):
+        counts.add(judged)
+        if show is not None:
+            show(judged)
+        progress(done, len(images))
+    return counts.evaluation("model", 1)
+
+
+def cross_validate(
+    images: LimbFolder,
+    params: EvaluationParams,
+    progress: Progress,
+    show: Callable[[Judged], None] | None = None,
+) -> LimbEvaluation:
+    """Train on all groups of images but one and test on that, for each group.
+
+    Raises
+    ------
+    LimbError
+        There is only one group.
+    """
+    groups = groups_of(images, params)
+    n_groups = int(groups.max()) + 1
+    if n_groups < 2:  # noqa: PLR2004
+        raise LimbError("There is only one group of images, which leaves nothing to train on.")
+    counts = _Counts(images.labels)
+    for group in range(n_groups):
+        progress(group, n_groups)
+        rest = Chosen(images, np.flatnonzero(groups != group))
+        model = model_of(train_forest(rest, params.forest, params.seed + group))
+        for judged in judge(images, np.flatnonzero(groups == group), model, params.limbs):
+            counts.add(judged)
+            if show is not None:
+                show(judged)
+    progress(n_groups, n_groups)
+    protocol = "5-fold" if params.split == "folds" else "leave-one-person-out"
+    return counts.evaluation(protocol, n_groups)
+
+
+def groups_of(images: LimbFolder, params: EvaluationParams) -> IntArray:
+    """Return the group of each image."""
+    if params.split == "people":
+        return np.unique(np.array(images.people), return_inverse=True)[1].astype(np.int64)
+    order = np.random.default_rng(params.seed).permutation(len(images))
+    groups = np.empty(len(images), np.int64)
+    groups[order] = np.arange(len(images)) * min(N_FOLDS, len(images)) // len(images)
+    return groups
+
+
+class _Counts:
+    """Sums over images."""
+
+    def __init__(self, labels: tuple[str, ...]) -> None:
+        self._forest = self._cut = no_confusion(labels)
+        self._n_images = 0
+
+    def add(self, judged: Judged) -> None:
+        # Without depth the forest knows nothing, and the cut would be praised for its guess.
+        is_known = (judged.truth > 0) & np.isfinite(judged.depth_m)
+        truth = judged.truth[is_known] - 1
+        labels = self._forest.labels
+        self._forest += confusion_of(labels, truth, judged.by_forest[is_known] - 1)
+        self._cut += confusion_of(labels, truth, judged.by_cut[is_known] - 1)
+        self._n_images += 1
+
+    def evaluation(self, protocol: str, n_groups: int) -> LimbEvaluation:
+        return LimbEvaluation(protocol, n_groups, self._n_images, self._forest, self._cut)

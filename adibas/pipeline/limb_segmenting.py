@@ -1,0 +1,200 @@
+"""The limbs of the person in every frame of a recording: pictures, and images to train on."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from adibas import __version__
+from adibas.body.floor import find_floor
+from adibas.body.mask import find_body
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
+from adibas.data.limbs import FULL_BODY, LABEL_SETS, LimbParts
+from adibas.data.sentence import Sentence
+from adibas.errors import CalibrationError, RecordingError
+from adibas.files import written_whole
+from adibas.geometry.planes import Plane
+from adibas.limbs.judging import Judgement, judge_mask, judge_parts
+from adibas.limbs.model import LimbModel, load_model
+from adibas.limbs.segmentation import LimbParams, segment
+from adibas.limbs.training_set import FolderHeader, write_header, write_image
+from adibas.pipeline.limb_pictures import limb_picture
+from adibas.pipeline.session import calibration_of
+from adibas.recordings import open_recording
+from adibas.resources import resource_path
+
+Progress = Callable[[int, int], None]
+PICTURE = ".limbs.png"
+NAMES_OF_MODELS = {"full-body-15": "limbs-15.npz", "upper-body-7": "limbs-7.npz"}
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentingRequest:
+    """What to segment.
+
+    Attributes
+    ----------
+    recording : Path
+    out : Path
+        Folder; it may exist.
+    model : Path or None
+        None: the shipped one of `labels`.
+    labels : str
+        One of `NAMES_OF_MODELS`.
+    calibration : Path or None
+        In place of the recording's own.
+    frames : (first, one past the last or None)
+    params : LimbParams
+    """
+
+    recording: Path
+    out: Path
+    model: Path | None = None
+    labels: str = FULL_BODY.name
+    calibration: Path | None = None
+    frames: tuple[int, int | None] = (0, None)
+    params: LimbParams = field(default_factory=LimbParams)
+
+
+@dataclass(frozen=True, slots=True)
+class Segmented:
+    """What was written, and what is to be said.
+
+    Attributes
+    ----------
+    n_frames, n_people : int
+        Frames looked at; frames with a person.
+    notices : tuple of (Sentence, int)
+        Each with the number of frames that it holds for.
+    """
+
+    n_frames: int
+    n_people: int
+    notices: tuple[tuple[Sentence, int], ...]
+
+
+def shipped_model(labels: str = FULL_BODY.name) -> LimbModel:
+    """Return the model that comes with the program for one of `NAMES_OF_MODELS`."""
+    return load_model(resource_path("models", NAMES_OF_MODELS[labels]))
+
+
+def segment_recording(request: SegmentingRequest, progress: Progress) -> Segmented:
+    """Write ``NNNNN.depth.png``, ``.labels.png`` and a picture of every frame with a person.
+
+    With ``labels.json`` they are a folder to train on or to correct.
+
+    Raises
+    ------
+    RecordingError
+        The recording cannot be read, or has no such frames.
+    CalibrationError
+        There is none of the depth camera.
+    FileError, LimbError
+        The model cannot be used, or the folder not be written.
+    """
+    model = shipped_model(request.labels) if request.model is None else load_model(request.model)
+    if request.model is not None and request.labels:
+        model.require(LABEL_SETS[request.labels])
+    said: Counter[str] = Counter()
+    sentences: dict[str, Sentence] = {}
+    n_people = n_frames = 0
+    with open_recording(request.recording) as recording:
+        first, last = request.frames
+        wanted = range(*slice(first, last).indices(len(recording)))
+        if not wanted:
+            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        looker = Looker(calibration_of(recording, request.calibration), recording.info)
+        write_header(request.out, _header(model, looker.camera, recording.info))
+        for n_frames, index in enumerate(wanted, start=1):
+            frame = recording.read(index)
+            parts, judgement = looker.look(frame, model, request.params)
+            for notice in judgement.notices:
+                said[notice.message] += 1
+                sentences[notice.message] = notice
+            if parts is not None and frame.depth_raw is not None:
+                n_people += 1
+                _write(request.out, f"{index:05d}", frame, parts)
+            progress(n_frames, len(wanted))
+    notices = tuple((sentences[text], count) for text, count in said.most_common())
+    return Segmented(n_frames, n_people, notices)
+
+
+class Looker:
+    """From frames of one camera to the limbs of whoever is in them.
+
+    Parameters
+    ----------
+    calibration : RgbdCalibration
+    info : SourceInfo
+
+    Raises
+    ------
+    CalibrationError
+        The calibration is not of a depth camera.
+    """
+
+    def __init__(self, calibration: RgbdCalibration, info: SourceInfo) -> None:
+        if calibration.depth is None:
+            raise CalibrationError(
+                "The calibration is of a colour camera alone, and limbs are found in depth. Give "
+                "one of the depth camera with --calibration FILE."
+            )
+        self.camera: CameraCalibration = calibration.depth
+        self._floor: Plane | None = calibration.floor
+        self._unit_m = info.depth_unit_m
+        self._has_looked_for_floor = False
+
+    def look(
+        self, frame: SensorFrame, model: LimbModel, params: LimbParams
+    ) -> tuple[LimbParts | None, Judgement]:
+        """Return the limbs, None where nobody is, and what is to be said."""
+        if frame.depth_raw is None:
+            return None, judge_mask(np.zeros((1, 1), np.float32), None)
+        depth_m = depth_in_metres(frame.depth_raw, self._unit_m)
+        if depth_m.shape != (self.camera.height, self.camera.width):
+            raise CalibrationError(
+                "The calibration is for depth of {width}x{height} pixels, and the recording has "
+                "{found}. Calibrate at this resolution.",
+                width=self.camera.width,
+                height=self.camera.height,
+                found=f"{depth_m.shape[1]}x{depth_m.shape[0]}",
+            )
+        if self._floor is None and not self._has_looked_for_floor:
+            self._floor = find_floor(depth_m, self.camera)
+            self._has_looked_for_floor = True
+        body = find_body(depth_m, self.camera, self._floor)
+        mask = None if body is None else body.pixels
+        judgement = judge_mask(depth_m, mask)
+        if mask is None or not judgement.is_person:
+            return None, judgement
+        parts = segment(depth_m, mask, self.camera.intrinsics.fx, model, params)
+        found = judge_parts(parts, mask)
+        notices = (*judgement.notices, *found.notices)
+        return (parts if found.is_person else None), Judgement(found.is_person, notices)
+
+
+def _header(model: LimbModel, camera: CameraCalibration, info: SourceInfo) -> FolderHeader:
+    k = camera.intrinsics
+    return FolderHeader(
+        model.labels.names,
+        info.depth_unit_m,
+        k.fx,
+        k.fy,
+        k.cx,
+        k.cy,
+        source={"segmented_by": __version__},
+    )
+
+
+def _write(folder: Path, name: str, frame: SensorFrame, parts: LimbParts) -> None:
+    if frame.depth_raw is None:
+        return
+    labels = (parts.chosen + 1).astype(np.uint8)
+    write_image(folder, name, frame.depth_raw, labels)
+    picture = limb_picture(frame.depth_raw.astype(np.float32), labels)
+    with written_whole(folder / f"{name}{PICTURE}") as unfinished:
+        cv2.imwrite(str(unfinished), picture[..., ::-1])

@@ -1,0 +1,165 @@
+"""From labelled depth images, of a folder or simulated, to a model; what broke off goes on."""
+
+import json
+import shutil
+import zipfile
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from adibas import __version__
+from adibas.clock import Clock, to_text, utc_now
+from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY
+from adibas.errors import LimbError
+from adibas.files import written_whole
+from adibas.forests.params import ForestParams
+from adibas.forests.training import Memory, TrainingImages, Tree, join_trees, train_tree
+from adibas.limbs.model import CLUTTER, LimbModel, model_of, save_model
+from adibas.limbs.training_set import TO_TORSO, LimbFolder, Relabelled
+from adibas.pipeline.limb_simulator import simulate_folder
+
+Progress = Callable[[str, int, int], None]
+"""Told the step (``simulating``, ``training``), what is done and all there is."""
+_UNFINISHED = ".training"
+_SETTINGS = "settings.json"
+_FRAMES = "frames"
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingRequest:
+    """What to train.
+
+    Attributes
+    ----------
+    out : Path
+        The model; what is unfinished is kept in a folder beside it.
+    folder : Path or None
+        Of labelled images; None: they are simulated.
+    labels : str
+        One of `LABEL_SETS`, or empty for those of the folder (full body of the simulator).
+    n_frames : int
+        To simulate.
+    seed : int
+    params : ForestParams
+    """
+
+    out: Path
+    folder: Path | None = None
+    labels: str = ""
+    n_frames: int = 2000
+    seed: int = 0
+    params: ForestParams = field(default_factory=lambda: ForestParams(n_images=None))
+
+
+def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc_now) -> LimbModel:
+    """Train a model and write it; after a break the same request goes on where it stood.
+
+    Raises
+    ------
+    LimbError
+        The images cannot be used, or another training is unfinished there.
+    FileError
+        Something cannot be written.
+    """
+    work = request.out.with_name(request.out.name + _UNFINISHED)
+    images = _images(request, work, progress)
+    settings = {
+        "version": __version__,
+        "images": "simulator" if request.folder is None else request.folder.name,
+        "n_images": len(images),
+        "labels": list(images.labels),
+        "seed": request.seed,
+        "params": asdict(request.params),
+    }
+    _check_same(work, settings)
+    trees = [
+        _grown(work, images, request, number, progress) for number in range(request.params.n_trees)
+    ]
+    source = {**settings, "created_utc": to_text(clock())}
+    model = model_of(join_trees(trees, images.labels, request.params, source).rounded())
+    save_model(model, request.out)
+    shutil.rmtree(work, ignore_errors=True)
+    return model
+
+
+def _images(request: TrainingRequest, work: Path, progress: Progress) -> TrainingImages:
+    if request.folder is not None:
+        images: TrainingImages = LimbFolder(request.folder)
+    else:
+        frames = work / _FRAMES
+        simulate_folder(
+            frames,
+            request.n_frames,
+            request.seed,
+            lambda done, total: progress("simulating", done, total),
+        )
+        images = LimbFolder(frames)
+    return _relabelled(images, request.labels)
+
+
+def _relabelled(images: TrainingImages, wanted: str) -> TrainingImages:
+    """Return the images with the labels of a set; the seven can be made of the fifteen."""
+    limbs = tuple(name for name in images.labels if name != CLUTTER)
+    rest = (CLUTTER,) if CLUTTER in images.labels else ()
+    if not wanted or LABEL_SETS[wanted].names == limbs:
+        return images
+    if LABEL_SETS[wanted] is UPPER_BODY and set(limbs) == set(FULL_BODY.names):
+        return Relabelled(images, (*UPPER_BODY.names, *rest), TO_TORSO)
+    raise LimbError(
+        "The images have other labels than {wanted}: {found}. Choose other images or other labels.",
+        wanted=wanted,
+        found=", ".join(limbs),
+    )
+
+
+def _check_same(work: Path, settings: dict[str, object]) -> None:
+    """Keep the settings, or see that an unfinished training has the same ones."""
+    path = work / _SETTINGS
+    if not path.exists():
+        with written_whole(path) as unfinished:
+            unfinished.write_text(json.dumps(settings, indent=1), "utf-8")
+        return
+    try:
+        before = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError):
+        before = None
+    if before != settings:
+        raise LimbError(
+            "An unfinished training with other settings lies in {folder}. Finish it with the same "
+            "settings, or remove that folder.",
+            folder=work.name,
+        )
+
+
+def _grown(
+    work: Path,
+    images: TrainingImages,
+    request: TrainingRequest,
+    number: int,
+    progress: Progress,
+) -> Tree:
+    """Return tree `number`: from the break before, or grown now and kept."""
+    path = work / f"tree-{number}.npz"
+    n_levels = request.params.max_depth
+    n_steps = request.params.n_trees * n_levels
+
+    def tell(tree: int, level: int, _n_nodes: int) -> None:
+        progress("training", tree * n_levels + level, n_steps)
+
+    tree = _kept(path)
+    if tree is None:
+        tree = train_tree(images, request.params, request.seed, number, Memory(), tell)
+        with written_whole(path) as unfinished, unfinished.open("wb") as file:
+            np.savez_compressed(file, child=tree.child, nodes=tree.nodes, counts=tree.counts)
+    progress("training", (number + 1) * n_levels, n_steps)
+    return tree
+
+
+def _kept(path: Path) -> Tree | None:
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            return Tree(arrays["child"], arrays["nodes"], arrays["counts"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
