@@ -6,14 +6,17 @@ import numpy as np
 from adibas.arrays import Float32Array, UInt8Array
 
 NEAREST_M, FARTHEST_M = 0.5, 4.5
+LEVELS_PER_M = 255.0 / FARTHEST_M
 BLEND = 0.55
 """Share of the colour picture where the two are blended."""
 
 
 def _palette() -> UInt8Array:
     """Return (256, 1, 3) RGB: viridis from far to near, and black for level 0."""
-    levels = np.arange(256, dtype=np.uint8)[:, None]
-    colors = cv2.applyColorMap(levels, cv2.COLORMAP_VIRIDIS)
+    depth_m = np.arange(256) / LEVELS_PER_M
+    nearness = np.clip((FARTHEST_M - depth_m) / (FARTHEST_M - NEAREST_M), 0.0, 1.0)
+    shades = np.round(255.0 * nearness).astype(np.uint8)[:, None]
+    colors = cv2.applyColorMap(shades, cv2.COLORMAP_VIRIDIS)
     palette: UInt8Array = cv2.cvtColor(colors, cv2.COLOR_BGR2RGB).astype(np.uint8)
     palette[0] = 0
     return palette
@@ -34,15 +37,13 @@ def depth_picture(depth_m: Float32Array) -> UInt8Array:
 
 
 def depth_levels(depth_m: Float32Array) -> UInt8Array:
-    """Return (H, W) levels, 1 (far) to 255 (near), of an (H, W) depth image; NaN saturates to 0.
+    """Return (H, W) levels, 1 (at the camera) to 255 (far), of an (H, W) depth image; 0 for NaN.
 
-    One pass of OpenCV over the picture, because it is drawn thirty times a second.
+    One pass of OpenCV over the picture, because it is drawn thirty times a second; what lies
+    outside of 0-255 saturates.
     """
-    slope = -254.0 / (FARTHEST_M - NEAREST_M)
-    near_m = np.minimum(depth_m, np.float32(FARTHEST_M))  # what is farther has the farthest's
-    offset = 1.0 - slope * FARTHEST_M
     levels: UInt8Array = cv2.addWeighted(
-        near_m, slope, near_m, 0.0, offset, dtype=cv2.CV_8U
+        depth_m, LEVELS_PER_M, depth_m, 0.0, 0.0, dtype=cv2.CV_8U
     ).astype(np.uint8, copy=False)
     return levels
 

@@ -1,12 +1,13 @@
 """Where a picture's pixels lie in a widget: fitted, zoomed, moved and turned; without Qt."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 MOST_ZOOM = 40.0
 """Widget pixels a picture pixel."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ImagePlacement:
     """A picture of (width, height) pixels shown in a widget of (width, height) pixels.
 
@@ -31,7 +32,7 @@ class ImagePlacement:
     zoom: float = 1.0
     center: tuple[float, float] = (0.0, 0.0)
 
-    @property
+    @cached_property
     def scale(self) -> float:
         """Widget pixels in one pixel of the picture."""
         width, height = self.picture

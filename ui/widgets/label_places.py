@@ -59,13 +59,26 @@ def _best(
 ) -> Box | None:
     if not (0 <= thing.x <= window[0] and 0 <= thing.y <= window[1]):
         return None
-    places = np.array([*_sides(thing), *_farther(thing)])
-    is_allowed = _is_inside(places, window) & ~_overlap(places, names).any(axis=1)
-    if not is_allowed.any():
+    places = np.array(list(_sides(thing)))
+    counts = _n_hidden(places, window, hidden, names)
+    if counts.min() > 0:
+        farther = np.array(_farther(thing))
+        places = np.concatenate([places, farther])
+        counts = np.concatenate([counts, _n_hidden(farther, window, hidden, names)])
+    best = int(counts.argmin())
+    if not np.isfinite(counts[best]):
         return None
-    n_hidden = np.where(is_allowed, _overlap(places, hidden).sum(axis=1), np.inf)
-    left, top, right, bottom = places[int(n_hidden.argmin())].tolist()
+    left, top, right, bottom = places[best].tolist()
     return left, top, right, bottom
+
+
+def _n_hidden(
+    places: FloatArray, window: tuple[float, float], hidden: FloatArray, names: FloatArray
+) -> FloatArray:
+    """Return how many things each place hides; infinity where no name may stand."""
+    is_allowed = _is_inside(places, window) & ~_overlap(places, names).any(axis=1)
+    counts: FloatArray = np.where(is_allowed, _overlap(places, hidden).sum(axis=1), np.inf)
+    return counts
 
 
 def _sides(thing: Named) -> Iterator[Box]:

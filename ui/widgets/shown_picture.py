@@ -68,7 +68,10 @@ class ShownPicture:
         """
         if self._fitted is None or self._fitted_as != (size, rotation_deg, ratio):
             turned = np.ascontiguousarray(np.rot90(self._smaller(size), -rotation_deg // 90))
-            self._fitted = self._as_image(turned).convertToFormat(QImage.Format.Format_RGB32)
+            image = self._as_image(turned)
+            if self._coloring is not None:
+                image = image.convertToFormat(QImage.Format.Format_RGB32)
+            self._fitted = image
             self._fitted.setDevicePixelRatio(ratio)
             self._fitted_as = size, rotation_deg, ratio
         return self._fitted
