@@ -1,0 +1,1 @@
+"""Behaviour: activity from joints, what observers coded, and how far they agree."""

@@ -1,0 +1,25 @@
+"""Whole milliseconds as the seconds of files, and back."""
+
+import math
+
+from adibas.data.coding import MS_PER_S
+
+
+def seconds_text(time_ms: int) -> str:
+    """Return whole milliseconds as seconds, every digit of them."""
+    sign, size = ("-" if time_ms < 0 else ""), abs(time_ms)
+    return f"{sign}{size // MS_PER_S}.{size % MS_PER_S:03d}"
+
+
+def milliseconds(value: object) -> int:
+    """Return seconds (a number or its text) as whole milliseconds.
+
+    Raises
+    ------
+    ValueError
+        It is no finite number.
+    """
+    seconds = float(str(value))
+    if not math.isfinite(seconds):
+        raise ValueError(f"no time: {value}")
+    return round(seconds * MS_PER_S)
