@@ -221,9 +221,19 @@ class MeasureDefinition:
         return self.kind in SPATIAL_KINDS
 
     @property
+    def is_one_of_all(self) -> bool:
+        """Return whether it is one of every pair or triplet, and nobody chose it by name."""
+        return self.is_spatial and self.measure_id == id_of_all(self.kind, self.points)
+
+    @property
     def per_unit(self) -> float:
         """Return one of its unit in radians, metres or as a share."""
         return UNITS[self.unit][1]
+
+
+def id_of_all(kind: str, points: tuple[str, ...]) -> str:
+    """Return the id of a distance or an angle that is one of every pair or triplet."""
+    return ".".join(("D" if kind == "distance" else "A", *points))
 
 
 def axes_of(kind: str, view: str) -> tuple[str, ...]:

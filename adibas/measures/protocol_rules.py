@@ -13,6 +13,7 @@ from adibas.data.protocols import (
     ReferenceValue,
     Wording,
     axes_of,
+    id_of_all,
 )
 from adibas.data.views import VIEWS
 from adibas.measures.json_lines import Node
@@ -171,7 +172,7 @@ class Rules:
         landmarks = self._places.landmarks
         if self._whole.truth("every_pair"):
             for a, b in combinations(landmarks, 2):
-                yield _free("D", "distance", (a, b), (a, b))
+                yield _free("distance", (a, b), (a, b))
         if self._whole.truth("every_triplet"):
             if len(landmarks) > MOST_FOR_EVERY_TRIPLET:
                 self._findings.mistake(
@@ -183,14 +184,12 @@ class Rules:
                 return
             for i, j, k in combinations(landmarks, 3):
                 for corners in ((j, i, k), (i, j, k), (i, k, j)):
-                    yield _free("A", "angle", corners, (i, j, k))
+                    yield _free("angle", corners, (i, j, k))
 
 
-def _free(
-    letter: str, kind: str, points: tuple[Landmark, ...], seen: tuple[Landmark, ...]
-) -> MeasureDefinition:
+def _free(kind: str, points: tuple[Landmark, ...], seen: tuple[Landmark, ...]) -> MeasureDefinition:
     """Return a distance or an angle in every view that shows its landmarks."""
-    names = [point.landmark_id for point in points]
+    names = tuple(point.landmark_id for point in points)
     languages = set.intersection(*(set(point.name.by_language) for point in points)) or {"en"}
     name = {
         language: " \N{EN DASH} ".join(
@@ -201,5 +200,5 @@ def _free(
     shared = [view for view in points[0].views if all(view in one.views for one in seen)]
     unit = "mm" if kind == "distance" else "deg"
     return MeasureDefinition(
-        f"{letter}.{'.'.join(names)}", Wording(name), tuple(shared), kind, tuple(names), unit
+        id_of_all(kind, names), Wording(name), tuple(shared), kind, names, unit
     )

@@ -17,6 +17,7 @@ from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.reliability import reliability_of
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.protocol_measuring import ProtocolWish
+from adibas.pipeline.session import Progress
 from adibas.sessions import SessionStore
 
 MOST_PATIENTS = 1_000_000
@@ -56,11 +57,14 @@ def measured_captures(
 
 
 def reliability_in_clinic(
-    store: SessionStore, wish: ProtocolWish, operator: str
+    store: SessionStore, wish: ProtocolWish, operator: str, progress: Progress | None = None
 ) -> ClinicReliability:
     """Return how well each measure repeats in the hands of one operator."""
     repeats: dict[Key, list[Repeat]] = {}
-    for row in store.patients.search("", limit=MOST_PATIENTS):
+    rows = store.patients.search("", limit=MOST_PATIENTS)
+    for number, row in enumerate(rows):
+        if progress is not None:
+            progress(number, len(rows))
         sessions = [
             session
             for session in store.sessions.of_patient(row.pseudonym)

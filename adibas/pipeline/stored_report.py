@@ -8,6 +8,7 @@ from adibas.data.sessions import Session
 from adibas.errors import ReportError
 from adibas.pipeline.clinic_repeats import compare_stored
 from adibas.pipeline.protocol_measuring import ProtocolWish, wish_of_session
+from adibas.pipeline.session_comparison import check_comparable
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.sessions import SessionStore
 
@@ -70,22 +71,10 @@ def _compared(
 ) -> SessionComparison:
     """Return what changed since an earlier session of the same patient."""
     earlier = store.sessions.get(earlier_id)
-    if earlier.patient != session.patient:
-        raise ReportError(
-            "The two sessions are of different patients, and a change is one of one patient. "
-            "Choose another session."
-        )
+    check_comparable(earlier, session)
     if protocol is None:
         raise ReportError(
             "Sessions are compared by the measures of a protocol, and none is told. Choose one."
-        )
-    of_earlier = earlier.setup.protocol
-    if of_earlier and session.setup.protocol and of_earlier != session.setup.protocol:
-        raise ReportError(
-            "The two sessions follow different protocols, {first} and {second}, and cannot be "
-            "compared.",
-            first=of_earlier,
-            second=session.setup.protocol,
         )
     found = compare_stored(store, earlier_id, session.session_id, protocol)
     return SessionComparison(earlier.started_utc, found)

@@ -5,7 +5,7 @@ from datetime import datetime
 
 from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import INSTRUMENT_ONLY, PLANE_TEXTS, VERTICAL_TEXTS
-from adibas.data.reliability import Verdict
+from adibas.data.reliability import Comparison, Verdict
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
@@ -102,16 +102,24 @@ def comparison_facts(report: SessionReport) -> Pairs:
     """Return with what the session was compared, and what chance alone would mark."""
     if report.comparison is None:
         return []
-    found = report.comparison.comparison
-    chance = _(
+    chance = chance_text(report.comparison.comparison)
+    since = report.comparison.since_utc.isoformat(timespec="seconds")
+    return [(_("Compared with the session of (UTC)"), since), (_("Beyond MDC95"), chance)]
+
+
+def chance_text(found: Comparison) -> str:
+    """Return how many changes are marked, and how many would be if nothing had changed."""
+    if not found.n_judged:
+        return _(
+            "No change can be marked: the smallest detectable change is not known without repeats."
+        )
+    return _(
         "{beyond} of {judged} measures are marked; if nothing had changed, {expected} would be."
     ).format(
         beyond=found.n_beyond,
         judged=found.n_judged,
         expected=decimal_text(found.expected_by_chance, 1),
     )
-    since = report.comparison.since_utc.isoformat(timespec="seconds")
-    return [(_("Compared with the session of (UTC)"), since), (_("Beyond MDC95"), chance)]
 
 
 def verdict_text(verdict: Verdict) -> str:
