@@ -10,24 +10,18 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.calibration.verdict import ScaleCheck
-from adibas.data.board import Board
 from adibas.data.calibration_verdict import Grade
 from adibas.data.camera_fit import CameraFit
-from adibas.data.printed_boards import PRINTED_BOARDS
-from adibas.pipeline.calibrating import NamedImage, calibrate_camera, judged
-from adibas.simulation.boards import render_board
+from adibas.pipeline.calibrating import NamedImage, calibrate_camera, fit_searched, judged
 from adibas.simulation.boards_novice import MISTAKES, Mistake, NoviceSet, novice_set
-from adibas.simulation.boards_poses import random_board_poses
 from adibas.simulation.device import draw_device
 from benchmarks.calibration_fitting import binomial_interval, intervals_held
+from benchmarks.calibration_rendered import BOARD, N_VIEWS, SEED, rendered_set
 from benchmarks.table import Row
 
-SEED = 4242
-N_VIEWS = 20
 N_PROCESSES = 2
 DEPTH_BIAS_M = 0.02
 """Of an uncalibrated depth camera, and what the verdict allows for it."""
-BOARD: Board = PRINTED_BOARDS["A3"].board
 GRADES = {Grade.GOOD: "good", Grade.USABLE: "usable", Grade.REPEAT: "repeat"}
 
 
@@ -55,22 +49,11 @@ class ChainTrial:
 
 def run_trial(seed: int) -> ChainTrial:
     """Render 20 pictures at 1280x1024, find the board, fit the camera, judge it."""
-    camera = draw_device(seed).color
-    rng = np.random.default_rng([SEED, seed])
-    poses = random_board_poses(rng, BOARD, camera, N_VIEWS)
-    pictures = [render_board(BOARD, pose, camera, rng) for pose in poses]
-    images = [NamedImage(f"{i:02d}", picture.image) for i, picture in enumerate(pictures)]
-    outcome = calibrate_camera(images, BOARD)
-    if outcome is None:
-        raise ValueError("nothing stops this calibration")
-    squares = [
-        ((image.search.corners.pixels - picture.corners_px[0]) ** 2).sum(axis=1)
-        for image, picture in zip(outcome.images, pictures, strict=True)
-        if image.search.corners is not None
-    ]
-    held = {} if outcome.fit is None else intervals_held(outcome.fit, camera)
-    found_px = np.concatenate(squares) if squares else np.empty(0)
-    return ChainTrial(found_px[~np.isnan(found_px)], held, len(squares), outcome.verdict.grade)
+    pictures = rendered_set(seed)
+    outcome = fit_searched(pictures.images, BOARD)
+    held = {} if outcome.fit is None else intervals_held(outcome.fit, pictures.camera)
+    n_found = sum(image.search.corners is not None for image in pictures.images)
+    return ChainTrial(pictures.squared_px, held, n_found, outcome.verdict.grade)
 
 
 def rows(*, quick: bool) -> Iterator[Row]:

@@ -1,15 +1,17 @@
 """Pictures of chessboards as a camera takes them, with the exact place of every corner.
 
-Nothing is sampled: each pixel gets the exact integral of ink and paper over its area, through the
-lens. What follows (lens blur, motion, noise, colour filter, curve) moves no edge either, as it is
-symmetric; only the curve of the camera, sRGB, makes white look larger than black, as real cameras
-do, which leaves a corner of four squares where it is.
+Each pixel gets the exact integral of ink and paper over its area, through the lens. A lens blurs
+before the pixels sample: where its blur is narrow, the light is drawn several times as fine,
+blurred there, and then gathered into pixels (`boards_camera.fineness`). What follows (motion,
+noise, colour filter, curve) moves no edge either, as it is symmetric; only the curve of the
+camera, sRGB, makes white look larger than black, as real cameras do, which leaves a corner of four
+squares where it is.
 """
 
 import functools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from adibas.data.calibration import CameraCalibration
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.rigid import RigidTransform
 from adibas.simulation.boards_background import paint_background
-from adibas.simulation.boards_camera import take_color, take_gray
+from adibas.simulation.boards_camera import fineness, finer, gathered, take_color, take_gray
 from adibas.simulation.boards_kernels import stroke_distance
 from adibas.simulation.boards_look import BoardLook, BoardView
 from adibas.simulation.boards_painting import hand_strokes, lay_board
@@ -111,17 +113,32 @@ def render_boards(
         A board turns its back to the camera.
     """
     look = look or BoardLook()
-    canvas = paint_background(look.background, (camera.height, camera.width), 3 if in_color else 1)
-    for view in views:
-        lay_board(canvas, view, camera, look)
-    canvas *= _light(look, (camera.height, camera.width))
+    linear = _linear(views, camera, look, 3 if in_color else 1)
     image = (
-        take_color(canvas, look.camera, rng) if in_color else take_gray(canvas, look.camera, rng)
+        take_color(linear, look.camera, rng) if in_color else take_gray(linear, look.camera, rng)
     )
     if look.is_mirrored:
         image = np.ascontiguousarray(image[:, ::-1])
     corners = (visible_corners(view, camera, is_mirrored=look.is_mirrored) for view in views)
     return BoardPicture(image, tuple(corners))
+
+
+def _linear(
+    views: Sequence[BoardView], camera: CameraCalibration, look: BoardLook, n_channels: int
+) -> Float32Array:
+    """Return the (H, W, C) light that falls on the pixels, through the lens."""
+    size = (camera.height, camera.width)
+    n = fineness(look.camera, camera.width)
+    canvas = paint_background(look.background, size, n_channels)
+    if n > 1:
+        canvas = np.repeat(np.repeat(canvas, n, axis=0), n, axis=1)
+    fine_camera = finer(camera, n)
+    fine_look = replace(look, motion_px=(n * look.motion_px[0], n * look.motion_px[1]))
+    for view in views:
+        lay_board(canvas, view, fine_camera, fine_look)
+    linear = gathered(canvas, look.camera, n)
+    linear *= _light(look, size)
+    return linear
 
 
 def _is_hidden(view: BoardView, camera: CameraCalibration) -> BoolArray:

@@ -17,6 +17,9 @@ from adibas.kernels import compiled
 DOT_SAMPLES = 8
 """Samples of a pixel each way, where it sees the rim of a dot."""
 
+BLOCK = 12
+"""Pixels each way that are looked at together."""
+
 BEFORE, AFTER = -3, 1000
 STRIDE = 4096
 HALF = STRIDE * 2048
@@ -258,12 +261,8 @@ def _lay(covered: float, ink: float, shades: FloatArray, pixel: Float32Array) ->
 
 
 @compiled
-def paint_sheet(rays: FloatArray, sheet: Sheet, box: IntArray, canvas: Float32Array) -> None:
-    """Lay a board over the (H, W, C) `canvas`.
-
-    `rays` are those of the pixels' corners, (H + 1, W + 1, 2); `box` is the first row, the row
-    after the last, and the same of columns, of what may show it.
-    """
+def _paint_part(rays: FloatArray, sheet: Sheet, box: IntArray, canvas: Float32Array) -> None:
+    """Lay a board over a part of the canvas, pixel by pixel; see `paint_sheet`."""
     corners = np.empty((4, 2))
     above, below = np.empty((2, 2, box[3] - box[2] + 1))
     over, under = np.empty((2, box[3] - box[2] + 1), np.int64)
@@ -289,6 +288,58 @@ def paint_sheet(rays: FloatArray, sheet: Sheet, box: IntArray, canvas: Float32Ar
             _lay(covered, ink, sheet.shades, canvas[v, box[2] + i])
         above, below = below, above
         over, under = under, over
+
+
+@compiled
+def _steps(first: int, last: int) -> IntArray:
+    """Return where blocks begin from `first` on, and `last`."""
+    n = (last - first + BLOCK - 1) // BLOCK
+    steps = np.empty(n + 1, np.int64)
+    for i in range(n):
+        steps[i] = first + i * BLOCK
+    steps[n] = last
+    return steps
+
+
+@compiled
+def paint_sheet(rays: FloatArray, sheet: Sheet, box: IntArray, canvas: Float32Array) -> None:
+    """Lay a board over the (H, W, C) `canvas`.
+
+    `rays` are those of the pixels' corners, (H + 1, W + 1, 2); `box` is the first row, the row
+    after the last, and the same of columns, of what may show it. Regions are convex: a block of
+    pixels whose corners lie in one region lies in it as a whole.
+    """
+    rows, columns = _steps(box[0], box[1]), _steps(box[2], box[3])
+    knots = np.empty((len(rows), len(columns), 2))
+    for i in range(len(rows)):
+        for k in range(len(columns)):
+            knots[i, k] = rays[rows[i], columns[k]]
+    met = np.empty((2, len(columns)))
+    regions = np.empty((len(rows), len(columns)), np.int64)
+    whole = np.array([0, len(rows) - 1, 0, len(columns) - 1])
+    for i in range(len(rows)):
+        meet_row(knots, i, whole, sheet.plane, met)
+        _find_regions(met, sheet, regions[i])
+    for i in range(len(rows) - 1):
+        for k in range(len(columns) - 1):
+            block = np.array([rows[i], rows[i + 1], columns[k], columns[k + 1]])
+            _paint_block(rays, sheet, block, regions[i : i + 2, k : k + 2], canvas)
+
+
+@compiled
+def _paint_block(
+    rays: FloatArray, sheet: Sheet, box: IntArray, regions: IntArray, canvas: Float32Array
+) -> None:
+    """Lay a board over one block whose (2, 2) corners lie in `regions`."""
+    region = regions[0, 0]
+    is_one = region == regions[0, 1] and region == regions[1, 0] and region == regions[1, 1]
+    ink = _ink_of(region, sheet) if is_one and region < OUTSIDE - HALF else math.nan
+    if math.isnan(ink):
+        _paint_part(rays, sheet, box, canvas)
+        return
+    for v in range(box[0], box[1]):
+        for u in range(box[2], box[3]):
+            _lay(1.0, ink, sheet.shades, canvas[v, u])
 
 
 @compiled

@@ -19,8 +19,8 @@ from adibas.simulation.looks import linear_from_srgb
 BOX_MARGIN_PX = 3.0
 RIM_POINTS = 9
 N_COLORS = 3
-_RAY_STEP_PX, _PROBE_STEP_PX = 16, 7
-_RAY_TOLERANCE = 1e-8
+_RAY_STEP_PX, _PROBE_STEP_PX = 12, 7
+_RAY_TOLERANCE = 3e-8
 
 
 def lay_board(
@@ -41,7 +41,7 @@ def lay_board(
     canvas[part] = canvas[part] * (1.0 - moved[..., n_channels:]) + moved[..., :n_channels]
 
 
-@functools.lru_cache(maxsize=4)
+@functools.lru_cache(maxsize=2)
 def corner_rays(camera: CameraCalibration) -> FloatArray:
     """Return the (H + 1, W + 1, 2) rays (x/z, y/z) of the corners of all pixels."""
     u = np.linspace(-0.5, camera.width - 0.5, camera.width + 1)
