@@ -77,7 +77,7 @@ def find_floor(
     """
     params = params or FloorParams()
     up = np.array([0.0, -1.0, 0.0]) if up is None else np.asarray(up, float)
-    points_m, normals = _grid(depth_m, depth_camera, params.grid_px)
+    points_m, normals = level_grid(depth_m, depth_camera, params.grid_px)
     measured_m = points_m[np.isfinite(points_m[..., 2])]
     with np.errstate(invalid="ignore"):
         level = normals @ up > np.cos(params.max_tilt_rad)
@@ -95,7 +95,7 @@ def find_floor(
     return plane if _is_floor(plane, measured_m, params) else None
 
 
-def _grid(
+def level_grid(
     depth_m: Float32Array, camera: CameraCalibration, step: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return (h, w, 3) points and unit normals that point to the camera; NaN where unknown."""

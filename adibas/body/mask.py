@@ -39,8 +39,8 @@ def find_body(
     params = params or BodyParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
     rays = viewing_rays(depth_camera)
-    heights_m = None if floor is None else _heights_m(depth_m, rays, floor)
-    inverse_depth = _standing_free(depth_m, heights_m, params)
+    heights_m = None if floor is None else heights_over(depth_m, rays, floor)
+    inverse_depth = standing_free(depth_m, heights_m, params)
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
     pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
@@ -48,22 +48,22 @@ def find_body(
     body = find_person(surfaces, params)
     if body is None:
         return None
-    belongs = _parts(surfaces, body, params)
+    belongs = bodies_parts(surfaces, body, params)
     pixels = belongs[labels]
-    box = _box(pixels, params.bay_px + 1)
+    box = box_of(pixels, params.bay_px + 1)
     measured = np.isfinite(depth_m[box])
-    pixels[box] = _without_holes(_closed(pixels[box], measured, params), measured, params)
+    pixels[box] = fill_holes(close_bays(pixels[box], measured, params), measured, params)
     return BodyMask(pixels)
 
 
-def _heights_m(depth_m: Float32Array, rays: Float32Array, floor: Plane) -> Float32Array:
+def heights_over(depth_m: Float32Array, rays: Float32Array, floor: Plane) -> Float32Array:
     """Return the (H, W) height over the floor, metres; NaN where there is no depth."""
     heights_m = (rays @ floor.normal.astype(np.float32)) * depth_m
     heights_m += np.float32(floor.offset_m)
     return heights_m
 
 
-def _standing_free(
+def standing_free(
     depth_m: Float32Array, heights_m: Float32Array | None, params: BodyParams
 ) -> Float32Array:
     """Return inverse depth (1/m), 0 where there is none, out of range or on the floor."""
@@ -77,7 +77,7 @@ def _standing_free(
     return inverse
 
 
-def _parts(surfaces: Surfaces, body: int, params: BodyParams) -> BoolArray:
+def bodies_parts(surfaces: Surfaces, body: int, params: BodyParams) -> BoolArray:
     """Say of each label whether it belongs to the person."""
     moments = surfaces.moments
     border = surfaces.borders(body, params.joint_reach_px)
@@ -98,7 +98,7 @@ def _parts(surfaces: Surfaces, body: int, params: BodyParams) -> BoolArray:
     return belongs
 
 
-def _box(pixels: BoolArray, margin_px: int) -> tuple[slice, slice]:
+def box_of(pixels: BoolArray, margin_px: int) -> tuple[slice, slice]:
     """Return the rows and columns around what is True."""
     rows, columns = (np.flatnonzero(pixels.any(axis=axis)) for axis in (1, 0))
     return (
@@ -107,7 +107,7 @@ def _box(pixels: BoolArray, margin_px: int) -> tuple[slice, slice]:
     )
 
 
-def _closed(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolArray:
+def close_bays(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolArray:
     """Close bays of the outline where nothing was measured: dark cloth seen at a slant."""
     size = 2 * params.bay_px + 1
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
@@ -115,7 +115,7 @@ def _closed(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolA
     return pixels | (closed.astype(bool) & ~measured)
 
 
-def _without_holes(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolArray:
+def fill_holes(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolArray:
     """Fill the stretches without depth that the body surrounds."""
     holes: UInt8Array = (~measured & ~pixels).astype(np.uint8)
     n_holes, hole_labels, stats, _ = cv2.connectedComponentsWithStats(holes, connectivity=4)

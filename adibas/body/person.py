@@ -1,5 +1,6 @@
 """Which of the surfaces in a depth image is a person."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,15 +115,36 @@ class Surfaces:
 
 def find_person(surfaces: Surfaces, params: BodyParams) -> int | None:
     """Return the label of the largest surface that can be a person; None where there is none."""
+    return next(_candidates(surfaces, params, _nobody_else), None)
+
+
+def find_persons(
+    surfaces: Surfaces, params: BodyParams, is_seated: Callable[[int], bool]
+) -> list[int]:
+    """Return the labels of all surfaces that can be persons, the largest first.
+
+    `is_seated` is asked about surfaces that are not tall enough.
+    """
+    return list(_candidates(surfaces, params, is_seated))
+
+
+def _candidates(
+    surfaces: Surfaces, params: BodyParams, is_seated: Callable[[int], bool]
+) -> Iterator[int]:
     area_m2 = surfaces.moments[:, 0]
     large = np.flatnonzero((area_m2 > params.min_area_m2) & (area_m2 < params.max_area_m2))
     for label in sorted(large.tolist(), key=lambda label: -area_m2[label]):
         shape = _Shape(surfaces.moments[label])
         if shape.length_m < params.min_length_m or not shape.is_solid(params):
             continue
-        if _is_tall(surfaces, label, shape, params) and _stands_before(surfaces, label, params):
-            return int(label)
-    return None
+        is_person = _is_tall(surfaces, label, shape, params) or is_seated(label)
+        if is_person and _stands_before(surfaces, label, params):
+            yield int(label)
+
+
+def _nobody_else(_label: int) -> bool:
+    """Say that nobody is expected to sit."""
+    return False
 
 
 def _is_tall(surfaces: Surfaces, label: int, shape: "_Shape", params: BodyParams) -> bool:

@@ -1,0 +1,214 @@
+"""Loops of the joint proposals: pixels gathered into points, and modes of their density.
+
+Points are rows of x, y, z (metres) and weight (square metres that face the camera, times the
+probability). The density of a part falls from each point as (1 - (d / h)^2)^2; where a joint lies
+between two parts, it is the product of both densities.
+
+Source: Comaniciu & Meer, Mean shift, PAMI 24 (2002), section 2; Shotton et al., Real-time human
+pose recognition in parts from single depth images, CVPR 2011, section 3.3, equations 7 and 8.
+"""
+
+import math
+
+import numpy as np
+
+from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntArray
+from adibas.kernels import compiled
+
+N_STEPS = 12
+STILL_M2 = 1e-8
+"""A step of a tenth of a millimetre, squared: the mode is reached."""
+X, Y, Z, WEIGHT = 0, 1, 2, 3
+
+
+@compiled
+def gather_points(
+    depth_m: Float32Array,
+    mask: BoolArray,
+    rays: Float32Array,
+    probabilities: Float32Array,
+    chosen: Int32Array,
+    settings: FloatArray,
+) -> tuple[FloatArray, IntArray]:
+    """Sum the pixels of small squares of the image, label by label.
+
+    `chosen` (H, W) are the labels after the cut, -1 where there is none; `settings` are the width
+    of a square in pixels, the share of the cut's word in a pixel's probability, the least
+    probability that counts, and for how many pixels each one of the mask stands.
+
+    Returns
+    -------
+    points : (M, 4) array
+        x, y, z and weight, label after label.
+    starts : (L + 1,) array
+        Where the points of each label begin.
+    """
+    cell_px = int(settings[0])
+    number, n_cells = _numbered_cells(mask, cell_px)
+    sums = np.zeros((n_cells, probabilities.shape[1], 4))
+    pixel_area = abs((rays[0, 1, 0] - rays[0, 0, 0]) * (rays[1, 0, 1] - rays[0, 0, 1]))
+    pixel_area *= settings[3]
+    pixel = -1
+    for row in range(mask.shape[0]):
+        for column in range(mask.shape[1]):
+            if not mask[row, column]:
+                continue
+            pixel += 1
+            z = float(depth_m[row, column])
+            if z > 0.0:
+                cell = sums[number[row // cell_px, column // cell_px]]
+                x, y = rays[row, column, 0] * z, rays[row, column, 1] * z
+                place = (x, y, z, pixel_area * z * z)
+                _add_pixel(cell, place, probabilities[pixel], chosen[row, column], settings)
+    return _listed(sums)
+
+
+@compiled
+def _numbered_cells(mask: BoolArray, cell_px: int) -> tuple[Int32Array, int]:
+    """Return the number of each square with a pixel of the mask, -1 elsewhere, and how many."""
+    height, width = mask.shape
+    number = np.full((height // cell_px + 1, width // cell_px + 1), -1, np.int32)
+    n_cells = 0
+    for row in range(height):
+        for column in range(width):
+            if mask[row, column] and number[row // cell_px, column // cell_px] < 0:
+                number[row // cell_px, column // cell_px] = n_cells
+                n_cells += 1
+    return number, n_cells
+
+
+@compiled
+def _add_pixel(
+    cell: FloatArray,
+    place: tuple[float, float, float, float],
+    probabilities: Float32Array,
+    chosen: int,
+    settings: FloatArray,
+) -> None:
+    cut_share, least = settings[1], settings[2]
+    for label in range(probabilities.shape[0]):
+        share = (1.0 - cut_share) * probabilities[label]
+        if chosen == label:
+            share += cut_share
+        if share >= least:
+            weight = share * place[WEIGHT]
+            of = cell[label]
+            of[X] += weight * place[X]
+            of[Y] += weight * place[Y]
+            of[Z] += weight * place[Z]
+            of[WEIGHT] += weight
+
+
+@compiled
+def _listed(sums: FloatArray) -> tuple[FloatArray, IntArray]:
+    n_cells, n_labels = sums.shape[:2]
+    starts = np.zeros(n_labels + 1, np.int64)
+    for label in range(n_labels):
+        starts[label + 1] = starts[label]
+        for cell in range(n_cells):
+            if sums[cell, label, WEIGHT] > 0.0:
+                starts[label + 1] += 1
+    points = np.empty((starts[n_labels], 4))
+    at = 0
+    for label in range(n_labels):
+        for cell in range(n_cells):
+            weight = sums[cell, label, WEIGHT]
+            if weight > 0.0:
+                for axis in range(3):
+                    points[at, axis] = sums[cell, label, axis] / weight
+                points[at, WEIGHT] = weight
+                at += 1
+    return points, starts
+
+
+@compiled
+def _density(points: FloatArray, x: float, y: float, z: float, width_m: float) -> float:
+    total, inverse = 0.0, 1.0 / (width_m * width_m)
+    for i in range(points.shape[0]):
+        dx, dy, dz = points[i, 0] - x, points[i, 1] - y, points[i, 2] - z
+        rest = 1.0 - (dx * dx + dy * dy + dz * dz) * inverse
+        if rest > 0.0:
+            total += points[i, 3] * rest * rest
+    return total
+
+
+@compiled
+def _pulled(
+    points: FloatArray, at: FloatArray, width_m: float, share: float, into: FloatArray
+) -> None:
+    """Add the points near `at`, by the slope of their density times `share`, to `into`."""
+    inverse = 1.0 / (width_m * width_m)
+    for i in range(points.shape[0]):
+        dx, dy, dz = points[i, 0] - at[0], points[i, 1] - at[1], points[i, 2] - at[2]
+        rest = 1.0 - (dx * dx + dy * dy + dz * dz) * inverse
+        if rest > 0.0:
+            pull = share * points[i, 3] * rest
+            into[0] += pull * points[i, 0]
+            into[1] += pull * points[i, 1]
+            into[2] += pull * points[i, 2]
+            into[3] += pull
+
+
+@compiled
+def _shifted(first: FloatArray, second: FloatArray, width_m: float, at: FloatArray) -> float:
+    """Move `at` to the mode near it; return the density there.
+
+    The slope of log(d1 d2) is the sum of both slopes, each over its own density.
+    """
+    moved = np.empty(4)
+    is_pair = second.shape[0] > 0
+    for _step in range(N_STEPS):
+        d1 = _density(first, at[0], at[1], at[2], width_m)
+        d2 = _density(second, at[0], at[1], at[2], width_m) if is_pair else 1.0
+        if d1 <= 0.0 or d2 <= 0.0:
+            return 0.0
+        moved[:] = 0.0
+        _pulled(first, at, width_m, 1.0 / d1, moved)
+        if is_pair:
+            _pulled(second, at, width_m, 1.0 / d2, moved)
+        gone = 0.0
+        for axis in range(3):
+            place = moved[axis] / moved[3]
+            gone += (place - at[axis]) ** 2
+            at[axis] = place
+        if gone < STILL_M2:
+            break
+    d1 = _density(first, at[0], at[1], at[2], width_m)
+    if not is_pair:
+        return d1
+    return math.sqrt(d1 * _density(second, at[0], at[1], at[2], width_m))
+
+
+@compiled
+def find_modes(first: FloatArray, second: FloatArray, width_m: float, modes: FloatArray) -> None:
+    """Fill `modes` (K, 4): x, y, z and density of the highest modes, NaN and 0 where fewer.
+
+    `second` is empty where the joint lies within one part.
+    """
+    modes[:, :3] = np.nan
+    modes[:, 3] = 0.0
+    n_first, n_points = first.shape[0], first.shape[0] + second.shape[0]
+    heights = np.empty(n_points)
+    for i in range(n_points):
+        p = first[i] if i < n_first else second[i - n_first]
+        heights[i] = _density(first, p[0], p[1], p[2], width_m)
+        if second.shape[0] > 0 and heights[i] > 0.0:
+            heights[i] = math.sqrt(heights[i] * _density(second, p[0], p[1], p[2], width_m))
+    at = np.empty(3)
+    for k in range(modes.shape[0]):
+        if n_points == 0:
+            return
+        best = int(np.argmax(heights))
+        if heights[best] <= 0.0:
+            return
+        p = first[best] if best < n_first else second[best - n_first]
+        at[:] = p[:3]
+        height = _shifted(first, second, width_m, at)
+        modes[k, :3] = at
+        modes[k, 3] = height
+        for i in range(n_points):
+            q = first[i] if i < n_first else second[i - n_first]
+            d2 = (q[0] - at[0]) ** 2 + (q[1] - at[1]) ** 2 + (q[2] - at[2]) ** 2
+            own = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
+            if min(d2, own) < 1.44 * width_m * width_m:  # beyond its slope
+                heights[i] = 0.0

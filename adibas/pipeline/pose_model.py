@@ -1,0 +1,81 @@
+"""What was learned about joints: how far behind the surface they lie, and how long bones are.
+
+``resources/models/joints.json`` is made by `adibas.pipeline.pose_training`.
+"""
+
+import functools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from adibas.errors import FileError
+from adibas.files import written_whole
+from adibas.limbs.joint_offsets import JointOffsets, offsets_from_json, offsets_to_json
+from adibas.resources import resource_path
+from adibas.skeleton.proportions import (
+    Proportions,
+    proportions_from_json,
+    proportions_to_json,
+)
+
+FORMAT, VERSION = "adibas-joints", 1
+
+
+@dataclass(frozen=True, slots=True)
+class JointModel:
+    """What is needed beside a model of limbs to find joints."""
+
+    offsets: JointOffsets
+    proportions: Proportions
+
+
+def write_joint_model(path: Path, model: JointModel, provenance: Mapping[str, object]) -> None:
+    """Write the model and what it was learned from.
+
+    Raises
+    ------
+    FileError
+        The file cannot be written.
+    """
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "offsets": offsets_to_json(model.offsets),
+        "proportions": proportions_to_json(model.proportions),
+        "provenance": dict(provenance),
+    }
+    with written_whole(path) as unfinished:
+        unfinished.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+def read_joint_model(path: Path) -> JointModel:
+    """Read a model.
+
+    Raises
+    ------
+    FileError
+        It is missing or broken.
+    """
+    try:
+        return _model_of(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise FileError(
+            "{file} is no model of joints, or is broken. Install the program again.",
+            file=path.name,
+        ) from error
+
+
+def _model_of(document: Mapping[str, Any]) -> JointModel:
+    if (document.get("format"), document.get("version")) != (FORMAT, VERSION):
+        raise ValueError("another format")
+    return JointModel(
+        offsets_from_json(document["offsets"]), proportions_from_json(document["proportions"])
+    )
+
+
+@functools.cache
+def shipped_joint_model() -> JointModel:
+    """Return the model that is part of the program; it is read once."""
+    return read_joint_model(resource_path("models", "joints.json"))

@@ -1,0 +1,158 @@
+"""Left stays left: what is known of which side a person shows, and of where the limbs were.
+
+A forest that sees a back at times takes it for a front, and then both sides are exchanged. Where
+the joints were a moment ago tells that a whole person cannot have turned; over seconds, or where
+the view is declared, the side that is shown decides.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.data.joint_proposals import JointProposals
+from adibas.data.joints import JOINT_NAMES
+from adibas.skeleton.proportions import MIRRORED
+
+FRONT, BACK = "anterior", "posterior"
+_LEFT = [k for k, name in enumerate(JOINT_NAMES) if name.startswith("left")]
+_RIGHT = [MIRRORED[k] for k in _LEFT]
+_STEADY = [
+    k for k, name in enumerate(JOINT_NAMES) if name.startswith("left") and "hand" not in name
+]
+_TRUNK = [JOINT_NAMES.index(name) for name in ("left_shoulder", "left_hip")]
+
+
+@dataclass(frozen=True, slots=True)
+class SideParams:
+    """When sides are exchanged.
+
+    Attributes
+    ----------
+    margin_m : float
+        By how much the way from the frame before must be shorter with the sides exchanged, mean
+        over the joints that are seen: 0.05.
+    most_m : float
+        A way longer than this counts as this long: 0.4.
+    memory_s : float
+        How long places are kept that were not seen again: 0.7.
+    patience_s : float
+        Where the labels say for so long that the sides are exchanged, they are believed: 2.
+    keep : float
+        Share of what was known of front and back that stays from one frame to the next: 0.97.
+    most_odds : float
+        Limit of the log odds of front against back: 5 (99.3 %).
+    wide_share : float
+        Shoulders and hips that lie so far apart sideways, of their distance, tell front from
+        back: 0.35.
+    """
+
+    margin_m: float = 0.05
+    most_m: float = 0.4
+    memory_s: float = 0.7
+    patience_s: float = 2.0
+    keep: float = 0.97
+    most_odds: float = 5.0
+    wide_share: float = 0.35
+
+
+class SideKeeper:
+    """Exchanges left and right where the labels have exchanged them.
+
+    Parameters
+    ----------
+    view : str
+        ``anterior`` or ``posterior`` where the side that is shown is declared; else empty, and it
+        is inferred.
+    """
+
+    def __init__(self, view: str = "", params: SideParams | None = None) -> None:
+        self._params = params or SideParams()
+        self._view = view if view in (FRONT, BACK) else ""
+        self._odds = 0.0
+        self._latest_m = np.full((len(JOINT_NAMES), 3), np.nan)
+        self._latest_s = np.full(len(JOINT_NAMES), -math.inf)
+        self._doubted_since_s = math.inf
+        self.n_exchanged = 0
+
+    @property
+    def front_probability(self) -> float:
+        """How probably the person shows the front; 1 or 0 where it was declared."""
+        if self._view:
+            return float(self._view == FRONT)
+        return 1.0 / (1.0 + math.exp(-self._odds))
+
+    def kept(self, proposals: JointProposals, time_s: float) -> JointProposals:
+        """Return the proposals with the sides as they were before, or as the view says."""
+        exchanged = self._is_exchanged(proposals, time_s)
+        if not exchanged:
+            return proposals
+        self.n_exchanged += 1
+        return JointProposals(
+            proposals.positions_m[list(MIRRORED)].copy(),
+            proposals.weights_m2[list(MIRRORED)].copy(),
+        )
+
+    def learn(self, joints_m: FloatArray, time_s: float) -> None:
+        """Take in the joints (15, 3) that were chosen."""
+        seen = np.isfinite(joints_m).all(axis=1)
+        self._latest_m[seen] = joints_m[seen]
+        self._latest_s[seen] = time_s
+        shown = sideways(joints_m, self._params.wide_share)
+        self._odds = float(
+            np.clip(
+                self._params.keep * self._odds + shown,
+                -self._params.most_odds,
+                self._params.most_odds,
+            )
+        )
+
+    def _is_exchanged(self, proposals: JointProposals, time_s: float) -> bool:
+        best_m = proposals.positions_m[:, 0]
+        shown = sideways(best_m, self._params.wide_share)
+        if self._view and shown:
+            return bool(shown < 0) == (self._view == FRONT)
+        says = self._says_exchanged(best_m, time_s)
+        if not says:
+            self._doubted_since_s = math.inf
+            return False
+        self._doubted_since_s = min(self._doubted_since_s, time_s)
+        if time_s - self._doubted_since_s > self._params.patience_s:
+            self._doubted_since_s = math.inf
+            return False
+        return True
+
+    def _says_exchanged(self, best_m: FloatArray, time_s: float) -> bool:
+        """Say whether the way from the places before is shorter with the sides exchanged."""
+        params = self._params
+        straight, crossed = [], []
+        for left in _STEADY:
+            right = MIRRORED[left]
+            for now, other in ((left, right), (right, left)):
+                if time_s - max(self._latest_s[now], self._latest_s[other]) > params.memory_s:
+                    continue
+                ways = [
+                    float(np.linalg.norm(best_m[now] - self._latest_m[before]))
+                    for before in (now, other)
+                ]
+                if np.isfinite(ways).all():
+                    straight.append(min(ways[0], params.most_m))
+                    crossed.append(min(ways[1], params.most_m))
+        if len(straight) < 3:  # noqa: PLR2004  (one limb says little of the whole person)
+            return False
+        return float(np.mean(straight)) > float(np.mean(crossed)) + params.margin_m
+
+
+def sideways(joints_m: FloatArray, wide_share: float) -> float:
+    """Return 1 where the person shows the front by shoulders and hips, -1 the back, 0 unknown.
+
+    Seen from the front the left side is at the image's right.
+    """
+    votes = 0.0
+    for left in _TRUNK:
+        across_m = joints_m[left] - joints_m[MIRRORED[left]]
+        width_m = float(np.linalg.norm(across_m))
+        if np.isfinite(width_m) and width_m > 0 and abs(across_m[0]) > wide_share * width_m:
+            votes += math.copysign(1.0, float(across_m[0]))
+    return float(np.sign(votes))
