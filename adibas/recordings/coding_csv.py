@@ -1,0 +1,116 @@
+"""Codings as CSV files: what `events.csv` holds, and the rest of a coding in more columns."""
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from adibas.data.coding import Coding
+from adibas.data.ethogram import Ethogram
+from adibas.errors import BehaviourError
+from adibas.files import written_whole
+from adibas.recordings.boris_tables import boris_rows
+from adibas.recordings.boris_writing import check_one_scheme
+from adibas.recordings.coding_table import (
+    COLUMNS,
+    NEEDED,
+    SESSION,
+    Row,
+    codings_of_rows,
+    rows_of,
+    shielded,
+    unshielded,
+)
+from adibas.recordings.ethogram_json import ethogram_document, ethogram_of_text
+
+LARGEST_FILE_BYTES = 200_000_000
+LONGEST_CELL = 10_000_000
+
+
+def read_coding_csv(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
+    """Read codings from a table of ours, or one that BORIS exported (CSV or TSV).
+
+    Parameters
+    ----------
+    path : Path
+    ethogram : Ethogram, optional
+        In place of the file's own; a table without one has what occurs in it.
+
+    Raises
+    ------
+    BehaviourError
+        The file is missing or no such table, or a row does not fit; its line is told.
+    """
+    text = _text(path)
+    delimiter = "\t" if "\t" in text.partition("\n")[0] else ","
+    csv.field_size_limit(LONGEST_CELL)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    lines: list[tuple[int, list[str]]] = []
+    try:
+        for cells in reader:
+            lines.append((reader.line_num, cells))  # noqa: PERF401  (line_num goes with the loop)
+    except csv.Error as error:
+        raise _unreadable(path, str(error)) from error
+    header = [cell.strip() for cell in lines[0][1]] if lines else []
+    if not set(NEEDED) <= set(header):
+        return codings_of_rows(path.name, boris_rows(path.name, lines), ethogram)
+    rows = [
+        (line, dict(zip(header, map(unshielded, cells), strict=False)))
+        for line, cells in lines[1:]
+        if cells
+    ]
+    return codings_of_rows(path.name, rows, ethogram or _own_ethogram(path, rows))
+
+
+def write_coding_csv(path: Path, codings: Sequence[Coding]) -> None:
+    """Write codings of one ethogram.
+
+    Raises
+    ------
+    BehaviourError
+        They are of different ethograms, or two have the same name.
+    FileError
+        The file cannot be written.
+    """
+    check_one_scheme(codings)
+    rows = list(rows_of(codings))
+    details = json.loads(rows[0]["details"])
+    details["ethogram"] = ethogram_document(codings[0].ethogram)
+    rows[0]["details"] = json.dumps(details, ensure_ascii=False)
+    with (
+        written_whole(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: shielded(cell) for name, cell in row.items()} for row in rows)
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.stat().st_size > LARGEST_FILE_BYTES:
+            raise BehaviourError("{file} is larger than any table of events.", file=path.name)
+        return path.read_bytes().decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise _unreadable(path, getattr(error, "strerror", None) or str(error)) from error
+
+
+def _unreadable(path: Path, reason: str) -> BehaviourError:
+    return BehaviourError(
+        "{file} cannot be read: {reason}. Check that it is a table of events (CSV).",
+        file=path.name,
+        reason=reason,
+    )
+
+
+def _own_ethogram(path: Path, rows: Sequence[Row]) -> Ethogram | None:
+    for _line, row in rows:
+        if row.get("kind") == SESSION and row.get("details"):
+            try:
+                details = json.loads(row["details"])
+            except json.JSONDecodeError:
+                return None  # told with its line when the row is read
+            if isinstance(details, dict) and "ethogram" in details:
+                return ethogram_of_text(json.dumps(details["ethogram"]), path.name)
+    return None

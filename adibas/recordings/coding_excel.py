@@ -1,0 +1,81 @@
+"""Codings from Excel workbooks that `adibas.reports.coding_excel` wrote."""
+
+import zipfile
+import zlib
+from pathlib import Path
+from xml.etree.ElementTree import ParseError
+
+from adibas.data.coding import Coding
+from adibas.data.ethogram import Ethogram
+from adibas.errors import BehaviourError
+from adibas.recordings.coding_table import NEEDED, codings_of_rows, unshielded
+from adibas.recordings.ethogram_json import ethogram_of_text
+
+EVENTS_SHEET, SCHEME_SHEET = "Coding", "Scheme"
+LARGEST_SHEET_BYTES = 400_000_000
+MOST_ROWS = 1_048_576
+BROKEN = (
+    *(OSError, zipfile.BadZipFile, zlib.error, EOFError, ParseError, KeyError, ValueError),
+    *(TypeError, IndexError, AttributeError, NotImplementedError, RuntimeError),
+)
+"""What zipfile and openpyxl raise of a damaged workbook."""
+
+
+def read_coding_excel(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
+    """Read the sheets Coding and, where no ethogram is given, Scheme.
+
+    Raises
+    ------
+    BehaviourError
+        The file is missing or no such workbook, or a row does not fit; its line is told.
+    """
+    try:
+        sheets = _sheets(path)
+    except BROKEN as error:
+        raise BehaviourError(
+            "{file} cannot be read: {reason}. Give a workbook that `adibas coding convert` wrote.",
+            file=path.name,
+            reason=getattr(error, "strerror", None) or str(error),
+        ) from error
+    events = sheets.get(EVENTS_SHEET, [])
+    header = events[0] if events else []
+    if not set(NEEDED) <= set(header):
+        raise BehaviourError(
+            "{file} holds no coding: it has no sheet Coding with the columns of one. Give a "
+            "workbook that `adibas coding convert` wrote.",
+            file=path.name,
+        )
+    scheme = "".join(row[0] for row in sheets.get(SCHEME_SHEET, []) if row)
+    if ethogram is None and scheme:
+        ethogram = ethogram_of_text(scheme, path.name)
+    rows = [
+        (line, dict(zip(header, row, strict=False)))
+        for line, row in enumerate(events[1:], 2)
+        if any(row)
+    ]
+    return codings_of_rows(path.name, rows, ethogram)
+
+
+def _sheets(path: Path) -> dict[str, list[list[str]]]:
+    """Return the texts of all cells, by sheet."""
+    from openpyxl import load_workbook
+
+    with zipfile.ZipFile(path) as archive:
+        if sum(part.file_size for part in archive.infolist()) > LARGEST_SHEET_BYTES:
+            raise ValueError("the sheets are larger than those of any session")
+    workbook = load_workbook(path, read_only=True, data_only=True)
+    try:
+        return {
+            name: [
+                [_text(cell) for cell in row]
+                for row in workbook[name].iter_rows(max_row=MOST_ROWS, values_only=True)
+            ]
+            for name in (EVENTS_SHEET, SCHEME_SHEET)
+            if name in workbook.sheetnames
+        }
+    finally:
+        workbook.close()
+
+
+def _text(cell: object) -> str:
+    return "" if cell is None else unshielded(str(cell))
