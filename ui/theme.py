@@ -20,6 +20,8 @@ DRAWN: dict[Role, str] = {
     "plumb": "#E69F00",
     "measure": "#F0E442",
     "focus": "#FFFFFF",
+    "earlier": "#56B4E9",
+    "later": "#E69F00",
 }
 """On pictures. Source: Okabe & Ito, Color Universal Design (2008)."""
 

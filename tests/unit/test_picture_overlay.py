@@ -65,7 +65,7 @@ def test_the_same_body_lands_on_itself(has_floor, roll_rad):
 def test_on_the_floor_a_body_that_became_shorter_stays_shorter():
     later = capture(has_floor=True)
     shorter = tuple(
-        replace(one, v=one.v + 20.0, position_m=one.position_m + (0.0, 0.03, 0.0))
+        replace(one, v=one.v + 20.0, position_m=one.position_m + np.array([0.0, 0.03, 0.0]))
         for one in later.detected
     )
     earlier = later

@@ -6,7 +6,16 @@ from typing import Literal, TypeAlias
 from adibas.arrays import BoolArray
 
 Role = Literal[
-    "marker", "selected", "rejected", "corrected", "outline", "plumb", "measure", "focus"
+    "marker",
+    "selected",
+    "rejected",
+    "corrected",
+    "outline",
+    "plumb",
+    "measure",
+    "focus",
+    "earlier",
+    "later",
 ]
 
 
