@@ -1,13 +1,14 @@
 """Draws every screen of the window in every language, theme and size: ``make screenshots``.
 
 A demo session is taken first, through the same calls as in the window; then one window speaks
-each language in turn, so that what is not translated at once would be seen. One more set has
-letters of twice the size. Pictures go to ``build/screenshots``; with ``--docs`` one set in English
-goes to ``docs/screenshots``.
+each language in turn, so that what is not translated at once would be seen. One more set of each
+language has letters of twice the size. Pictures go to ``build/screenshots``; with ``--docs`` one
+set in English goes to ``docs/screenshots``.
 """
 
 import argparse
 import os
+import re
 import sys
 import tempfile
 import time
@@ -26,7 +27,6 @@ from adibas.pipeline.demo import run_demo
 from adibas.pipeline.demo_session import take_demo_session
 from adibas.pipeline.learning import read_target
 from adibas.sessions import open_store
-from adibas.sessions.demo_patient import demo_identity, demo_notes
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.texts import LANGUAGES
 from ui.application import Application
@@ -49,7 +49,7 @@ def main() -> int:
     """Draw all screens; return 0."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--docs", action="store_true", help="one set in English, for the manual")
-    parser.add_argument("--only", default="", help="sets whose name holds this, as in es_light")
+    parser.add_argument("--only", default="", help="sets whose name matches, as in es_light")
     options = parser.parse_args()
     is_for_docs = options.docs
     folder = PROJECT / ("docs/screenshots" if is_for_docs else "build/screenshots")
@@ -64,11 +64,10 @@ def main() -> int:
         studio.unlock(folder, "en_light" if not is_for_docs else "")
         studio.prepare(session_id)
         for look in _DOCS if is_for_docs else _looks():
-            if options.only not in look.suffix:
+            if not re.search(options.only, look.suffix):
                 continue
             preferences.change(language=look.language, theme=look.theme, font_scale=look.font_scale)
             application.window.resize(*look.size)
-            studio.name_demo_patient()
             for path in studio.draw(folder, look.suffix):
                 sys.stdout.write(f"{path}\n")
         application.window.close()
@@ -97,7 +96,9 @@ def _looks() -> Iterator[_Look]:
             for width, height in SIZES:
                 suffix = f"_{language}_{theme}_{width}x{height}"
                 yield _Look(language, theme, (width, height), suffix)
-    yield _Look("es", "light", SIZES[0], "_es_light_large-letters", LARGEST_LETTERS)
+    for language in LANGUAGES:
+        suffix = f"_{language}_light_large-letters"
+        yield _Look(language, "light", SIZES[0], suffix, LARGEST_LETTERS)
 
 
 def _make_store(folder: Path) -> str:
@@ -145,15 +146,6 @@ class _Studio:
             QTest.mouseClick(picture, Qt.MouseButton.LeftButton, pos=QPoint(round(x), round(y)))
             self._settle()
 
-    def name_demo_patient(self) -> None:
-        """Name the demo patient as a store does that was made in the language in use."""
-        workspace = self._application.workspace
-        if workspace is not None and workspace.patient is not None:
-            change, pseudonym = workspace.store.patients.change, workspace.patient.pseudonym
-            workspace.choose_patient(
-                change(pseudonym, identity=demo_identity(), notes=demo_notes())
-            )
-
     def draw(self, folder: Path, suffix: str) -> Iterator[Path]:
         """Draw every screen, and every page of one that has pages."""
         for name in TITLES:
@@ -172,6 +164,10 @@ class _Studio:
             self._window.show_help()
             self._settle()
             yield self._save(folder / f"help-{name}{suffix}.png")
+            if (dock := self._window.findChild(HelpDock)).isFloating():
+                path = folder / f"help-{name}-floating{suffix}.png"
+                dock.grab().save(str(path))
+                yield path
         self._window.findChild(HelpDock).hide()
 
     def _show(self, name: str) -> None:

@@ -30,6 +30,7 @@ LARGE_LETTERS_PX = 26
 """Beside letters that high the icons are small, or the rail is higher than the window."""
 
 LEAST_WIDTH_PX = 86
+SPACING_PX = 3
 PADDING_PX = 20
 """Left and right of a name together, as the style sheet sets it, and some air."""
 
@@ -44,9 +45,7 @@ class NavigationRail(QWidget):
         self._theme = theme
         self._group = QButtonGroup(self)
         self._buttons: dict[str, QToolButton] = {}
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 8)
-        layout.setSpacing(3)
+        layout = self._column = QVBoxLayout(self)
         for number, name in enumerate(TITLES, 1):
             button = self._button(name)
             button.setShortcut(QKeySequence(f"Ctrl+{number}"))
@@ -102,7 +101,11 @@ class NavigationRail(QWidget):
             text_px = button.fontMetrics().horizontalAdvance(button.text())
             width_px = max(width_px, text_px + PADDING_PX)
         letters_px = max(button.fontMetrics().height() for button in buttons)
-        side_px = SMALL_ICON_PX if letters_px > LARGE_LETTERS_PX else ICON_PX
+        is_tight = letters_px > LARGE_LETTERS_PX
+        side_px = SMALL_ICON_PX if is_tight else ICON_PX
+        self._column.setSpacing(0 if is_tight else SPACING_PX)
+        above_px = 4 if is_tight else 8
+        self._column.setContentsMargins(8, above_px, 8, above_px)
         for button in buttons:
             button.setMinimumWidth(width_px)
             button.setIconSize(QSize(side_px, side_px))

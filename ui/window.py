@@ -4,11 +4,10 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-from PySide6.QtCore import QByteArray, QEvent, Qt
+from PySide6.QtCore import QByteArray, QEvent, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
-    QLabel,
     QMainWindow,
     QSplitter,
     QStackedWidget,
@@ -23,12 +22,14 @@ from ui.navigation import NavigationRail
 from ui.preferences import PreferencesFile
 from ui.theme import Theme
 from ui.unlock_page import UnlockPage
+from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
 from ui.widgets.message_bar import MessageBar
 from ui.widgets.progress_strip import ProgressStrip
 from ui.widgets.screen import Screen
 
 USUAL_SIZE = (1280, 800)
+STATUS_MARGIN_PX = 10
 
 
 class MainWindow(QMainWindow):
@@ -69,7 +70,7 @@ class MainWindow(QMainWindow):
         self._rail = NavigationRail(theme, self._on_rail, self)
         self._pages, self._outer = QStackedWidget(self), QStackedWidget(self)
         self._messages, self._progress = MessageBar(self), ProgressStrip(self)
-        self._patient, self._read_only = QLabel(self), QLabel(self)
+        self._patient, self._read_only = ElidedLabel(self), ElidedLabel(self)
         self._help = HelpDock(self)
         self._lay_out()
         jobs.changed.subscribe(self._progress.show_job)
@@ -99,6 +100,7 @@ class MainWindow(QMainWindow):
         self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._help)
         self._read_only.setProperty("kind", "warning")
         self._read_only.hide()
+        self.statusBar().setContentsMargins(STATUS_MARGIN_PX, 0, STATUS_MARGIN_PX, 0)
         self.statusBar().addWidget(self._patient, 1)
         self.statusBar().addPermanentWidget(self._read_only)
         self.statusBar().addPermanentWidget(self._progress)
@@ -118,9 +120,12 @@ class MainWindow(QMainWindow):
         super().changeEvent(event)
 
     def dress(self) -> None:
-        """Draw what is drawn in the theme in use."""
+        """Draw what is drawn in the theme in use; its letters may have another size."""
         self._rail.dress()
         self.unlock_page.dress()
+        if not self._help.isHidden():  # before larger letters widen the window
+            self._help.stand_beside(self, 0)
+            QTimer.singleShot(0, self, self._find_room_for_help)
         self.setWindowIcon(self._theme.icon("adibas", self._theme.tokens.accent))
 
     def offer_screen(self, name: str, build: Callable[[], Screen]) -> None:
@@ -166,6 +171,7 @@ class MainWindow(QMainWindow):
         before = self._pages.currentWidget()
         with self.while_building():
             wanted = self.screen_named(name)
+            self._find_room_for_help()
         if isinstance(before, Screen) and before is not wanted:
             before.left()
         with self.while_building():
@@ -218,6 +224,13 @@ class MainWindow(QMainWindow):
     def show_help(self) -> None:
         """Open the help of the screen that is seen."""
         self._help.show_page(self.shown or self.unlock_page.name)
+        self._find_room_for_help()
+
+    def _find_room_for_help(self) -> None:
+        """Let the help float where it would push the screen out of the window."""
+        if not self._help.isHidden():
+            screen_px = self._outer.minimumSizeHint().width()
+            self._help.stand_beside(self, self.width() - screen_px)
 
     def _on_rail(self, name: str) -> None:
         if name == "help":

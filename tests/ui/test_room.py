@@ -1,7 +1,10 @@
 """Every screen has room in a small window, in every language and with letters of twice the size."""
 
+import threading
+
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QProgressBar
 
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
@@ -9,8 +12,10 @@ from adibas.sessions import open_store
 from adibas.texts import LANGUAGES
 from tests.ui import window_user
 from tests.ui.conftest import CHEAP
-from tests.ui.window_user import SECRET
+from tests.ui.window_user import SECRET, visible
 from ui.navigation import TITLES
+from ui.widgets.elided_label import ElidedLabel
+from ui.widgets.help_page import HelpDock
 
 open_window = window_user.open_window
 
@@ -45,7 +50,61 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
         user.settle()
         user.window.resize(*size)
         user.qapp.processEvents()
-        least = user.window.minimumSizeHint()
-        assert least.width() <= size[0], name
-        assert least.height() <= size[1], name
+        assert_fits(user, size, name)
+    user.window.show_help()
+    for name in TITLES:
+        user.window.show_screen(name)
+        user.settle()
+        user.qapp.processEvents()
+        assert user.window.findChild(HelpDock).isVisible()
+        assert_fits(user, size, f"{name} with its help")
     user.close()
+
+
+def assert_fits(user, size, where):
+    least = user.window.minimumSizeHint()
+    assert least.width() <= size[0], where
+    assert least.height() <= size[1], where
+
+
+def test_the_help_stands_beside_the_screen_where_there_is_room_and_floats_elsewhere(open_window):
+    user = open_window()
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    user.window.resize(1280, 800)
+    user.window.show_help()
+    help_dock = user.window.findChild(HelpDock)
+    user.go_to("review")
+    assert not help_dock.isFloating()
+    user.application.preferences.change(font_scale=2.0)
+    user.go_to("capture")
+    assert help_dock.isFloating()
+    assert help_dock.isVisible()
+    user.window.resize(1920, 1080)
+    user.window.show_help()
+    assert not help_dock.isFloating()
+    user.close()
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_what_is_said_at_the_bottom_never_widens_the_window(open_window, language):
+    first = open_window()
+    first.give_passphrase()
+    first.until(lambda: first.window.shown)
+    user = open_window(language=language, font_scale=2.0)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    user.window.show_patient("María de las Mercedes Fernández de Córdoba y Ruiz  ·  P-ABCDEFG")
+    let_go = threading.Event()
+    user.application.jobs.start("Escrivint els informes de totes", lambda _c: let_go.wait(), str)
+    user.until(lambda: visible(user.window, QProgressBar))
+    user.window.resize(1280, 800)
+    user.qapp.processEvents()
+    assert_fits(user, (1280, 800), "the line at the bottom")
+    (told,) = [one for one in visible(user.window, ElidedLabel) if "Mercedes" in one.text()]
+    told.grab()
+    assert "Mercedes" in told.toolTip(), "what is cut is in the tip"
+    let_go.set()
+    user.settle()
+    user.close()
+    first.close()

@@ -2,13 +2,18 @@
 
 import math
 
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QLabel, QWidget
 
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.texts import describe, message, translate_plural
 from adibas.texts import translate as _
 
 FEW_MINUTES = 5
+SPACING_PX = 16
+SHARES = (2, 1, 1)
+"""Of the width: sensor, lost frames, disk."""
+Direction = QBoxLayout.Direction
 STATES = {
     "closed": message("No sensor is open"),
     "opening": message("Waiting for the sensor"),
@@ -18,27 +23,47 @@ STATES = {
 
 
 class StatusLine(QWidget):
-    """Words, and a warning's colour where something is wrong."""
+    """Words, and a warning's colour where something is wrong.
+
+    One beside the other, or one below the other where large letters leave no room.
+    """
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._sensor, self._dropped, self._disk = (QLabel(self) for _ in range(3))
         for label in (self._sensor, self._dropped, self._disk):
-            label.setWordWrap(True)  # in large letters all three are wider than the window
+            label.setWordWrap(True)  # an error is told in a sentence
         self._state = SensorState("closed")
         self._rate_hz, self._n_dropped = 0.0, 0
         self._minutes: float | None = None
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(16)
-        layout.addWidget(self._sensor, 2)
-        layout.addWidget(self._dropped, 1)
-        layout.addWidget(self._disk, 1)
+        self._box = QBoxLayout(Direction.LeftToRight, self)
+        self._box.setContentsMargins(0, 0, 0, 0)
+        self._box.setSpacing(SPACING_PX)
+        for label, share in zip((self._sensor, self._dropped, self._disk), SHARES, strict=True):
+            self._box.addWidget(label, share)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._say_sensor()
         self.show_disk(self._minutes)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
+        super().resizeEvent(event)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Put what does not fit side by side into lines of its own; an error may wrap."""
+        unit_px = (self.width() - 2 * SPACING_PX) / sum(SHARES)
+        fits = all(
+            label.fontMetrics().horizontalAdvance(label.text()) <= share * unit_px
+            for label, share in zip((self._dropped, self._disk), SHARES[1:], strict=True)
+        )
+        direction = Direction.LeftToRight if fits else Direction.TopToBottom
+        if self._box.direction() != direction:
+            self._box.setSpacing(SPACING_PX if fits else 0)
+            self._box.setDirection(direction)
+            for label in (self._dropped, self._disk):
+                label.setWordWrap(fits)
 
     def show_state(self, state: SensorState) -> None:
         """Say how the sensor fares; a source that is opened has lost nothing yet."""
@@ -61,6 +86,7 @@ class StatusLine(QWidget):
         whole = math.floor(minutes)
         told = translate_plural("Disk: {n} minute left", "Disk: {n} minutes left", whole)
         _say(self._disk, told.format(n=whole), "warning" if whole < FEW_MINUTES else "")
+        self._arrange()
 
     def _say_sensor(self) -> None:
         state, n_dropped = self._state, self._n_dropped
@@ -74,6 +100,7 @@ class StatusLine(QWidget):
             _say(self._sensor, _(told), "")
         dropped = translate_plural("{n} frame dropped", "{n} frames dropped", n_dropped)
         _say(self._dropped, dropped.format(n=n_dropped), "warning" if n_dropped else "")
+        self._arrange()
 
 
 def _say(label: QLabel, text: str, kind: str) -> None:

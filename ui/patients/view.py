@@ -12,7 +12,7 @@ from ui.patients.presenter import PatientsPresenter
 from ui.patients.undo import Undo
 from ui.widgets.screen import Screen
 
-USUAL_WIDTHS_PX = (640, 500)
+USUAL_WIDTHS_PX = (700, 440)
 
 
 class PatientsScreen(Screen):

@@ -11,7 +11,7 @@ from ui.review.name_delegate import NameDelegate
 from ui.review.tables import LineTable
 from ui.theme import Theme
 
-LEAST_LETTERS = 40
+LEAST_LETTERS = 26
 """Of the usual width that a line always has room for."""
 
 

@@ -9,6 +9,11 @@ from adibas.resources import resource_path
 from adibas.texts import spoken_language
 from adibas.texts import translate as _
 
+LEAST_WIDTH_PX = 320
+SEPARATOR_PX = 8
+FLOATING_LETTERS = 48
+"""Wide enough to be read well."""
+
 
 def read_help(name: str, language: str) -> str:
     """Return a help page as Markdown, in English where it was not written in `language`."""
@@ -28,12 +33,13 @@ class HelpDock(QDockWidget):
         self._name = "start"
         self._text = QTextBrowser(self)
         self._text.setOpenLinks(False)
-        self._text.setMinimumWidth(320)
+        self._text.setMinimumWidth(LEAST_WIDTH_PX)
         self.setWidget(self._text)
         self.setAllowedAreas(
             Qt.DockWidgetArea.RightDockWidgetArea | Qt.DockWidgetArea.LeftDockWidgetArea
         )
         self._focus_before: QWidget | None = None
+        self._is_pushed_out = False
         escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self._text, self._put_away)
         escape.setContext(Qt.ShortcutContext.WidgetShortcut)
         self.retranslate()
@@ -53,6 +59,22 @@ class HelpDock(QDockWidget):
         self.retranslate()
         self.show()
         self._text.setFocus()
+
+    def stand_beside(self, window: QWidget, room_px: int) -> None:
+        """Stand in the window where there is room for it, else float above its right edge."""
+        is_narrow = room_px < self.minimumSizeHint().width() + SEPARATOR_PX
+        if is_narrow and not self.isFloating():
+            self._is_pushed_out = True
+            self.setFloating(True)
+            edge = window.frameGeometry()
+            width = min(
+                max(FLOATING_LETTERS * self.fontMetrics().averageCharWidth(), LEAST_WIDTH_PX),
+                edge.width(),
+            )
+            self.setGeometry(edge.right() - width, edge.top() + 60, width, edge.height() - 120)
+        elif self._is_pushed_out and not is_narrow:
+            self._is_pushed_out = False
+            self.setFloating(False)
 
     def _put_away(self) -> None:
         self.hide()

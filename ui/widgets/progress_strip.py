@@ -1,10 +1,11 @@
 """What runs beside the window, how far it came, and a button that stops it."""
 
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QProgressBar, QPushButton, QWidget
 
 from adibas.texts import translate as _
 from ui.jobs import ThreadJob
+from ui.widgets.elided_label import ElidedLabel
 
 PATIENCE_MS = 400
 """Shorter work is not worth a bar that flashes."""
@@ -16,7 +17,7 @@ class ProgressStrip(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._jobs: dict[ThreadJob, tuple[int, int]] = {}
-        self._label = QLabel(self)
+        self._label = ElidedLabel(self)
         self._bar = QProgressBar(self)
         self._bar.setMaximumWidth(260)
         self._stop = QPushButton(self)
