@@ -16,6 +16,8 @@ from adibas.kernels import compiled, compiled_parallel, parallel_range
 IMAGE, ROW, COLUMN, LABEL = range(4)
 THRESHOLD = 5
 LEAF = -1
+MOST_LOGS = 16383
+"""Of a table that fits into a processor's second cache."""
 
 
 @compiled
@@ -89,32 +91,62 @@ def count_values(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
 
 
 @compiled
-def disorder(histogram: IntArray) -> float:
-    """Return the entropy of counts times their number, bits."""
+def disorder(histogram: IntArray, weighted_logs: FloatArray) -> float:
+    """Return the entropy of counts times their number, bits; of `weighted_logs_up_to`."""
     total, weighted = 0, 0.0
     for label in range(histogram.size):
         n = histogram[label]
         if n > 0:
             total += n
-            weighted += n * math.log2(n)
-    return total * math.log2(total) - weighted if total > 0 else 0.0
+            weighted += weighted_log(n, weighted_logs)
+    return weighted_log(total, weighted_logs) - weighted if total > 0 else 0.0
+
+
+@compiled
+def weighted_log(n: int, weighted_logs: FloatArray) -> float:
+    """Return ``n log2(n)``, looked up where the table has it: logarithms are most of the work."""
+    return float(weighted_logs[n]) if n < weighted_logs.size else n * math.log2(n)
+
+
+@compiled
+def weighted_logs_up_to(n_logs: int) -> FloatArray:
+    """Return ``n log2(n)`` for n from 0 to `n_logs`."""
+    logs = np.zeros(n_logs + 1)
+    for n in range(1, n_logs + 1):
+        logs[n] = n * math.log2(n)
+    return logs
 
 
 @compiled
 def _find_split(
-    counts: Int32Array, node: int, gains: FloatArray, choices: Int32Array, left: IntArray
+    counts: Int32Array,
+    node: int,
+    weighted_logs: FloatArray,
+    gains: FloatArray,
+    choices: Int32Array,
+    left: IntArray,
 ) -> None:
     """Fill in the rows of `best_splits` for one node."""
     n_candidates, _, n_gaps, n_labels = counts.shape
     whole = np.zeros(n_labels, np.int64)
     for gap in range(n_gaps):
         whole += counts[0, node, gap]
-    before, n_pixels = disorder(whole), max(whole.sum(), 1)
+    before, n_pixels = disorder(whole, weighted_logs), max(whole.sum(), 1)
+    below, above = np.empty(n_labels, np.int64), np.empty(n_labels, np.int64)
     for candidate in range(n_candidates):
-        below = np.zeros(n_labels, np.int64)
+        below[:] = 0
+        above[:] = whole
         for t in range(n_gaps - 1):
-            below += counts[candidate, node, t]
-            gain = (before - disorder(below) - disorder(whole - below)) / n_pixels
+            n_moved = 0
+            for label in range(n_labels):
+                moved = counts[candidate, node, t, label]
+                n_moved += moved
+                below[label] += moved
+                above[label] -= moved
+            if n_moved == 0:  # the split before, again
+                continue
+            ordered = before - disorder(below, weighted_logs) - disorder(above, weighted_logs)
+            gain = ordered / n_pixels
             if gain > gains[node]:
                 gains[node] = gain
                 choices[node, 0], choices[node, 1] = candidate, t
@@ -138,6 +170,7 @@ def best_splits(counts: Int32Array) -> tuple[FloatArray, Int32Array, IntArray]:
     gains = np.zeros(n_nodes)
     choices = np.zeros((n_nodes, 2), np.int32)
     left = np.zeros((n_nodes, n_labels), np.int64)
+    weighted_logs = weighted_logs_up_to(MOST_LOGS)
     for node in parallel_range(n_nodes):
-        _find_split(counts, node, gains, choices, left)
+        _find_split(counts, node, weighted_logs, gains, choices, left)
     return gains, choices, left
