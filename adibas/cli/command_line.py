@@ -35,6 +35,7 @@ COMMANDS = (
     "protocols",
     "doctor",
     "gestures",
+    "limbs",
     "benchmark",
 )
 

@@ -2,18 +2,22 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal, TypeAlias
 
+import cv2
 import numpy as np
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, IntArray, UInt8Array
 from adibas.errors import LimbError
+from adibas.files import written_whole
 from adibas.forests.params import ForestParams
 from adibas.forests.training import TrainingImages, train_forest
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
-from adibas.limbs.model import LimbModel, model_of
+from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
 from adibas.limbs.training_set import Chosen, LimbFolder
+from adibas.pipeline.limb_pictures import limb_picture
 
 Progress = Callable[[int, int], None]
 Split: TypeAlias = Literal["folds", "people"]
@@ -123,6 +127,51 @@ def evaluate_model(
             show(judged)
         progress(done, len(images))
     return counts.evaluation("model", 1)
+
+
+def evaluate_folder(
+    folder: Path,
+    model: Path | None,
+    params: EvaluationParams,
+    pictures: Path | None,
+    progress: Progress,
+) -> LimbEvaluation:
+    """Evaluate a model on a folder, or models that are trained on parts of it.
+
+    Parameters
+    ----------
+    folder : Path
+    model : Path or None
+        None: see `cross_validate`.
+    params : EvaluationParams
+    pictures : Path or None
+        Folder for a picture of each image: truth, forest and cut side by side.
+    progress : function
+
+    Raises
+    ------
+    LimbError, FileError
+        The images or the model cannot be used, or the pictures not be written.
+    """
+    images = LimbFolder(folder)
+
+    def show(judged: Judged) -> None:
+        if pictures is not None:
+            _write_picture(pictures / f"{images.names[judged.index]}.png", judged)
+
+    if model is None:
+        return cross_validate(images, params, progress, show)
+    return evaluate_model(images, load_model(model), params.limbs, progress, show)
+
+
+def _write_picture(path: Path, judged: Judged) -> None:
+    shown = [
+        limb_picture(judged.depth_m, labels)
+        for labels in (judged.truth, judged.by_forest, judged.by_cut)
+    ]
+    payload: AnyArray = cv2.imencode(".png", np.hstack(shown)[..., ::-1])[1]
+    with written_whole(path) as unfinished:
+        unfinished.write_bytes(payload.tobytes())
 
 
 def cross_validate(

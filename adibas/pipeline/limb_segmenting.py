@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from adibas import __version__
+from adibas.arrays import AnyArray
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
@@ -44,7 +45,7 @@ class SegmentingRequest:
     model : Path or None
         None: the shipped one of `labels`.
     labels : str
-        One of `NAMES_OF_MODELS`.
+        One of `NAMES_OF_MODELS`; empty: those of `model`, or the full body.
     calibration : Path or None
         In place of the recording's own.
     frames : (first, one past the last or None)
@@ -54,7 +55,7 @@ class SegmentingRequest:
     recording: Path
     out: Path
     model: Path | None = None
-    labels: str = FULL_BODY.name
+    labels: str = ""
     calibration: Path | None = None
     frames: tuple[int, int | None] = (0, None)
     params: LimbParams = field(default_factory=LimbParams)
@@ -96,9 +97,7 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
     FileError, LimbError
         The model cannot be used, or the folder not be written.
     """
-    model = shipped_model(request.labels) if request.model is None else load_model(request.model)
-    if request.model is not None and request.labels:
-        model.require(LABEL_SETS[request.labels])
+    model = _model_of(request)
     said: Counter[str] = Counter()
     sentences: dict[str, Sentence] = {}
     n_people = n_frames = 0
@@ -121,6 +120,15 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
             progress(n_frames, len(wanted))
     notices = tuple((sentences[text], count) for text, count in said.most_common())
     return Segmented(n_frames, n_people, notices)
+
+
+def _model_of(request: SegmentingRequest) -> LimbModel:
+    if request.model is None:
+        return shipped_model(request.labels or FULL_BODY.name)
+    model = load_model(request.model)
+    if request.labels:
+        model.require(LABEL_SETS[request.labels])
+    return model
 
 
 class Looker:
@@ -196,5 +204,6 @@ def _write(folder: Path, name: str, frame: SensorFrame, parts: LimbParts) -> Non
     labels = (parts.chosen + 1).astype(np.uint8)
     write_image(folder, name, frame.depth_raw, labels)
     picture = limb_picture(frame.depth_raw.astype(np.float32), labels)
+    payload: AnyArray = cv2.imencode(".png", picture[..., ::-1])[1]
     with written_whole(folder / f"{name}{PICTURE}") as unfinished:
-        cv2.imwrite(str(unfinished), picture[..., ::-1])
+        unfinished.write_bytes(payload.tobytes())

@@ -16,7 +16,7 @@ from adibas.errors import LimbError
 from adibas.files import written_whole
 from adibas.forests.params import ForestParams
 from adibas.forests.training import Memory, TrainingImages, Tree, join_trees, train_tree
-from adibas.limbs.model import CLUTTER, LimbModel, model_of, save_model
+from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
 from adibas.limbs.training_set import TO_TORSO, LimbFolder, Relabelled
 from adibas.pipeline.limb_simulator import simulate_folder
 
@@ -82,6 +82,28 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
     save_model(model, request.out)
     shutil.rmtree(work, ignore_errors=True)
     return model
+
+
+def merge_model(source: Path, out: Path) -> LimbModel:
+    """Make a model of the seven labels of the upper body out of one of the full body.
+
+    Raises
+    ------
+    LimbError
+        The model has other labels, or does not tell how many pixels it was trained on.
+    FileError
+        A file cannot be read or written.
+    """
+    model = load_model(source)
+    model.require(FULL_BODY)
+    if "label_pixels" not in model.forest.provenance:
+        raise LimbError(
+            "{file} does not tell how many pixels of each label it was trained on. Train it again.",
+            file=source.name,
+        )
+    fewer = merged(model, UPPER_BODY, TO_TORSO)
+    save_model(fewer, out)
+    return fewer
 
 
 def _images(request: TrainingRequest, work: Path, progress: Progress) -> TrainingImages:

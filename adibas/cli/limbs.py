@@ -1,0 +1,346 @@
+"""`adibas limbs`: train a model of limbs, find limbs in a recording, say how well that works."""
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, add_out, frame_range, positive, positive_count, sentence
+from adibas.texts import message, translate_plural
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.limbs.evaluation import Confusion
+    from adibas.limbs.segmentation import LimbParams
+    from adibas.pipeline.limb_evaluation import LimbEvaluation
+
+SUMMARY = message("find the limbs of a person in the depth image, without markers")
+TRAIN = message("learn limbs from labelled depth images, or from simulated people")
+SEGMENT = message("find the limbs in every frame of a recording")
+EVALUATE = message("measure on labelled images that had no part in the training")
+SETS = ("full-body-15", "upper-body-7", "hand-6")
+CUTS = ("omega_1", "omega_2", "none")
+N_FRAMES, N_TREES, N_PIXELS, DEPTH = 3000, 3, 300, 20
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
+    train = actions.add_parser("train", help=_(TRAIN), description=sentence(_(TRAIN)))
+    _add_train(train)
+    segment = actions.add_parser("segment", help=_(SEGMENT), description=sentence(_(SEGMENT)))
+    _add_segment(segment)
+    evaluate = actions.add_parser("evaluate", help=_(EVALUATE), description=sentence(_(EVALUATE)))
+    _add_evaluate(evaluate)
+    for action in (train, segment, evaluate):
+        add_json(action)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Train, segment or evaluate."""
+    code: int = arguments.action(arguments, console)
+    return code
+
+
+def _add_train(parser: argparse.ArgumentParser) -> None:
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument(
+        "folder",
+        type=Path,
+        nargs="?",
+        metavar=_("FOLDER"),
+        help=_("with NNNN.depth.png, NNNN.labels.png and labels.json"),
+    )
+    source.add_argument(
+        "--simulator", action="store_true", help=_("learn from simulated people instead")
+    )
+    source.add_argument(
+        "--merge",
+        type=Path,
+        metavar="model.npz",
+        help=_("make a model of the seven labels out of one of the fifteen, without training"),
+    )
+    parser.add_argument(
+        "--labels", choices=SETS, default="", help=_("those of the images if not given")
+    )
+    _add_count(parser, "--frames", N_FRAMES, _("how many images are simulated; {n} if not given"))
+    _add_forest(parser, N_PIXELS)
+    add_out(parser, "model.npz", _("model to write; an older one is replaced"))
+    parser.set_defaults(action=_train)
+
+
+def _add_forest(parser: argparse.ArgumentParser, n_pixels: int) -> None:
+    _add_count(parser, "--trees", N_TREES, _("of the forest; {n} if not given"))
+    _add_count(parser, "--depth", DEPTH, _("of each tree; {n} if not given"))
+    _add_count(parser, "--pixels", n_pixels, _("drawn from each image; {n} if not given"))
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help=_("of what is random; 0 if not given")
+    )
+
+
+def _add_count(parser: argparse.ArgumentParser, name: str, default: int, text: str) -> None:
+    parser.add_argument(
+        name, type=positive_count, default=default, metavar="N", help=text.format(n=default)
+    )
+
+
+def _add_cut(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--cut",
+        choices=CUTS,
+        default=CUTS[0],
+        help=_("prices of neighbouring labels in the graph cut; the first if not given"),
+    )
+    parser.add_argument(
+        "--smoothness",
+        type=positive,
+        default=10.0,
+        metavar="N",
+        help=_("lambda of the graph cut; 10 if not given"),
+    )
+
+
+def _add_segment(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "recording",
+        type=Path,
+        metavar=_("RECORDING"),
+        help=_(".mcap, .oni or a TUM RGB-D folder with depth"),
+    )
+    parser.add_argument(
+        "--model",
+        type=Path,
+        metavar="model.npz",
+        help=_("what limbs train has written; the shipped one if not given"),
+    )
+    parser.add_argument(
+        "--labels",
+        choices=SETS[:2],
+        default="",
+        help=_("of the shipped model; all 15 if not given"),
+    )
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("in place of the recording's own calibration"),
+    )
+    parser.add_argument(
+        "--frames",
+        type=frame_range,
+        default=(0, None),
+        metavar="A:B",
+        help=_("frames to look at; all if not given"),
+    )
+    _add_cut(parser)
+    parser.add_argument(
+        "--behind", action="store_true", help=_("the person turns the back to the camera")
+    )
+    add_out(parser, "DIR", _("folder for the pictures and labels"))
+    parser.set_defaults(action=_segment)
+
+
+def _add_evaluate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "folder", type=Path, metavar=_("FOLDER"), help=_("of labelled depth images")
+    )
+    parser.add_argument(
+        "--model",
+        type=Path,
+        metavar="model.npz",
+        help=_("measure this model; without it models are trained on parts of the folder"),
+    )
+    parser.add_argument(
+        "--leave-out",
+        choices=("folds", "people"),
+        default="folds",
+        help=_("a fifth of the images at a time, or one person; the first if not given"),
+    )
+    parser.add_argument(
+        "--pictures",
+        type=Path,
+        metavar="DIR",
+        help=_("folder for a picture of each image: the truth, the forest, and after the cut"),
+    )
+    _add_forest(parser, 1000)
+    _add_cut(parser)
+    parser.set_defaults(action=_evaluate)
+
+
+def _limb_params(arguments: argparse.Namespace, step: int) -> "LimbParams":
+    from adibas.limbs.segmentation import LimbParams
+
+    is_from_behind = getattr(arguments, "behind", False)
+    return LimbParams(arguments.cut, arguments.smoothness, step=step, is_from_behind=is_from_behind)
+
+
+def _train(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.files import check_place
+    from adibas.forests.params import ForestParams
+    from adibas.pipeline.limb_training import TrainingRequest, merge_model, train_model
+
+    check_place(arguments.out)
+    if arguments.merge is not None:
+        model = merge_model(arguments.merge, arguments.out)
+    else:
+        params = ForestParams(
+            n_trees=arguments.trees,
+            max_depth=arguments.depth,
+            n_pixels=arguments.pixels,
+            n_images=None,
+        )
+        request = TrainingRequest(
+            arguments.out,
+            arguments.folder,
+            arguments.labels,
+            arguments.frames,
+            arguments.seed,
+            params,
+        )
+        with (
+            console.progress(_("Simulating people")) as simulating,
+            console.progress(_("Training")) as training,
+        ):
+            bars = {"simulating": simulating, "training": training}
+            model = train_model(request, lambda step, done, total: bars[step](done, total))
+    console.say(
+        _("{file}: {labels}, {trees}.").format(
+            file=arguments.out,
+            labels=translate_plural("{n} label", "{n} labels", len(model.labels)).format(
+                n=len(model.labels)
+            ),
+            trees=translate_plural("{n} tree", "{n} trees", model.forest.n_trees).format(
+                n=model.forest.n_trees
+            ),
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "label_set": model.labels.name,
+            "labels": list(model.labels.names),
+            "provenance": dict(model.forest.provenance),
+        }
+    )
+    return 0
+
+
+def _segment(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.pipeline.limb_segmenting import SegmentingRequest, segment_recording
+
+    request = SegmentingRequest(
+        arguments.recording,
+        arguments.out,
+        arguments.model,
+        arguments.labels,
+        arguments.calibration,
+        arguments.frames,
+        _limb_params(arguments, step=2),
+    )
+    with console.progress(_("Segmenting")) as progress:
+        done = segment_recording(request, progress)
+    for notice, n_frames in done.notices:
+        told = translate_plural("{n} frame", "{n} frames", n_frames).format(n=n_frames)
+        console.warn(f"{told}: {notice.text}")
+    console.say(
+        _("{folder}: limbs in {n_people} of {n_frames} frames.").format(
+            folder=arguments.out, n_people=done.n_people, n_frames=done.n_frames
+        )
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "n_frames": done.n_frames,
+            "n_with_person": done.n_people,
+            "notices": [
+                {"text": notice.text, "n_frames": n_frames} for notice, n_frames in done.notices
+            ],
+        }
+    )
+    return 0
+
+
+def _evaluate(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.forests.params import ForestParams
+    from adibas.pipeline.limb_evaluation import EvaluationParams, evaluate_folder
+
+    params = EvaluationParams(
+        arguments.leave_out,
+        arguments.seed,
+        ForestParams(
+            n_trees=arguments.trees,
+            max_depth=arguments.depth,
+            n_pixels=arguments.pixels,
+            n_images=None,
+        ),
+        _limb_params(arguments, step=1),
+    )
+    with console.progress(_("Evaluating")) as progress:
+        result = evaluate_folder(
+            arguments.folder, arguments.model, params, arguments.pictures, progress
+        )
+    for line in _table(result):
+        console.say(line)
+    console.give(_document(result))
+    return 0
+
+
+def _table(result: "LimbEvaluation") -> list[str]:
+    lines = [
+        _("{protocol}, {n} groups, {images} images").format(
+            protocol=result.protocol, n=result.n_groups, images=result.n_images
+        ),
+        _("Mean per label: forest {forest:.1f} %, with graph cut {cut:.1f} %").format(
+            forest=100 * result.forest.mean_per_class, cut=100 * result.cut.mean_per_class
+        ),
+    ]
+    labels = result.forest.labels
+    width = max(map(len, labels))
+    pairs = zip(labels, result.forest.per_class, result.cut.per_class, strict=True)
+    lines += [
+        f"{label:{width}}  {100 * forest:6.1f} %  {100 * cut:6.1f} %"
+        for label, forest, cut in pairs
+    ]
+    worse = [
+        label
+        for label, forest, cut in zip(
+            labels, result.forest.per_class, result.cut.per_class, strict=True
+        )
+        if cut < forest
+    ]
+    if worse:
+        lines.append(_("The cut is worse than the forest for: {labels}.").format(
+            labels=", ".join(worse)
+        ))  # fmt: skip
+    else:
+        lines.append(_("The cut improves on the forest for every label."))
+    return lines
+
+
+def _document(result: "LimbEvaluation") -> dict[str, object]:
+    return {
+        "protocol": result.protocol,
+        "n_groups": result.n_groups,
+        "n_images": result.n_images,
+        "labels": list(result.forest.labels),
+        "forest": _figures(result.forest),
+        "cut": _figures(result.cut),
+    }
+
+
+def _figures(confusion: "Confusion") -> Mapping[str, object]:
+    """Return plain values; None where a label never occurs."""
+    return {
+        "mean_per_class": _finite(confusion.mean_per_class),
+        "overall": _finite(confusion.overall),
+        "per_class": {
+            label: _finite(float(share))
+            for label, share in zip(confusion.labels, confusion.per_class, strict=True)
+        },
+        "confusion": confusion.counts.tolist(),
+    }
+
+
+def _finite(share: float) -> float | None:
+    return None if share != share else share  # noqa: PLR0124  (NaN alone is not itself)
