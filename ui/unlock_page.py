@@ -32,6 +32,7 @@ class UnlockPage(Screen):
         self._theme = theme
         self._words: Callable[[], tuple[str, str, str]] = _busy_words
         self._send: Callable[[], None] = lambda: None
+        self._bug = ""
         self._logo, self._title = QLabel(self), QLabel(self)
         self._explanation, self._problem = QLabel(self), QLabel(self)
         self._first, self._second = QLineEdit(self), QLineEdit(self)
@@ -74,8 +75,9 @@ class UnlockPage(Screen):
         layout.addWidget(area)
 
     def bind(self, presenter: UnlockPresenter) -> None:
-        """Send what is typed to `presenter`, and own it."""
+        """Send what is typed to `presenter`, and own it; a bug told before is forgotten."""
         self._presenter = presenter
+        self._bug = ""
 
     def dress(self) -> None:
         """Draw the logo in the theme in use."""
@@ -122,12 +124,18 @@ class UnlockPage(Screen):
         self._problem.setText(sentence)
         self._problem.show()
 
+    def show_bug(self, sentence: str) -> None:
+        """Say that the program failed, whatever is asked for meanwhile."""
+        self._bug = sentence
+        self.show_problem(sentence)
+
     def _on_button(self) -> None:
         self._send()
 
     def _show(self, words: Callable[[], tuple[str, str, str]], fields: int) -> None:
         self._words = words
-        self._problem.hide()
+        self._problem.setText(self._bug)
+        self._problem.setVisible(bool(self._bug))
         for number, field in enumerate((self._first, self._second)):
             field.clear()
             field.setVisible(number < fields)

@@ -212,7 +212,7 @@ class MainWindow(QMainWindow):
     def tell_of_bug(self, sentence: str) -> None:
         """Tell the user that the program failed, on whatever page he is."""
         if self._outer.currentWidget() is self.unlock_page:
-            self.unlock_page.show_problem(sentence)
+            self.unlock_page.show_bug(sentence)
         else:
             self.tell("bad", sentence)
 

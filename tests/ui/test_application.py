@@ -401,8 +401,14 @@ def test_a_dropped_picture_goes_to_the_learner(user, tmp_path):
     user.close()
 
 
-def test_a_bug_is_told_and_its_log_names_nobody(user, tmp_path):
+@pytest.fixture
+def log(tmp_path):
     end_log = start_log(tmp_path / "log")
+    yield tmp_path / "log" / LOG_FILE
+    end_log()
+
+
+def test_a_bug_is_told_and_its_log_names_nobody(user, log):
     choose_somebody(user)
     error = ValueError(f"no room for {user.workspace.patient.identity.name}")
     sys.excepthook(ValueError, error, None)
@@ -412,12 +418,28 @@ def test_a_bug_is_told_and_its_log_names_nobody(user, tmp_path):
     sys.excepthook(ValueError, ValueError(NAME), None)
     user.until(lambda: "Restart the program" in words(user))
     user.close()
-    end_log()
-    written = (tmp_path / "log" / LOG_FILE).read_text(encoding="utf-8")
+    written = log.read_text(encoding="utf-8")
     assert written.count("a bug") == 2
     assert "ValueError" in written
     assert "Rosa" not in written
     assert "Ibarra" not in written
+
+
+def test_a_bug_stays_told_on_the_first_page_whatever_is_asked_for(user):
+    user.application.lock()
+    user.until(lambda: locked(user))
+    user.window.tell_of_bug("It failed.")
+    user.settle()  # meanwhile it was found out that a passphrase is needed
+    page = user.window.unlock_page
+    assert visible(page, QLineEdit)
+    assert "It failed." in words(user)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    user.application.lock()
+    user.until(lambda: locked(user))
+    user.settle()
+    assert "It failed." not in words(user)
+    user.close()
 
 
 def test_a_problem_of_a_job_is_told(user):
