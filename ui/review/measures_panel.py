@@ -73,6 +73,7 @@ class MeasuresPanel(QTabWidget):
             layout.setContentsMargins(8, 8, 8, 8)
         self.addTab(chosen, "")
         self.addTab(everything, "")
+        self.tabBar().setUsesScrollButtons(False)  # both names are read, in large letters too
 
     def _connect(self) -> None:
         self._text.textChanged.connect(self._on_filter)

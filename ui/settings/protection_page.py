@@ -69,7 +69,8 @@ class ProtectionPage(QWidget):
         for widget in (self._folder, self._check, self._result):
             column.addWidget(widget)
         layout = QVBoxLayout(self)
-        layout.setSpacing(16)
+        layout.setContentsMargins(9, 4, 9, 4)
+        layout.setSpacing(8)
         for group in self._groups:
             layout.addWidget(group)
         layout.addStretch()
