@@ -16,6 +16,7 @@ TITLES = {
     "markers": message("Markers"),
     "review": message("Review"),
     "reports": message("Reports"),
+    "comparison": message("Comparison"),
     "calibration": message("Calibration"),
     "settings": message("Settings"),
 }
@@ -36,7 +37,7 @@ PADDING_PX = 20
 
 
 class NavigationRail(QWidget):
-    """Buttons with icon and name: Ctrl+1 to Ctrl+7, F1, Ctrl+L."""
+    """Buttons with icon and name: Ctrl+1 to Ctrl+8, F1, Ctrl+L."""
 
     def __init__(self, theme: Theme, choose: Callable[[str], None], parent: QWidget | None) -> None:
         super().__init__(parent)

@@ -25,6 +25,8 @@ MODULES = (
     "ui.markers.screen",
     "ui.review.screen",
     "ui.reports.screen",
+    "ui.comparison.screen",
+    "pyqtgraph",
     "ui.calibration.screen",
     "ui.settings.screen",
 )
@@ -35,6 +37,13 @@ def screen_builders(
     workspace: Workspace, theme: Theme, parent: QWidget
 ) -> dict[str, Callable[[], Screen]]:
     """Return what builds each screen, by its name."""
+    return _session_builders(workspace, theme, parent) | _other_builders(workspace, theme, parent)
+
+
+def _session_builders(
+    workspace: Workspace, theme: Theme, parent: QWidget
+) -> dict[str, Callable[[], Screen]]:
+    """Return those of the way from patient to reviewed session."""
 
     def patients() -> Screen:
         from ui.patients.screen import build_patients_screen
@@ -56,10 +65,23 @@ def screen_builders(
 
         return build_review_screen(workspace, theme, parent)
 
+    return {"patients": patients, "capture": capture, "markers": markers, "review": review}
+
+
+def _other_builders(
+    workspace: Workspace, theme: Theme, parent: QWidget
+) -> dict[str, Callable[[], Screen]]:
+    """Return those of what is made of sessions, and of the program itself."""
+
     def reports() -> Screen:
         from ui.reports.screen import build_reports_screen
 
         return build_reports_screen(workspace, parent)
+
+    def comparison() -> Screen:
+        from ui.comparison.screen import build_comparison_screen
+
+        return build_comparison_screen(workspace, theme, parent)
 
     def calibration() -> Screen:
         from ui.calibration.screen import build_calibration_screen
@@ -72,11 +94,8 @@ def screen_builders(
         return build_settings_screen(workspace, parent)
 
     return {
-        "patients": patients,
-        "capture": capture,
-        "markers": markers,
-        "review": review,
         "reports": reports,
+        "comparison": comparison,
         "calibration": calibration,
         "settings": settings,
     }

@@ -55,18 +55,24 @@ def check_comparable(earlier: Session, later: Session) -> None:
         )
 
 
-def last_two_alike(sessions: tuple[Session, ...]) -> tuple[Session, Session] | None:
+def last_two_alike(
+    sessions: tuple[Session, ...], until: Session | None = None
+) -> tuple[Session, Session] | None:
     """Return the newest two sessions of one protocol, the earlier first; None where none are.
 
     Parameters
     ----------
     sessions : tuple of Session
         Of one patient, in any order.
+    until : Session or None
+        The later of the two, where an earlier one is like it.
     """
     newest_first = sorted(sessions, key=lambda one: one.started_utc, reverse=True)
-    for number, later in enumerate(newest_first):
-        for earlier in newest_first[number + 1 :]:
-            if earlier.setup.protocol == later.setup.protocol:
+    later_ones = newest_first if until is None else [until, *newest_first]
+    for later in later_ones:
+        for earlier in newest_first:
+            is_before = earlier.started_utc < later.started_utc
+            if is_before and earlier.setup.protocol == later.setup.protocol:
                 return earlier, later
     return None
 

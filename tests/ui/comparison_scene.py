@@ -66,7 +66,7 @@ def add_session(store, patient, height_m, *, views=("anterior",), protocol="sapo
     """Add a session whose left acromion is so much higher than the right; return it."""
     session = store.sessions.start(patient, SessionSetup(protocol=protocol))
     for view in views:
-        markers = placed(view, height_m, rng)
+        markers = placed(view or "anterior", height_m, rng)
         new = NewCapture(
             view=view,
             recording_id="",

@@ -10,7 +10,17 @@ import pytest
 from adibas.resources import resource_path
 from adibas.texts import LANGUAGES
 
-PAGES = {"start", "patients", "capture", "markers", "review", "reports", "calibration", "settings"}
+PAGES = {
+    "start",
+    "patients",
+    "capture",
+    "markers",
+    "review",
+    "reports",
+    "comparison",
+    "calibration",
+    "settings",
+}
 ROOT = Path(__file__).parents[2]
 ROW = re.compile(r"^\| (\S+) \| ([^|]+) \|$", re.MULTILINE)
 

@@ -72,11 +72,7 @@ class NumbersPresenter:
             return
         self._choices = replace(self._choices, operator=operator)
         self._look_through(wish, operator)
-        known = self._known.get(_clinic(wish, operator))
-        if known is None:
-            self._view.show_repeats(Repeats(wish.protocol, (), _(LOOKING)))
-        else:
-            self._view.show_repeats(_repeats(known))
+        self._show_repeats(wish, operator)
 
     def forget_repeats(self) -> None:
         """Look through them anew the next time: a session has changed."""
@@ -136,10 +132,16 @@ class NumbersPresenter:
             return
         if choices.later is not None and choices.later.operator == operator:
             self._measure(now)
-        if choices.operator == operator and clinic in self._known:
+        if choices.operator == operator:
+            self._show_repeats(wish, operator)
+
+    def _show_repeats(self, wish: ProtocolWish, operator: str) -> None:
+        clinic = _clinic(wish, operator)
+        if clinic in self._known:
             self._view.show_repeats(_repeats(self._known[clinic]))
-        elif choices.operator == operator:
-            self._view.show_repeats(Repeats(wish.protocol, (), _(STOPPED)))
+        else:
+            sentence = _(LOOKING) if clinic in self._looking else _(STOPPED)
+            self._view.show_repeats(Repeats(wish.protocol, (), sentence))
 
     def _start(
         self,

@@ -22,6 +22,8 @@ TITLE_SHARE = 1.2
 EXPORT_RATIO = 2.0
 MARGIN_PX = 12
 ROUNDING = 1e-9
+LETTERS_OF_A_DAY = 14
+"""Under the axis, with air."""
 LEAST_SPANS = {"deg": 2.0, "mm": 6.0, "cm": 1.0, "%": 5.0}
 """An axis shows no less, so that noise does not look like a change."""
 LOOKS_CHANGED = (
@@ -86,8 +88,10 @@ class Plot(QFrame):
             axis.setTextPen(QColor(tokens.text))
             axis.setTickFont(font)
             axis.enableAutoSIPrefix(False)
-            axis.setStyle(hideOverlappingLabels=False)
+            axis.setStyle(hideOverlappingLabels=self._half_label_px())
             axis.tickStrings = tick_texts
+        margins = (1, MARGIN_PX // 2, self._half_label_px(), 1)
+        plot.getPlotItem().layout.setContentsMargins(*margins)
         plot.showGrid(x=False, y=True, alpha=0.25)
         self.draw(plot)
 
@@ -196,6 +200,10 @@ class Plot(QFrame):
         super().resizeEvent(event)
         if event.size().width() != event.oldSize().width() and self._widget is not None:
             self.redraw()
+
+    def _half_label_px(self) -> int:
+        """Return half the width of a date: so far a text below the axis reaches beyond its end."""
+        return LETTERS_OF_A_DAY * self.fontMetrics().averageCharWidth() // 2
 
     def _on_clicked(self, _dots: Any, points: Sequence[Any], _event: Any) -> None:
         if len(points):

@@ -8,12 +8,12 @@ from typing import Protocol
 from adibas.data.sessions import Session
 from adibas.errors import ProtocolError
 from adibas.files import written_whole
-from adibas.measures.protocol_store import find_protocol, protocol_files
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import last_two_alike
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.comparison.content import Choices
+from ui.comparison.known_protocols import KnownProtocols
 from ui.comparison.numbers_presenter import NumbersPresenter, NumbersView
 from ui.comparison.pictures_presenter import PicturesPresenter, PicturesView
 from ui.ports import JobControl
@@ -47,7 +47,9 @@ class ComparisonPresenter:
         self.pictures = PicturesPresenter(view, workspace)
         self.numbers = NumbersPresenter(view, workspace)
         self._choices = Choices()
+        self._protocols = KnownProtocols()
         self._patient: str | None = None
+        self._opened_id: str | None = None
         self._is_protocol_chosen = False
         self._is_seen = False
         self._ends: list[Callable[[], None]] = [
@@ -150,25 +152,44 @@ class ComparisonPresenter:
             self._view.show_nothing("", "")
 
     def _chosen_anew(self, sessions: tuple[Session, ...]) -> Choices:
-        """Return the choices before with what is there now, else the last two of one protocol."""
-        by_id = {one.session_id: one for one in sessions}
-        before = [self._choices.earlier, self._choices.later]
-        kept = [by_id.get(one.session_id) for one in before if one is not None]
-        if len(kept) == TWO and None not in kept:
-            earlier, later = kept
-        else:
-            pair = last_two_alike(sessions) or (*reversed(sessions[:TWO]),)
-            earlier, later = pair if len(pair) == TWO else (None, *pair, None)[:TWO]
+        """Return the choices before with what is there now, else the last two of one protocol.
+
+        Where another session was opened meanwhile it is the later of the two.
+        """
+        earlier, later = self._kept(sessions) or self._pair(sessions)
         choices = replace(
             self._choices,
             sessions=sessions,
             earlier=earlier,
             later=later,
-            protocols=_titles(),
+            protocols=self._protocols.titles(),
         )
         if not self._is_protocol_chosen:
             choices = replace(choices, protocol=self._protocol_of(choices))
         return self._with_operators(choices)
+
+    def _kept(self, sessions: tuple[Session, ...]) -> tuple[Session, Session] | None:
+        """Return what was compared, as it is now; None where it is gone or another is opened."""
+        opened = self._workspace.session
+        opened_id = None if opened is None else opened.session_id
+        is_other, self._opened_id = opened_id != self._opened_id, opened_id
+        by_id = {one.session_id: one for one in sessions}
+        before = (self._choices.earlier, self._choices.later)
+        kept = [by_id.get(one.session_id) for one in before if one is not None]
+        there = [one for one in kept if one is not None]
+        return None if is_other or len(there) < TWO else (there[0], there[1])
+
+    def _pair(self, sessions: tuple[Session, ...]) -> tuple[Session | None, Session | None]:
+        """Return the last two of one protocol, else the last two, else the only one."""
+        opened = self._workspace.session
+        opened_id = "" if opened is None else opened.session_id
+        until = next((one for one in sessions if one.session_id == opened_id), None)
+        found = last_two_alike(sessions, until)
+        if found is not None:
+            return found
+        if len(sessions) < TWO:
+            return None, next(iter(sessions), None)
+        return sessions[1], sessions[0]
 
     def _with_operators(self, choices: Choices) -> Choices:
         names = {one.operator for one in choices.sessions} | {self._workspace.store.operator}
@@ -191,19 +212,8 @@ class ComparisonPresenter:
 
     def _show_numbers(self) -> None:
         try:
-            wish = ProtocolWish(find_protocol(self._choices.protocol))
+            wish = ProtocolWish(self._protocols.find(self._choices.protocol))
         except ProtocolError as error:
             self._workspace.report_problem(error)
             return
         self.numbers.show(self._choices, wish)
-
-
-def _titles() -> tuple[tuple[str, str], ...]:
-    """Return name and title of every protocol that can be read."""
-    titles = []
-    for name in sorted(protocol_files()):
-        try:
-            titles.append((name, find_protocol(name).title.text))
-        except ProtocolError:
-            continue
-    return tuple(titles)

@@ -53,7 +53,7 @@ class RepeatsPage(QWidget):
     def _lay_out(self) -> None:
         for label in (self._title, self._numbers, self._words, self._reasons, self._how):
             label.setWordWrap(True)
-        self._title.setProperty("kind", "title")
+        self._title.setProperty("kind", "heading")
         self._how.setProperty("kind", "quiet")
         right = Scrolled(self)
         right.keep_lines(self._plot, PLOT_LINES)

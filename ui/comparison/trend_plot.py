@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QWidget
 from adibas.data.protocols import ReferenceValue
 from adibas.data.trends import Trend
 from adibas.texts import translate as _
-from ui.comparison.plot import LINE_PX, Plot, spread
+from ui.comparison.plot import LETTERS_OF_A_DAY, LINE_PX, Plot, spread
 from ui.comparison.rows import point_rows
 from ui.theme import Theme
 from ui.widgets.dates import day_text
@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 DAY_S = 86_400.0
 BEAM_SHARE = 0.012
 """Of the width, half the beam at the end of an interval."""
-PADDING = 0.1
-LETTERS_PER_DAY = 14
-"""Of a date under the axis, with air."""
+PADDING = 0.05
 
 
 class TrendPlot(Plot):
@@ -96,7 +94,7 @@ class TrendPlot(Plot):
         center, reach = (times_s[0] + times_s[-1]) / 2, _span(times_s) / 2
         plot.setXRange(center - reach, center + reach, padding=PADDING)
         days = [day_text(point.taken_utc.astimezone().date()) for point in trend.points]
-        room = max(self.width(), 1) / (LETTERS_PER_DAY * self.fontMetrics().averageCharWidth())
+        room = max(self.width(), 1) / (LETTERS_OF_A_DAY * self.fontMetrics().averageCharWidth())
         kept = spaced(times_s, _span(times_s) / max(room - 1, 1))
         ticks = [(times_s[index], days[index]) for index in kept]
         plot.getAxis("bottom").setTicks([ticks, []])

@@ -59,7 +59,7 @@ class TrendsPage(QWidget):
             label.setWordWrap(True)
         self._legend.setProperty("kind", "quiet")
         self._notes.setProperty("kind", "warning")
-        self._title.setProperty("kind", "title")
+        self._title.setProperty("kind", "heading")
         right = Scrolled(self)
         right.keep_lines(self._plot, PLOT_LINES)
         right.keep_lines(self._points, TABLE_LINES)

@@ -1,12 +1,15 @@
 """What begins a session, and below it the sessions that there are."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
 from ui.patients.content import History, PurgeQuestion, Thumbnail
 from ui.patients.history_list import HistoryList
 from ui.patients.purge_dialog import PurgeDialog
+from ui.widgets.flow import in_a_flow
+
+TWO = 2
 
 
 class HistoryPanel(QWidget):
@@ -15,6 +18,8 @@ class HistoryPanel(QWidget):
     start_asked = Signal()
     continue_asked = Signal()
     start_like_last_asked = Signal()
+    compare_asked = Signal(str)
+    """The id of the chosen session; empty for none."""
     opened = Signal(str, object)
     """A session's id, and a capture's or None."""
     delete_asked = Signal(str)
@@ -32,6 +37,7 @@ class HistoryPanel(QWidget):
         self._open, self._delete, self._restore, self._purge = (
             QPushButton(self) for _n in range(4)
         )
+        self._compare = QPushButton(self)
         self._title, self._empty = QLabel(self), QLabel(self)
         self.list = HistoryList(self)
         self.start.setProperty("main", "true")
@@ -42,27 +48,29 @@ class HistoryPanel(QWidget):
         self._connect()
 
     def _lay_out(self) -> None:
-        column, actions = QVBoxLayout(self), QHBoxLayout()
+        column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(8)
         for button in (self.start, self._continue, self._like_last):
             button.setAutoDefault(True)  # Enter presses it
             column.addWidget(button)
         column.addSpacing(8)
-        for button in (self._open, self._delete, self._restore, self._purge):
+        actions = (self._open, self._compare, self._delete, self._restore, self._purge)
+        for button in actions:
             button.setAutoDefault(True)
-            actions.addWidget(button)
-        actions.addStretch(1)
         column.addWidget(self._title)
         column.addWidget(self._empty)
         column.addWidget(self.list, 1)
-        column.addLayout(actions)
+        column.addLayout(in_a_flow(*actions))
         column.addStretch(0)
 
     def _connect(self) -> None:
         self.start.clicked.connect(self.start_asked)
         self._continue.clicked.connect(self.continue_asked)
         self._like_last.clicked.connect(self.start_like_last_asked)
+        self._compare.clicked.connect(
+            lambda: self.compare_asked.emit(self.list.chosen_session() or "")
+        )
         self.list.opened.connect(self.opened)
         self.list.shown_model.pictures_wanted.connect(self.pictures_wanted)
         self.list.selectionModel().currentChanged.connect(self._show_actions)
@@ -84,6 +92,8 @@ class HistoryPanel(QWidget):
         self._title.setText(_("Sessions"))
         self._open.setText(_("O&pen"))
         self._open.setToolTip(_("Review this session (Enter)"))
+        self._compare.setText(_("Co&mpare"))
+        self._compare.setToolTip(_("See what changed between two sessions of this patient"))
         self._delete.setText(_("Delete"))
         self._delete.setToolTip(_("Hide this session; it can be undone (Delete)"))
         self._restore.setText(_("Restore"))
@@ -136,6 +146,11 @@ class HistoryPanel(QWidget):
         self._empty.setText(begin if can_start else _("There is no session."))
         self._empty.setVisible(history is None or not history.sessions)
 
+    def _n_comparable(self) -> int:
+        """Return how many sessions there are with pictures."""
+        sessions = () if self._history is None else self._history.sessions
+        return sum(bool(one.capture_ids) and not one.is_deleted for one in sessions)
+
     def _show_actions(self) -> None:
         """Offer what fits the chosen session."""
         row = self.list.currentIndex().row()
@@ -147,6 +162,7 @@ class HistoryPanel(QWidget):
         self._delete.setVisible(has_list and not is_deleted)
         self._restore.setVisible(has_list and is_deleted)
         self._purge.setVisible(has_list and is_deleted)
+        self._compare.setVisible(has_list and not is_deleted and self._n_comparable() >= TWO)
         self._open.setEnabled(session is not None)
         for button in (self._delete, self._restore, self._purge):
             button.setEnabled(session is not None and can_change)

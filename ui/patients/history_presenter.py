@@ -127,6 +127,13 @@ class HistoryPresenter:
         self._workspace.choose_capture(capture_id)
         self._workspace.show_screen("review")
 
+    def compare(self, session_id: str) -> None:
+        """See what changed until a session; until the last one where none is told."""
+        session = self._listed(session_id)
+        if session is not None and not session.is_deleted:
+            self._workspace.choose_session(session)
+        self._workspace.show_screen("comparison")
+
     def delete(self, session_id: str) -> None:
         """Hide a session; it can be undone."""
         session = self._listed(session_id)

@@ -21,6 +21,8 @@ class Scrolled(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setWidget(content)
+        for part in (self.viewport(), content):
+            part.setAutoFillBackground(False)  # what lies behind shines through
 
     def keep_lines(self, part: QWidget, n_lines: int) -> None:
         """Never make a part lower than so many lines."""
