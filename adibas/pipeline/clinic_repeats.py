@@ -5,6 +5,7 @@ captures of one view in one session are repeats with the same markers. Of a pati
 such days the one with most repeats counts, since between days a patient may have changed.
 """
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
@@ -14,7 +15,7 @@ from adibas.data.reliability import Comparison, Reliability, Repeat
 from adibas.data.sessions import Capture, Session
 from adibas.measures.comparison import compare_sessions
 from adibas.measures.protocol_measures import Capturing, measure_protocol
-from adibas.measures.reliability import reliability_of
+from adibas.measures.reliability import LEAST_REPEATS, reliability_of
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session import Progress
@@ -51,9 +52,7 @@ def measured_captures(
     StoreError
         The session is gone.
     """
-    captures = store.captures.of_session(session_id)
-    known = [capture for capture in captures if capture.view in wish.protocol.views]
-    return tuple(_measured(capture, wish) for capture in known)
+    return tuple(_measured(capture, wish) for capture in _known(store, session_id, wish))
 
 
 def reliability_in_clinic(
@@ -61,6 +60,7 @@ def reliability_in_clinic(
 ) -> ClinicReliability:
     """Return how well each measure repeats in the hands of one operator."""
     repeats: dict[Key, list[Repeat]] = {}
+    listed: set[str] = set()
     rows = store.patients.search("", limit=MOST_PATIENTS)
     for number, row in enumerate(rows):
         if progress is not None:
@@ -70,7 +70,7 @@ def reliability_in_clinic(
             for session in store.sessions.of_patient(row.pseudonym)
             if session.operator == operator
         ]
-        for key, values in _of_patient(store, wish, sessions).items():
+        for key, values in _of_patient(store, wish, sessions, listed).items():
             repeats.setdefault(key, []).extend(values)
     found = {key: reliability_of(values) for key, values in repeats.items()}
     return ClinicReliability(operator, wish, found)
@@ -96,6 +96,11 @@ def compare_stored(
     return compare_sessions(before, after, reliability_in_clinic(store, wish, operator).mdc95())
 
 
+def _known(store: SessionStore, session_id: str, wish: ProtocolWish) -> tuple[Capture, ...]:
+    captures = store.captures.of_session(session_id)
+    return tuple(capture for capture in captures if capture.view in wish.protocol.views)
+
+
 def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
     by_hand = capture.history.placed_by_hand()
     vertical = vertical_of(capture.calibration)
@@ -104,15 +109,24 @@ def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
 
 
 def _of_patient(
-    store: SessionStore, wish: ProtocolWish, sessions: list[Session]
+    store: SessionStore, wish: ProtocolWish, sessions: list[Session], listed: set[str]
 ) -> dict[Key, list[Repeat]]:
-    """Return the repeats of each measure on the day that has most of them."""
+    """Return the repeats of each measure on the day that has most of them.
+
+    A day without repeats tells nothing and is not measured, but for views that are not `listed`
+    yet: a measure without repeats is told as well.
+    """
     best: dict[Key, list[Repeat]] = {}
     ordered = sorted(sessions, key=lambda session: session.started_utc)
     for _day, some in groupby(ordered, key=lambda session: session.started_utc.date()):
+        visits = [_known(store, session.session_id, wish) for session in some]
+        counts = Counter(capture.view for captures in visits for capture in captures)
+        if max(counts.values(), default=0) < LEAST_REPEATS and set(counts) <= listed:
+            continue
+        listed |= set(counts)
         found: dict[Key, list[Repeat]] = {}
-        for session in some:
-            for key, repeat in _of_session(store, wish, session, found):
+        for captures in visits:
+            for key, repeat in _of_session(wish, captures, sessions[0].patient, found):
                 found.setdefault(key, []).append(repeat)
         for key, repeats in found.items():
             if len(repeats) >= len(best.get(key, ())):
@@ -121,15 +135,19 @@ def _of_patient(
 
 
 def _of_session(
-    store: SessionStore, wish: ProtocolWish, session: Session, earlier: dict[Key, list[Repeat]]
+    wish: ProtocolWish,
+    captures: tuple[Capture, ...],
+    patient: str,
+    earlier: dict[Key, list[Repeat]],
 ) -> Iterator[tuple[Key, Repeat]]:
     seen = set(earlier)  # before anything of this session is added to it
     told: set[Key] = set()
-    for measures in measured_captures(store, session.session_id, wish):
+    for capture in captures:
+        measures = _measured(capture, wish)
         for result in measures.results:
             if result.main is None:
                 continue
             key = (measures.view, result.definition.measure_id)
             value = result.main.value / result.definition.per_unit
-            yield key, Repeat(session.patient, value, key in seen and key not in told)
+            yield key, Repeat(patient, value, key in seen and key not in told)
             told.add(key)
