@@ -41,6 +41,8 @@ class Preferences:
         Of the countdown.
     countdown_s, burst_frames : int
         Of a capture.
+    wand_length_mm : float
+        Of the wand that was measured last.
     recent_recordings : tuple of str
         Paths, newest first.
     store : str
@@ -61,6 +63,7 @@ class Preferences:
     has_sound: bool = True
     countdown_s: int = 3
     burst_frames: int = 30
+    wand_length_mm: float = 500.0
     recent_recordings: tuple[str, ...] = ()
     store: str = ""
     report_folder: str = ""

@@ -14,6 +14,8 @@ from adibas.data.sentence import Sentence
 from adibas.geometry.uncertainty import uncertain_distances
 from adibas.texts import message
 
+MILLIMETRES = 1000.0
+
 
 class WandResult(Enum):
     """What came of the check."""
@@ -67,18 +69,39 @@ class WandCheck:
         As it is, and as measured.
     interval_m : (float, float)
         Holds what was measured in 95 % of cases, by the instrument's own account.
-    result : WandResult
-        Passed: the truth lies within interval and tolerance. Unsure: the interval is wider than
-        the tolerance to either side, so that passing would say nothing.
-    sentence : Sentence
-        For the reader.
+    tolerance_m : float
+        How far from the truth was still good.
     """
 
     length_m: float
     measured_m: float
     interval_m: tuple[float, float]
-    result: WandResult
-    sentence: Sentence
+    tolerance_m: float
+
+    @property
+    def result(self) -> WandResult:
+        """Passed: the truth lies within interval and tolerance.
+
+        Unsure: the interval is wider than the tolerance to either side, so that passing would say
+        nothing.
+        """
+        low_m, high_m = self.interval_m
+        if not low_m - self.tolerance_m <= self.length_m <= high_m + self.tolerance_m:
+            return WandResult.FAILED
+        is_wide = 0.5 * (high_m - low_m) > self.tolerance_m
+        return WandResult.UNSURE if is_wide else WandResult.PASSED
+
+    @property
+    def sentence(self) -> Sentence:
+        """What came of it, for the reader."""
+        fields = {
+            "length_mm": MILLIMETRES * self.length_m,
+            "measured_mm": MILLIMETRES * self.measured_m,
+            "low_mm": MILLIMETRES * self.interval_m[0],
+            "high_mm": MILLIMETRES * self.interval_m[1],
+            "tolerance_mm": MILLIMETRES * self.tolerance_m,
+        }
+        return Sentence(TEXTS[self.result], fields)
 
 
 def check_wand(
@@ -111,18 +134,4 @@ def check_wand(
     found = uncertain_distances(ends_m[None], covariance_m2[None])
     measured_m = float(found.values[0])
     low_m, high_m = (float(value) for value in found.intervals[0])
-    tolerance_m = params.tolerance_m
-    if not low_m - tolerance_m <= length_m <= high_m + tolerance_m:
-        result = WandResult.FAILED
-    elif 0.5 * (high_m - low_m) > tolerance_m:
-        result = WandResult.UNSURE
-    else:
-        result = WandResult.PASSED
-    fields = {
-        "length_mm": 1000.0 * length_m,
-        "measured_mm": 1000.0 * measured_m,
-        "low_mm": 1000.0 * low_m,
-        "high_mm": 1000.0 * high_m,
-        "tolerance_mm": 1000.0 * tolerance_m,
-    }
-    return WandCheck(length_m, measured_m, (low_m, high_m), result, Sentence(TEXTS[result], fields))
+    return WandCheck(length_m, measured_m, (low_m, high_m), params.tolerance_m)

@@ -28,6 +28,8 @@ class SessionSetup:
         How far the picture is turned clockwise for showing; the sensor is mounted the other way.
     protocol : str
         Name of the protocol; empty for free measures.
+    wand : Mapping or None
+        The content of the last check with a wand, ``{"format": "adibas-wand", ...}``.
     """
 
     source: str = "simulator"
@@ -35,6 +37,7 @@ class SessionSetup:
     markers: Mapping[str, object] | None = None
     rotation_deg: int = 0
     protocol: str = ""
+    wand: Mapping[str, object] | None = None
 
     def __post_init__(self) -> None:
         if self.rotation_deg not in ROTATIONS_DEG:

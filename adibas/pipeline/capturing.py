@@ -120,20 +120,16 @@ def take_capture(
     RecordingError, StoreError
         The store cannot be written, or the disk is full or too slow.
     """
-    info, calibration = live.state.info, live.calibration
+    info = live.state.info
     if info is None:
         raise SensorError("No sensor is live. Choose a source and wait for its picture.")
-    if calibration is None:
-        raise CalibrationError(
-            "This source brings no calibration, so nothing can be measured. Give one for it, or "
-            "choose another source."
-        )
+    calibration = calibration_in_use(live)
     params, begun_utc = live.params, clock()
     writer = store.recordings.create(request.session_id, info)
     with ExitStack() as undo:
         undo.callback(writer.abandon)
         try:
-            burst = _recorded(live, writer, request.n_frames, progress)
+            burst = record_burst(live, writer, request.n_frames, progress)
             findings = analyse_capture(burst, calibration, request.target, params, progress)
             writer.close()
         except AdibasError as error:
@@ -157,6 +153,22 @@ def take_capture(
         notices=findings.notices,
     )
     return store.captures.add(request.session_id, new, findings.picture_rgb, findings.surface)
+
+
+def calibration_in_use(live: LiveView) -> RgbdCalibration:
+    """Return the calibration that a live view measures with.
+
+    Raises
+    ------
+    CalibrationError
+        There is none.
+    """
+    if live.calibration is None:
+        raise CalibrationError(
+            "This source brings no calibration, so nothing can be measured. Give one for it, or "
+            "choose another source."
+        )
+    return live.calibration
 
 
 def analyse_capture(
@@ -184,7 +196,7 @@ def analyse_capture(
         notices.append(NOT_SOUGHT)
     else:
         try:
-            found = analyse_burst(_counted(burst, progress), calibration, target, params)
+            found = analyse_burst(counted(burst, progress), calibration, target, params)
         except MarkerError as error:
             notices.append(error.message_id)  # shown in the reader's language later
         else:
@@ -207,15 +219,17 @@ def _surface(burst: Burst, calibration: RgbdCalibration, params: PostureParams) 
     )
 
 
-def _counted(burst: Burst, progress: Progress) -> Iterator[RgbdFrame]:
+def counted(burst: Burst, progress: Progress) -> Iterator[RgbdFrame]:
     """Give the frames and tell of each: the second half of the work."""
     for done, frame in enumerate(burst, 1):
         progress(len(burst) + done, 2 * len(burst))
         yield frame
 
 
-def _recorded(live: LiveView, writer: RecordingWriter, n_frames: int, progress: Progress) -> Burst:
-    """Wait for a burst; `progress` may raise to cancel it."""
+def record_burst(
+    live: LiveView, writer: RecordingWriter, n_frames: int, progress: Progress
+) -> Burst:
+    """Wait for a burst that goes into `writer`; what `progress` raises cancels it."""
     future = live.capture(n_frames, writer)
     try:
         while not wait([future], timeout=POLL_S).done:

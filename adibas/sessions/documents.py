@@ -71,6 +71,8 @@ def provenance_from_json(text: str) -> Provenance:
 
 def setup_to_json(setup: SessionSetup) -> str:
     """Return the line of `setup`."""
+    # What was not done is left out, so that a program from before this key reads the line.
+    wand = {} if setup.wand is None else {"wand": dict(setup.wand)}
     return to_json(
         {
             "source": setup.source,
@@ -78,6 +80,7 @@ def setup_to_json(setup: SessionSetup) -> str:
             "markers": None if setup.markers is None else dict(setup.markers),
             "rotation_deg": setup.rotation_deg,
             "protocol": setup.protocol,
+            **wand,
         }
     )
 

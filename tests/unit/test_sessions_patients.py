@@ -185,7 +185,12 @@ def test_a_hidden_patient_comes_back(store):
 
 def test_a_session_keeps_how_it_was_taken(folder):
     setup = SessionSetup(
-        "openni2", (640, 480), {"format": "adibas-leds", "n": [1, 2.5]}, 90, "plumb line"
+        "openni2",
+        (640, 480),
+        {"format": "adibas-leds", "n": [1, 2.5]},
+        90,
+        "plumb line",
+        {"format": "adibas-wand", "interval_m": [0.499, 0.503]},
     )
     with open_sample(folder, operator="Berta") as store:
         patient = store.patients.add(IDENTITY)

@@ -222,22 +222,25 @@ class ShutterPanel(QWidget):
 
     capture_asked = Signal()
     learn_asked = Signal()
+    wand_asked = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._readiness = QLabel(self)
         self._readiness.setWordWrap(True)
         self._readiness.setProperty("kind", "warning")
-        self._learn, self._capture = QPushButton(self), QPushButton(self)
+        self._learn, self._capture, self._wand = (QPushButton(self) for _number in range(3))
         self._capture.setProperty("main", "true")
         self._capture.setShortcut(QKeySequence("Ctrl+Return"))
         self._capture.clicked.connect(self.capture_asked)
         self._learn.clicked.connect(self.learn_asked)
+        self._wand.clicked.connect(self.wand_asked)
         self._can_stop = self._is_ready = False
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         row = QHBoxLayout()
-        row.addWidget(self._learn)
+        row.addWidget(self._learn, 1)
+        row.addWidget(self._wand)
         layout.addWidget(self._readiness)
         layout.addLayout(row)
         layout.addWidget(self._capture)
@@ -245,6 +248,8 @@ class ShutterPanel(QWidget):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._learn.setText(_("&Learn the marker colour"))
+        self._wand.setText(_("Wan&d..."))
+        self._wand.setToolTip(_("Check with a wand of known length that the sensor measures well"))
         shortcut = self._capture.shortcut()
         self._capture.setText(_("Stop") if self._can_stop else _("&Capture this view"))
         self._capture.setShortcut(shortcut)
@@ -265,7 +270,8 @@ class ShutterPanel(QWidget):
 
     def _enable(self) -> None:
         self._capture.setEnabled(self._is_ready or self._can_stop)
-        self._learn.setEnabled(not self._can_stop)
+        for button in (self._learn, self._wand):
+            button.setEnabled(not self._can_stop)
 
 
 def _icon(picture_rgb: UInt8Array | None) -> QIcon:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from adibas.clock import utc_now
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
 from adibas.pipeline.capturing import CaptureRequest, take_capture
@@ -16,6 +17,7 @@ from ui.capture.ports import CaptureView
 from ui.capture.source_presenter import Look, SourcePresenter
 from ui.capture.sources import find_sources, view_title
 from ui.capture.taken import TakenViews
+from ui.capture.wand_presenter import WandPresenter, WandView, without_old_wand
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
 
@@ -106,6 +108,15 @@ class CapturePresenter:
         """Go to the learner."""
         self._workspace.show_screen("markers")
 
+    def may_check_wand(self) -> bool:
+        """Say whether a wand may be measured now; tell why not."""
+        return self._is_free()
+
+    def check_wand(self, dialog: WandView) -> WandPresenter:
+        """Return what measures a wand for a dialog; what it finds is kept with the session."""
+        sources = self.sources
+        return WandPresenter(dialog, self._workspace, sources.note_wand, sources.setup.wand)
+
     def review(self, view: str) -> None:
         """Look at the last capture of a view."""
         capture = self._taken.captures.get(view)
@@ -189,6 +200,7 @@ class CapturePresenter:
         if workspace.target is not None and (session is None or session.setup.markers is None):
             setup = replace(setup, markers=target_to_document(workspace.target))
         if session is None and patient is not None:
+            setup = without_old_wand(setup, utc_now())
             workspace.choose_session(sessions.start(patient.pseudonym, setup))
         elif session is not None and setup is not self.sources.setup:
             workspace.choose_session(sessions.change(session.session_id, setup=setup))

@@ -1,6 +1,6 @@
 """Which sensor is shown, and how it stands. Knows nothing of Qt."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,13 +64,13 @@ class SourcePresenter:
     def choose_source(self, source: str) -> None:
         """Show another sensor, the simulator, or a recording."""
         if self._may_change():
-            self._change(replace(self.setup, source=source))
+            self._change(replace(self.setup, source=source, wand=None))
 
     def open_recording(self, path: Path) -> None:
         """Replay a recording as if it were a sensor."""
         if self._may_change():
             self._workspace.preferences.add_recent(path)
-            self._change(replace(self.setup, source=str(path)))
+            self._change(replace(self.setup, source=str(path), wand=None))
             self._show(usual_sources(self._workspace.preferences.now.recent_recordings))
 
     def choose_size(self, color_size: tuple[int, int]) -> None:
@@ -82,6 +82,10 @@ class SourcePresenter:
         """Turn the picture by a quarter, for a sensor mounted on its side."""
         rotation_deg = (self.setup.rotation_deg + 90) % 360
         self._change(replace(self.setup, rotation_deg=rotation_deg))
+
+    def note_wand(self, document: Mapping[str, object]) -> None:
+        """Keep a check with a wand with the session, or with the next one that is started."""
+        self._change(replace(self.setup, wand=document))
 
     def use(self, setup: SessionSetup) -> None:
         """Use this set-up from now on."""

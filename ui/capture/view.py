@@ -24,6 +24,7 @@ from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import SourceChoice
 from ui.capture.status_line import StatusLine
+from ui.capture.wand_dialog import WandDialog
 from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
 from ui.widgets.shown_picture import Coloring
@@ -98,6 +99,7 @@ class CaptureScreen(Screen):
         self._views.review_asked.connect(presenter.review)
         self._shutter.capture_asked.connect(presenter.capture)
         self._shutter.learn_asked.connect(presenter.learn_markers)
+        self._shutter.wand_asked.connect(self._check_wand)
         self._calibrate.clicked.connect(presenter.calibration_age.calibrate)
 
     def retranslate(self) -> None:
@@ -213,6 +215,13 @@ class CaptureScreen(Screen):
         text = "\n".join(_(hint) for hint in hints)
         if self._hints.text() != text:
             self._hints.setText(text)
+
+    def _check_wand(self) -> None:
+        if not self._presenter.may_check_wand():
+            return
+        dialog = WandDialog(self)
+        dialog.bind(self._presenter.check_wand(dialog))
+        dialog.open()
 
     def _ask_recording(self) -> None:
         dialog = QFileDialog(self, _("Open a recording"))
