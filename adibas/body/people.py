@@ -48,6 +48,8 @@ class PeopleParams:
         Of the outline 2 to 12 cm and 28 to 42 cm below its top: 0.08 to 0.25, and 0.18 to 0.75.
     head_share : float
         The head is at most so wide as this share of the shoulders: 0.8.
+    known_m : float
+        Whoever was so near a moment ago is there still: 0.2.
     table_heights_m : (float, float)
         Where tops of tables are looked for: 0.3 to 1.2.
     table_area_m2 : float
@@ -65,6 +67,7 @@ class PeopleParams:
     head_width_m: tuple[float, float] = (0.08, 0.25)
     shoulders_width_m: tuple[float, float] = (0.18, 0.75)
     head_share: float = 0.8
+    known_m: float = 0.2
     table_heights_m: tuple[float, float] = (0.3, 1.2)
     table_area_m2: float = 0.15
     table_band_m: float = 0.025
@@ -76,6 +79,7 @@ def find_people(
     depth_camera: CameraCalibration,
     floor: Plane | None = None,
     params: PeopleParams | None = None,
+    known_m: FloatArray | None = None,
 ) -> tuple[BodyMask, ...]:
     """Return a mask of each person, the nearest first.
 
@@ -88,6 +92,9 @@ def find_people(
     floor : Plane or None
         In the depth camera's axes, normal up; without it tables stay, and nobody is found who
         sits behind something.
+    known_m : (N, 3) array or None
+        Middles of the people of a moment ago: whoever is there still needs no head above the
+        rest, and may hold a hand over it.
     """
     params = params or PeopleParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
@@ -100,7 +107,12 @@ def find_people(
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
     pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
     surfaces = Surfaces(labels, moments, inverse_depth, heights_m, pixel_rad)
-    bodies = find_persons(surfaces, params.body, lambda label: has_head(surfaces, label, params))
+
+    def is_seated(label: int) -> bool:
+        middle_m = moments[label, 1:4] / moments[label, 0]
+        return _is_known(middle_m, known_m, params) or has_head(surfaces, label, params)
+
+    bodies = find_persons(surfaces, params.body, is_seated)
     bodies = sorted(bodies, key=lambda label: moments[label, 3] / moments[label, 0])
     return _masks(surfaces, bodies[: params.most_people], depth_m, params.body)
 
@@ -136,6 +148,13 @@ def _owners(surfaces: Surfaces, bodies: list[int], params: BodyParams) -> IntArr
     for number, body in enumerate(bodies):
         owners[body] = number
     return owners
+
+
+def _is_known(middle_m: FloatArray, known_m: FloatArray | None, params: PeopleParams) -> bool:
+    """Say whether somebody was there a moment ago."""
+    if known_m is None or not len(known_m):
+        return False
+    return bool(np.linalg.norm(known_m - middle_m, axis=1).min() < params.known_m)
 
 
 def has_head(surfaces: Surfaces, label: int, params: PeopleParams) -> bool:

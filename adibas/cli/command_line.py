@@ -25,6 +25,7 @@ COMMANDS = (
     "demo",
     "posture",
     "movement",
+    "pose",
     "skeleton",
     "calibrate",
     "wand",
@@ -36,6 +37,8 @@ COMMANDS = (
     "doctor",
     "gestures",
     "limbs",
+    "behaviour",
+    "coding",
     "benchmark",
 )
 

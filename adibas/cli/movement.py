@@ -29,6 +29,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("learned colours, or led for LED markers; not for a JOINTS.csv"),
     )
     parser.add_argument(
+        "--markerless",
+        action="store_true",
+        help=_("find the joints in the depth alone, without markers"),
+    )
+    parser.add_argument(
+        "--model",
+        type=Path,
+        metavar="model.npz",
+        help=_("of limbs, with --markerless; the program's own if not given"),
+    )
+    parser.add_argument(
         "--calibration",
         type=Path,
         metavar=_("FILE"),
@@ -41,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--person",
         type=positive_count,
         metavar="N",
-        help=_("of a JOINTS.csv with several people; the one who was seen longest if not given"),
+        help=_("where there are several people; the one who was seen longest if not given"),
     )
     parser.add_argument(
         "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
@@ -77,14 +88,12 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
                 endings=", ".join(MOVEMENT_KINDS),
             )
         check_place(path)
-    if not arguments.markers and arguments.source.suffix.lower() != JOINT_FILE:
-        raise MarkerError(
-            "How are the markers found? Give --markers led, or --markers and a file of colours "
-            "from adibas markers learn."
-        )
+    _check_markers(arguments, is_table=arguments.source.suffix.lower() == JOINT_FILE)
     request = MovementRequest(
         arguments.source,
         arguments.markers,
+        arguments.markerless,
+        arguments.model,
         arguments.calibration,
         arguments.view,
         arguments.patient,
@@ -107,3 +116,13 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         )
     console.give(movement_to_json(movement))
     return 0
+
+
+def _check_markers(arguments: argparse.Namespace, *, is_table: bool) -> None:
+    if arguments.markers and arguments.markerless:
+        raise MarkerError("Give --markers or --markerless, not both.")
+    if not (arguments.markers or arguments.markerless or is_table):
+        raise MarkerError(
+            "How are the joints found? Give --markers led, --markers and a file of colours from "
+            "adibas markers learn, or --markerless."
+        )

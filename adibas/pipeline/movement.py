@@ -1,6 +1,6 @@
 """From a moving recording, or a table of joints, to joint angles over time."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -25,6 +25,8 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import MovementParams, MovementSource, measure_movement
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.learning import read_target
+from adibas.pipeline.pose import PoseRequest, pose_recording
+from adibas.pipeline.pose_following import PoseParams
 from adibas.pipeline.posture import (
     N_THREADS,
     MarkerTarget,
@@ -40,6 +42,7 @@ from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.recordings.ports import RecordingReader
+from adibas.skeleton.sides import BACK, FRONT
 from adibas.skeleton.tracking import NameTracker
 from adibas.texts import message
 
@@ -67,16 +70,22 @@ class MovementRequest:
         A recording, or a table of joints (``.csv``).
     markers : str
         A file of learned colours, or ``led``; of no use for a table.
+    is_markerless : bool
+        Joints are found in the depth alone, see `adibas.pipeline.pose`.
+    model : Path or None
+        Of limbs, without markers; None: the shipped one.
     calibration : Path or None
         In place of the recording's own.
     view, patient : str
         Of the first frame, one of `VIEWS` or empty; a pseudonym or empty.
     person : int or None
-        Of a table; None: the one who was seen longest.
+        Of a table, or without markers; None: the one who was seen longest.
     """
 
     source: Path
     markers: str = ""
+    is_markerless: bool = False
+    model: Path | None = None
     calibration: Path | None = None
     view: str = ""
     patient: str = ""
@@ -98,9 +107,13 @@ def measure_moving(
         The recording has no calibration, or one for another resolution.
     MarkerError
         No joint was found in any frame, or the colour model fits everything.
+    LimbError
+        Nobody was found without markers.
     """
     if request.source.suffix.lower() == JOINT_FILE:
         return _of_table(request, clock)
+    if request.is_markerless:
+        return _without_markers(request, progress, clock)
     return _of_recording(request, progress, clock)
 
 
@@ -109,13 +122,7 @@ def _of_table(request: MovementRequest, clock: Clock) -> Movement:
     tracks = {track.person: track for track in read.tracks}
     longest = max(read.tracks, key=lambda track: int(track.seen.any(axis=1).sum()))
     person = longest.person if request.person is None else request.person
-    if person not in tracks:
-        raise RecordingError(
-            "{file} has no person {person}. Choose one of: {people}.",
-            file=request.source.name,
-            person=person,
-            people=", ".join(map(str, sorted(tracks))),
-        )
+    _check_person(request.source, tracks, person)
     notices = read.notices
     if len(tracks) > 1:
         notices += (Sentence(OTHER_PEOPLE, {"n": len(tracks), "person": person}),)
@@ -126,8 +133,43 @@ def _of_table(request: MovementRequest, clock: Clock) -> Movement:
         to_text(clock()),
         asdict(request.movement),
     )
-    source = MovementSource("unknown", provenance, request.patient, None, notices)
+    source = MovementSource(read.origin, provenance, request.patient, None, notices)
     return measure_movement(tracks[person], source, request.movement)
+
+
+def _without_markers(request: MovementRequest, progress: Progress, clock: Clock) -> Movement:
+    """Measure what is found in the depth alone; in the depth camera's axes."""
+    view = request.view if request.view in {FRONT, BACK} else ""
+    posed = pose_recording(
+        PoseRequest(
+            request.source,
+            request.model,
+            request.calibration,
+            pose=PoseParams(view=view),
+        ),
+        progress,
+        clock,
+    )
+    tracks = {track.person: track for track in posed.tracks}
+    person = posed.tracks[0].person if request.person is None else request.person
+    _check_person(request.source, tracks, person)
+    notices = posed.notices
+    if len(tracks) > 1:
+        notices += (Sentence(OTHER_PEOPLE, {"n": len(tracks), "person": person}),)
+    parameters = {**posed.provenance.parameters, **asdict(request.movement)}
+    provenance = replace(posed.provenance, parameters=parameters)
+    source = MovementSource("markerless", provenance, request.patient, posed.up, notices)
+    return measure_movement(tracks[person], source, request.movement)
+
+
+def _check_person(source: Path, tracks: Mapping[int, SkeletonTrack], person: int) -> None:
+    if person not in tracks:
+        raise RecordingError(
+            "{file} has no person {person}. Choose one of: {people}.",
+            file=source.name,
+            person=person,
+            people=", ".join(map(str, sorted(tracks))),
+        )
 
 
 def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) -> Movement:

@@ -1,7 +1,8 @@
 """Joints over time as a table: `joints.csv`, one row a frame and person.
 
 Columns: ``timestamp_s``, optionally ``person``, then ``<joint>_x_m``, ``<joint>_y_m``,
-``<joint>_z_m`` and ``<joint>_confidence`` for each joint; an empty cell means not seen.
+``<joint>_z_m`` and ``<joint>_confidence`` for each joint; an empty cell means not seen. A last
+column ``origin`` may say where the joints come from: ``markers`` or ``markerless``.
 """
 
 import csv
@@ -15,6 +16,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray
 from adibas.data.joints import JOINT_NAMES
+from adibas.data.movement import Origin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import NS_PER_S, SkeletonTrack
 from adibas.errors import RecordingError
@@ -23,16 +25,21 @@ from adibas.texts import message
 
 SUFFIX = ".joints.csv"
 ROWS_A_BLOCK = 5000
+ORIGIN = "origin"
 PARTS = ("x_m", "y_m", "z_m", "confidence")
 COLUMNS = tuple(f"{joint}_{part}" for joint in JOINT_NAMES for part in PARTS)
 
 
 @dataclass(frozen=True, slots=True)
 class JointFile:
-    """What a file of joints holds, one track for each person, and what was left out of it."""
+    """What a file of joints holds, one track for each person, and what was left out of it.
+
+    `origin` is where the joints come from, as far as every row says the same.
+    """
 
     tracks: tuple[SkeletonTrack, ...]
     notices: tuple[Sentence, ...] = ()
+    origin: Origin = "unknown"
 
 
 def recording_name(path: Path) -> str:
@@ -54,7 +61,7 @@ def read_joints_csv(path: Path) -> JointFile:
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            cells = _read(path, file)
+            cells, origin = _read(path, file)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingError(
             "{file} cannot be read: {reason}. Check that it is a table of joints (CSV).",
@@ -67,11 +74,15 @@ def read_joints_csv(path: Path) -> JointFile:
         kept, said = _forward(path, rows)
         notices += said
         tracks.append(_track(rows[kept], int(person)))
-    return JointFile(tuple(tracks), tuple(notices))
+    return JointFile(tuple(tracks), tuple(notices), origin)
 
 
-def write_joints_csv(path: Path, tracks: Sequence[SkeletonTrack]) -> None:
+def write_joints_csv(
+    path: Path, tracks: Sequence[SkeletonTrack], origin: Origin = "unknown"
+) -> None:
     """Write joints over time, frames of all persons in the order of their times.
+
+    Where `origin` is known, a last column says it in every row.
 
     Raises
     ------
@@ -80,8 +91,9 @@ def write_joints_csv(path: Path, tracks: Sequence[SkeletonTrack]) -> None:
     """
     with written_whole(path) as unfinished, unfinished.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("timestamp_s", "person", *COLUMNS))
-        writer.writerows(_rows(tracks))
+        is_known = origin != "unknown"
+        writer.writerow(("timestamp_s", "person", *COLUMNS, *([ORIGIN] if is_known else [])))
+        writer.writerows([*row, origin] if is_known else row for row in _rows(tracks))
 
 
 def _rows(tracks: Sequence[SkeletonTrack]) -> Iterator[list[str]]:
@@ -98,8 +110,8 @@ def _rows(tracks: Sequence[SkeletonTrack]) -> Iterator[list[str]]:
         yield [f"{seconds}.{rest:09d}", str(person), *texts]
 
 
-def _read(path: Path, file: TextIO) -> FloatArray:
-    """Return (rows, 2 + 60): time, person, and the cells in the order of `COLUMNS`."""
+def _read(path: Path, file: TextIO) -> tuple[FloatArray, Origin]:
+    """Return (rows, 2 + 60): time, person, and the cells in the order of `COLUMNS`; the origin."""
     reader = csv.reader(file)
     header = [name.strip() for name in next(reader, [])]
     if "timestamp_s" not in header or not set(header) & set(COLUMNS):
@@ -111,15 +123,25 @@ def _read(path: Path, file: TextIO) -> FloatArray:
     wanted = ("timestamp_s", "person", *COLUMNS)
     places = [(k, header.index(name)) for k, name in enumerate(wanted) if name in header]
     blocks = []
+    origins: set[str] = set()
     while rows := list(islice(reader, ROWS_A_BLOCK)):
         line = reader.line_num - len(rows) + 1
         rows = [row for row in rows if row]
         block = np.full((len(rows), len(wanted)), np.nan)
         for into, column in places:
             block[:, into] = _numbers(path, rows, column, line)
+        if ORIGIN in header:
+            at = header.index(ORIGIN)
+            origins |= {row[at].strip() if at < len(row) else "" for row in rows}
         blocks.append(block)
     cells = np.concatenate(blocks) if blocks else np.empty((0, len(wanted)))
-    return _checked(path, cells)
+    return _checked(path, cells), _origin_of(origins)
+
+
+def _origin_of(found: set[str]) -> Origin:
+    if found == {"markers"}:
+        return "markers"
+    return "markerless" if found == {"markerless"} else "unknown"
 
 
 def _numbers(path: Path, rows: list[list[str]], column: int, line: int) -> list[float]:

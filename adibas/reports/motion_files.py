@@ -73,17 +73,21 @@ def write_c3d(movement: Movement, path: Path) -> None:
 def write_trc(movement: Movement, path: Path) -> None:
     """Write the fifteen joints; empty where not seen.
 
+    The format has no place for where joints come from: the first line, which no program reads,
+    says it after the name where they were found without markers.
+
     Raises
     ------
     FileError
         The disk is full, or the folder cannot be written.
     """
+    origin = " (markerless)" if movement.origin == "markerless" else ""
     right, away, up = upright_axes(movement.up)
     places_mm = MM_PER_M * movement.joints_m @ np.stack([away, up, right]).T
     rate = f"{_rate_hz(movement):.6g}"
     n_frames, n_joints = places_mm.shape[:2]
     head = [
-        f"PathFileType\t4\t(X/Y/Z)\t{path.name}",
+        f"PathFileType\t4\t(X/Y/Z)\t{path.name}{origin}",
         TRC_FIELDS,
         f"{rate}\t{rate}\t{n_frames}\t{n_joints}\tmm\t{rate}\t1\t{n_frames}",
         "Frame#\tTime\t" + "\t\t\t".join(JOINT_NAMES) + "\t\t",

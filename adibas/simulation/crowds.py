@@ -30,6 +30,8 @@ from adibas.simulation.rotations import about
 from adibas.simulation.studio import mesh_in
 
 FURNITURE_ECHO = 0.4
+SKIN_M = 0.18
+"""A joint lies at most so deep under the skin before it: the torso's of a heavy adult."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,18 +47,19 @@ class PersonTruth:
     visible_share : float
         Of the person's surface that the sensor would see if nothing stood in the way and the
         image were larger.
-    joint_shares : (15,) array
-        The same for the surface within 12 cm of each joint.
+    in_view : (15,) bool array
+        Whether the sensor sees the person's own skin before the joint: where the joint is in the
+        image, nearer by `SKIN_M` at most. The far shoulder of somebody seen from the side is not.
     """
 
     person: int
     joints_m: FloatArray
     visible_share: float
-    joint_shares: FloatArray
+    in_view: BoolArray
 
     def __post_init__(self) -> None:
         read_only(self.joints_m)
-        read_only(self.joint_shares)
+        read_only(self.in_view)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,20 +199,25 @@ class CrowdScene:
         self, number: int, posed: PosedBody, alone: Float32Array, shown: BoolArray
     ) -> PersonTruth:
         joints_m = self.depth_from_world.apply(posed.joints_m)
-        rows, columns = np.nonzero(alone > 0)
-        z_m = 1.0 / alone[rows, columns]
-        rays = self._backdrop.rays[rows, columns]
-        points_m = np.column_stack([rays * z_m[:, None], z_m])
-        areas = z_m**2
-        is_shown = shown[rows, columns]
         whole = _whole_share(self.depth_from_world.apply(posed.vertices_m), self._lens, alone.shape)
-        share = float(areas[is_shown].sum() / max(areas.sum(), 1e-9)) * whole
-        near = [np.linalg.norm(points_m - joint, axis=1) < 0.12 for joint in joints_m]  # noqa: PLR2004
-        shares = [
-            float(areas[one & is_shown].sum() / areas[one].sum()) if one.any() else 0.0
-            for one in near
-        ]
-        return PersonTruth(number, joints_m, share, np.array(shares))
+        areas = np.square(1.0 / alone[alone > 0])
+        seen_share = float(areas[shown[alone > 0]].sum() / max(areas.sum(), 1e-9))
+        return PersonTruth(
+            number, joints_m, seen_share * whole, self._in_view(joints_m, alone, shown)
+        )
+
+    def _in_view(self, joints_m: FloatArray, alone: Float32Array, shown: BoolArray) -> BoolArray:
+        k = self._camera.intrinsics
+        z_m = joints_m[:, 2]
+        columns = np.rint(k.fx * joints_m[:, 0] / z_m + k.cx).astype(np.int64)
+        rows = np.rint(k.fy * joints_m[:, 1] / z_m + k.cy).astype(np.int64)
+        inside = (rows >= 0) & (columns >= 0) & (rows < shown.shape[0]) & (columns < shown.shape[1])
+        inside &= z_m > 0
+        seen = np.zeros(len(joints_m), np.bool_)
+        rows, columns = rows[inside], columns[inside]
+        near_skin = alone[rows, columns] < 1.0 / (z_m[inside] - SKIN_M)
+        seen[inside] = shown[rows, columns] & near_skin
+        return seen
 
 
 class _Picture:

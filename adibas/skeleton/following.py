@@ -24,6 +24,8 @@ class FollowParams:
     ----------
     unseen_cost : float
         Of a joint that is not seen: 2.5; a place is taken for worse than that.
+    place_error_m : float
+        Of a proposed place, standard deviation; both ends of a bone have it: 0.035.
     most_bone_cost : float
         Of a bone that cannot be: 6.
     most_jump_cost : float
@@ -43,6 +45,7 @@ class FollowParams:
     """
 
     unseen_cost: float = 2.5
+    place_error_m: float = 0.035
     most_bone_cost: float = 6.0
     most_jump_cost: float = 2.0
     still_m: float = 0.05
@@ -106,6 +109,7 @@ class PersonFollower:
         proposals = self.sides.kept(proposals, time_s)
         places_m = np.ascontiguousarray(proposals.positions_m)
         lengths_m, spreads_m = self.size.bones_m(self.size.guess_m(places_m[:, 0]))
+        spreads_m = np.sqrt(spreads_m**2 + 2.0 * self._params.place_error_m**2)
         costs = self._costs(proposals, time_s)
         tree = (np.array(PARENTS, np.int64), np.array(ORDER, np.int64))
         chosen, margins = choose(

@@ -14,8 +14,8 @@ class SizeParams:
 
     Attributes
     ----------
-    mean_m, sd_m : float
-        Stature before anything is seen: 1.55 and 0.3, children from 6 years to tall adults.
+    mean_m : float
+        Stature before anything is seen: 1.55, between children of 6 years and tall adults.
     range_m : (float, float)
         Statures that are believed: 0.95 to 2.1.
     first_spread : float
@@ -27,7 +27,6 @@ class SizeParams:
     """
 
     mean_m: float = 1.55
-    sd_m: float = 0.3
     range_m: tuple[float, float] = (0.95, 2.1)
     first_spread: float = 0.25
     n_own: int = 20

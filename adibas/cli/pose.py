@@ -1,0 +1,138 @@
+"""`adibas pose`: a recording in, fifteen joints of everybody in it out, without markers."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, frame_range, positive_count
+from adibas.errors import FileError, RecordingError
+from adibas.files import check_place
+from adibas.texts import message, translate_plural
+from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.pipeline.pose import PosedRecording
+
+SUMMARY = message("find the joints of everybody in a recording without markers")
+
+VIEWS = ("anterior", "posterior")
+POSE_KINDS = (".csv", ".trc", ".c3d")
+LAGS = range(11)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument(
+        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
+    )
+    parser.add_argument(
+        "--model",
+        type=Path,
+        metavar="model.npz",
+        help=_("of the limbs of the full body; the program's own if not given"),
+    )
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("in place of the recording's own calibration"),
+    )
+    parser.add_argument(
+        "--view",
+        choices=VIEWS,
+        default="",
+        help=_("which side everybody shows to the camera; found out if not given"),
+    )
+    parser.add_argument(
+        "--frames",
+        type=frame_range,
+        default=(0, None),
+        metavar="A:B",
+        help=_("frames to look at, B not included; all of them if not given"),
+    )
+    parser.add_argument(
+        "--person",
+        type=positive_count,
+        metavar="N",
+        help=_("for TRC and C3D, which hold one person; the one who was seen longest if not given"),
+    )
+    parser.add_argument(
+        "--lag",
+        type=int,
+        choices=LAGS,
+        default=2,
+        metavar="N",
+        help=_("later frames that smoothing waits for, 0 to 10; 2 if not given"),
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        action="append",
+        metavar="joints.csv|.trc|.c3d",
+        help=_("file to write; may be given several times"),
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Find the joints and write the files."""
+    from adibas.pipeline.pose import PoseRequest, pose_recording
+    from adibas.pipeline.pose_following import PoseParams
+    from adibas.reports.pose_files import pose_to_json, write_pose
+    from adibas.skeleton.smoothing import SmoothingParams
+
+    for path in arguments.out:
+        if path.suffix.lower() not in POSE_KINDS:
+            raise FileError(
+                "{file} is no file of joints. Give --out a name that ends in one of: {endings}.",
+                file=path.name or str(path),
+                endings=", ".join(POSE_KINDS),
+            )
+        check_place(path)
+    request = PoseRequest(
+        arguments.recording,
+        arguments.model,
+        arguments.calibration,
+        arguments.frames,
+        PoseParams(view=arguments.view),
+        SmoothingParams(lag_frames=arguments.lag),
+    )
+    with console.progress(_("Looking for joints")) as progress:
+        posed = pose_recording(request, progress)
+    person = _person(arguments.person, posed)
+    for path in arguments.out:
+        write_pose(posed, path, person)
+    for notice in posed.notices:
+        console.warn(notice.text)
+    _tell(posed, arguments.out, console)
+    console.give(pose_to_json(posed, arguments.out))
+    return 0
+
+
+def _person(wanted: int | None, posed: "PosedRecording") -> int:
+    people = [track.person for track in posed.tracks]
+    if wanted is not None and wanted not in people:
+        raise RecordingError(
+            "There is no person {person}. Choose one of: {people}.",
+            person=wanted,
+            people=", ".join(map(str, people)),
+        )
+    return people[0] if wanted is None else wanted
+
+
+def _tell(posed: "PosedRecording", paths: list[Path], console: Console) -> None:
+    n_people = len(posed.tracks)
+    people = translate_plural("{n} person", "{n} people", n_people).format(n=n_people)
+    for path in paths:
+        console.say(
+            _("{file}: joints of {people} in {n} frames, found without markers.").format(
+                file=path, people=people, n=posed.n_frames
+            )
+        )
+    console.say(
+        _("Smoothing uses {n} later frames ({ms:.0f} ms).").format(
+            n=posed.lag_frames, ms=1000.0 * posed.lag_s
+        )
+    )

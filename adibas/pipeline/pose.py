@@ -1,0 +1,302 @@
+"""From a recording to the joints of everybody in it, without markers."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from adibas import __version__
+from adibas.arrays import Float32Array, FloatArray
+from adibas.calibration.files import check_fits
+from adibas.clock import Clock, to_text, utc_now
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.frames import depth_in_metres
+from adibas.data.limbs import FULL_BODY
+from adibas.data.movement import Movement
+from adibas.data.posture import Provenance
+from adibas.data.protocol_measures import VerticalOrigin
+from adibas.data.sentence import Sentence
+from adibas.data.skeleton_track import NS_PER_S, SkeletonTrack
+from adibas.errors import CalibrationError, LimbError, RecordingError
+from adibas.limbs.model import LimbModel, load_model
+from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
+from adibas.pipeline.session import calibration_of
+from adibas.recordings import open_recording
+from adibas.recordings.checksum import recording_sha256
+from adibas.recordings.ports import RecordingReader
+from adibas.skeleton.following import ChosenJoints
+from adibas.skeleton.smoothing import Smoother, SmoothingParams
+from adibas.texts import Message, message
+from adibas.timeseries.lowpass import even_times, resample
+
+Progress = Callable[[int, int], None]
+
+MOST_NOTICES = 4
+IN_FRAMES = message("{notice} (In {n} of {total} frames.)")
+
+
+@dataclass(frozen=True, slots=True)
+class PoseRequest:
+    """What to look for joints in.
+
+    Attributes
+    ----------
+    recording : Path
+    model : Path or None
+        Of limbs; None: the shipped one.
+    calibration : Path or None
+        In place of the recording's own.
+    frames : (first, one past the last or None)
+    pose : PoseParams
+    smoothing : SmoothingParams
+    least_joints : int
+        A frame speaks for a person with so many joints: 6.
+    least_frames : int
+        Somebody seen in fewer frames, or in less than half of a shorter recording, is left out:
+        5. What is no person seldom has bones that fit for long.
+    """
+
+    recording: Path
+    model: Path | None = None
+    calibration: Path | None = None
+    frames: tuple[int, int | None] = (0, None)
+    pose: PoseParams = field(default_factory=PoseParams)
+    smoothing: SmoothingParams = field(default_factory=SmoothingParams)
+    least_joints: int = 6
+    least_frames: int = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PersonFacts:
+    """What is known of one person at the end.
+
+    Attributes
+    ----------
+    stature_m : float
+        By the lengths of the bones.
+    front_share : float
+        Of the frames in which the front was thought to be seen.
+    n_exchanged : int
+        Frames in which the sides were exchanged back.
+    """
+
+    stature_m: float
+    front_share: float
+    n_exchanged: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosedRecording:
+    """Joints of everybody.
+
+    Attributes
+    ----------
+    tracks : tuple of SkeletonTrack
+        Depth camera's axes, smoothed; the person seen longest first.
+    facts : tuple of PersonFacts
+        Of each of them.
+    n_frames : int
+        That were looked at.
+    lag_frames, lag_s : int, float
+        By how much a live result would come later than its frame.
+    up : (3,) array or None
+        Against gravity, in the same axes; None where nobody measured it.
+    provenance : Provenance
+    notices : tuple of Sentence
+    """
+
+    tracks: tuple[SkeletonTrack, ...]
+    facts: tuple[PersonFacts, ...]
+    n_frames: int
+    lag_frames: int
+    lag_s: float
+    up: FloatArray | None
+    provenance: Provenance
+    notices: tuple[Sentence, ...]
+
+
+def pose_recording(
+    request: PoseRequest, progress: Progress, clock: Clock = utc_now
+) -> PosedRecording:
+    """Find the joints of everybody in a recording.
+
+    Raises
+    ------
+    RecordingError
+        It is missing, broken, or has no such frames, or no depth.
+    CalibrationError
+        There is none of the depth camera, or one for another resolution.
+    LimbError
+        Nobody was found, or the model is for other limbs.
+    FileError
+        The model cannot be read.
+    """
+    model = shipped_model() if request.model is None else load_model(request.model)
+    with open_recording(request.recording) as recording:
+        wanted = range(*slice(*request.frames).indices(len(recording)))
+        if not wanted:
+            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        calibration = calibration_of(recording, request.calibration)
+        found = _Found(request, calibration, model)
+        for number, index in enumerate(wanted, 1):
+            found.take(recording, index)
+            progress(number, len(wanted))
+        notice = recording.notice
+    tracks, facts = found.tracks()
+    notices = found.notices(len(wanted))
+    if notice is not None:
+        notices = (Sentence(message("{notice}"), {"notice": notice}), *notices)
+    if not tracks:
+        raise LimbError(
+            "Nobody was found in {file}. {reason}",
+            file=request.recording.name,
+            reason=notices[0].text if notices else "",
+        )
+    vertical = vertical_of(calibration)
+    up = None
+    if vertical.origin is not VerticalOrigin.UNKNOWN:
+        up = calibration.color_from_depth.rotation.T @ vertical.up
+    provenance = Provenance(
+        recording_sha256(request.recording),
+        "",
+        __version__,
+        to_text(clock()),
+        {**asdict(request.pose), **asdict(request.smoothing), "model": _model_name(request)},
+    )
+    lag_frames = request.smoothing.lag_frames
+    lag_s = lag_frames * found.frame_s()
+    return PosedRecording(tracks, facts, len(wanted), lag_frames, lag_s, up, provenance, notices)
+
+
+def _model_name(request: PoseRequest) -> str:
+    return FULL_BODY.name if request.model is None else request.model.name
+
+
+class _Found:
+    """What was found up to now."""
+
+    def __init__(
+        self, request: PoseRequest, calibration: RgbdCalibration, model: LimbModel
+    ) -> None:
+        if calibration.depth is None:
+            raise CalibrationError(
+                "The calibration is of a colour camera alone, and limbs are found in depth. Give "
+                "one of the depth camera with --calibration FILE."
+            )
+        self._request = request
+        self._calibration = calibration
+        segmenter = forest_segmenter(model, calibration.depth, request.pose.limbs)
+        self._estimator = PoseEstimator(
+            calibration.depth, segmenter, calibration.floor, request.pose
+        )
+        self._frames: dict[int, list[tuple[int, ChosenJoints]]] = {}
+        self._said: Counter[Message] = Counter()
+        self._sentences: dict[Message, Sentence] = {}
+        self._times_ns: list[int] = []
+
+    def take(self, recording: RecordingReader, index: int) -> None:
+        """Look at a frame; one that is not after the one before is left out."""
+        frame = recording.read(index)
+        if frame.depth_raw is None:
+            raise RecordingError(
+                "{file} has no depth, and limbs are found in depth. Record with a depth camera.",
+                file=self._request.recording.name,
+            )
+        if self._times_ns and frame.timestamp_ns <= self._times_ns[-1]:
+            return
+        depth_m = depth_in_metres(frame.depth_raw, recording.info.depth_unit_m)
+        if not self._times_ns:
+            check_fits(self._calibration, None, depth_m.shape)
+        self._times_ns.append(frame.timestamp_ns)
+        depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
+        self._look(depth_m, frame.timestamp_ns)
+
+    def _look(self, depth_m: Float32Array, timestamp_ns: int) -> None:
+        now = self._estimator.look(depth_m, timestamp_ns / NS_PER_S)
+        for notice in {notice.message: notice for notice in now.notices}.values():
+            self._said[notice.message] += 1
+            self._sentences[notice.message] = notice
+        for one in now.people:
+            self._frames.setdefault(one.person, []).append((timestamp_ns, one.joints))
+
+    def frame_s(self) -> float:
+        """Return the time from one frame to the next."""
+        if len(self._times_ns) < 2:  # noqa: PLR2004  (two ends)
+            return 0.0
+        return float(np.median(np.diff(self._times_ns))) / NS_PER_S
+
+    def tracks(self) -> tuple[tuple[SkeletonTrack, ...], tuple[PersonFacts, ...]]:
+        """Return everybody who was seen for long enough, numbered anew."""
+        least = min(self._request.least_frames, max(1, len(self._times_ns) // 2))
+        kept = {
+            person: frames
+            for person, frames in self._frames.items()
+            if sum(one.n_seen >= self._request.least_joints for _, one in frames) >= least
+        }
+        longest = sorted(kept, key=lambda person: -len(kept[person]))
+        tracks = tuple(
+            smooth_track(kept[person], number, self._request.smoothing)
+            for number, person in enumerate(longest, 1)
+        )
+        return tracks, tuple(self._facts(person, kept[person]) for person in longest)
+
+    def _facts(self, person: int, frames: list[tuple[int, ChosenJoints]]) -> PersonFacts:
+        follower = self._estimator.follower(person)
+        fronts = [one.front_probability > 0.5 for _, one in frames]  # noqa: PLR2004
+        return PersonFacts(
+            follower.size.stature_m, float(np.mean(fronts)), follower.sides.n_exchanged
+        )
+
+    def notices(self, n_frames: int) -> tuple[Sentence, ...]:
+        """Return what was said most often."""
+        return tuple(
+            Sentence(
+                IN_FRAMES, {"notice": self._sentences[said].text, "n": count, "total": n_frames}
+            )
+            for said, count in self._said.most_common(MOST_NOTICES)
+        )
+
+
+def smooth_track(
+    frames: list[tuple[int, ChosenJoints]], person: int, params: SmoothingParams
+) -> SkeletonTrack:
+    """Return the smoothed track of one person's frames and their times (ns)."""
+    smoother = Smoother(params)
+    given = []
+    for when_ns, joints in frames:
+        ready = smoother.push((when_ns - frames[0][0]) / NS_PER_S, joints)
+        given += [] if ready is None else [ready]
+    given += smoother.finish()
+    return SkeletonTrack(
+        np.array([when_ns for when_ns, _ in frames], np.int64),
+        np.stack([joints.joints_m for _, joints in given]),
+        np.stack([joints.confidence for _, joints in given]),
+        person,
+    )
+
+
+def movement_of(posed: PosedRecording, person: int) -> Movement:
+    """Return the joints of one person at even times, for the files of other programs."""
+    track = next(track for track in posed.tracks if track.person == person)
+    since_s = track.times_s - track.times_s[0]
+    times_s = even_times(since_s)
+    joints_m = resample(since_s, track.joints_m, times_s, SmoothingParams().reach_s)
+    up = np.array([0.0, -1.0, 0.0]) if posed.up is None else posed.up
+    return Movement(
+        times_s,
+        joints_m,
+        up,
+        posed.up is not None,
+        (),
+        (),
+        (),
+        "markerless",
+        "",
+        posed.provenance,
+        asdict(SmoothingParams()),
+        posed.notices,
+    )

@@ -1,0 +1,201 @@
+"""From depth images of one camera to the joints of everybody in view, frame by frame."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.body.floor import find_floor
+from adibas.body.people import PeopleParams, find_people
+from adibas.body.rays import viewing_rays
+from adibas.data.calibration import CameraCalibration
+from adibas.data.limbs import FULL_BODY, LimbParts
+from adibas.data.sentence import Sentence
+from adibas.geometry.planes import Plane
+from adibas.limbs.judging import judge_mask, judge_parts
+from adibas.limbs.model import LimbModel
+from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
+from adibas.limbs.segmentation import LimbParams, segment
+from adibas.pipeline.pose_model import JointModel, shipped_joint_model
+from adibas.skeleton.following import ChosenJoints, FollowParams, PersonFollower
+from adibas.skeleton.identities import Identities, IdentityParams
+
+Segmenter = Callable[[Float32Array, BoolArray], LimbParts]
+
+UP = (0.0, -1.0, 0.0)
+TOP_PERCENTILE = 98.0
+PLACE_STEP = 4
+"""Of how many rows and columns one is looked at for where somebody stands."""
+FLOOR_TRIALS = 30
+"""Frames in which a floor is looked for where the calibration has none."""
+
+
+@dataclass(frozen=True, slots=True)
+class PoseParams:
+    """Settings of all stages.
+
+    Attributes
+    ----------
+    view : str
+        ``anterior`` or ``posterior`` where it is known which side is shown, else empty.
+    people, limbs, proposals, follow, identities : parameters of the stages
+    """
+
+    view: str = ""
+    people: PeopleParams = field(default_factory=PeopleParams)
+    limbs: LimbParams = field(default_factory=LimbParams)
+    proposals: ProposalParams = field(default_factory=ProposalParams)
+    follow: FollowParams = field(default_factory=FollowParams)
+    identities: IdentityParams = field(default_factory=IdentityParams)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PersonNow:
+    """One person in one frame.
+
+    Attributes
+    ----------
+    person : int
+        1, 2, ..., the same from frame to frame.
+    pixels : (H, W) bool array
+        Of the depth image.
+    parts : LimbParts
+    joints : ChosenJoints
+        Depth camera's axes, not smoothed.
+    """
+
+    person: int
+    pixels: BoolArray
+    parts: LimbParts
+    joints: ChosenJoints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseNow:
+    """Everybody in one frame, and what is to be said of those who are no people."""
+
+    people: tuple[PersonNow, ...]
+    notices: tuple[Sentence, ...]
+
+
+def forest_segmenter(
+    model: LimbModel, camera: CameraCalibration, params: LimbParams | None = None
+) -> Segmenter:
+    """Return what finds limbs with a trained model.
+
+    Raises
+    ------
+    LimbError
+        The model is for other limbs than those of the whole body.
+    """
+    model.require(FULL_BODY)
+
+    def segmented(depth_m: Float32Array, pixels: BoolArray) -> LimbParts:
+        return segment(depth_m, pixels, camera.intrinsics.fx, model, params)
+
+    return segmented
+
+
+class PoseEstimator:
+    """Follows everybody in view; causal, without delay, for one thread at a time.
+
+    Parameters
+    ----------
+    camera : CameraCalibration
+        Of the depth images.
+    segmenter : callable
+        Takes depth and the mask of a person and returns `LimbParts`; see `forest_segmenter`.
+    floor : Plane or None
+        In the camera's axes; None: it is looked for in the first frames.
+    params : PoseParams or None
+    joints : JointModel or None
+        None: the shipped one.
+    """
+
+    def __init__(
+        self,
+        camera: CameraCalibration,
+        segmenter: Segmenter,
+        floor: Plane | None = None,
+        params: PoseParams | None = None,
+        joints: JointModel | None = None,
+    ) -> None:
+        self.camera = camera
+        self.floor = floor
+        self._segmenter = segmenter
+        self._params = params or PoseParams()
+        self._joints = joints or shipped_joint_model()
+        self._identities = Identities(self._params.identities)
+        self._followers: dict[int, PersonFollower] = {}
+        self._n_trials = 0
+        self._known_m = np.empty((0, 3))
+
+    def follower(self, person: int) -> PersonFollower:
+        """Return what is known of somebody."""
+        return self._followers[person]
+
+    def look(self, depth_m: Float32Array, time_s: float) -> PoseNow:
+        """Return everybody in the next frame.
+
+        Parameters
+        ----------
+        depth_m : (H, W) float32 array
+            Corrected depth, metres; NaN where not measured.
+        time_s : float
+            Later than the frame before.
+        """
+        if self.floor is None and self._n_trials < FLOOR_TRIALS:
+            self._n_trials += 1
+            self.floor = find_floor(depth_m, self.camera)
+        masks = find_people(depth_m, self.camera, self.floor, self._params.people, self._known_m)
+        notices: tuple[Sentence, ...] = () if masks else judge_mask(depth_m, None).notices
+        seen = []
+        for mask in masks:
+            parts, said = self._parts(depth_m, mask.pixels)
+            notices += said
+            if parts is not None:
+                seen.append((mask.pixels, parts))
+        return PoseNow(tuple(self._named(depth_m, seen, time_s)), notices)
+
+    def _parts(
+        self, depth_m: Float32Array, pixels: BoolArray
+    ) -> tuple[LimbParts | None, tuple[Sentence, ...]]:
+        judgement = judge_mask(depth_m, pixels)
+        if not judgement.is_person:
+            return None, judgement.notices
+        parts = self._segmenter(depth_m, pixels)
+        found = judge_parts(parts, pixels)
+        return (parts if found.is_person else None), (*judgement.notices, *found.notices)
+
+    def _named(
+        self, depth_m: Float32Array, seen: list[tuple[BoolArray, LimbParts]], time_s: float
+    ) -> list[PersonNow]:
+        rays = viewing_rays(self.camera)
+        places = [self._place(depth_m, rays, pixels) for pixels, _ in seen]
+        tops_m = np.array([top_m for _, top_m in places])
+        middles_m = np.array([middle_m for middle_m, _ in places]).reshape(-1, 3)
+        people = []
+        self._known_m = middles_m
+        numbers = self._identities.match(middles_m, tops_m, time_s)
+        for person, (pixels, parts) in zip(numbers, seen, strict=True):
+            points = part_points(depth_m, parts, rays, self._params.proposals)
+            proposals = propose_joints(points, self._joints.offsets, self._params.proposals)
+            if person not in self._followers:
+                self._followers[person] = PersonFollower(
+                    self._joints.proportions, self._params.view, self._params.follow
+                )
+            chosen = self._followers[person].follow(proposals, time_s)
+            people.append(PersonNow(person, pixels, parts, chosen))
+        return people
+
+    def _place(
+        self, depth_m: Float32Array, rays: Float32Array, pixels: BoolArray
+    ) -> tuple[FloatArray, float]:
+        """Return where a person is, and how high the person reaches over the camera."""
+        every = np.s_[::PLACE_STEP, ::PLACE_STEP]
+        measured = pixels[every] & np.isfinite(depth_m[every])
+        points_m = rays[every][measured] * depth_m[every][measured][:, None]
+        up = np.array(UP) if self.floor is None else self.floor.normal
+        heights_m = points_m @ up
+        return np.median(points_m, axis=0), float(np.percentile(heights_m, TOP_PERCENTILE))
