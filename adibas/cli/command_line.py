@@ -37,8 +37,6 @@ COMMANDS = (
     "doctor",
     "gestures",
     "limbs",
-    "behaviour",
-    "coding",
     "benchmark",
 )
 
