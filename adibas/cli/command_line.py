@@ -36,6 +36,8 @@ COMMANDS = (
     "protocols",
     "doctor",
     "gestures",
+    "behaviour",
+    "coding",
     "limbs",
     "benchmark",
 )

@@ -1,0 +1,142 @@
+"""`adibas behaviour`: joints over time in, a timeline with all its counts out."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, positive
+from adibas.errors import FileError
+from adibas.files import check_place
+from adibas.texts import LANGUAGES, message, spoken_language, translate_plural
+from adibas.texts import translate as _
+
+SUMMARY = message("turn joints over time into a timeline of activity and behaviour")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument("source", type=Path, metavar="JOINTS.csv", help=_("table of joints (CSV)"))
+    parser.add_argument(
+        "--model",
+        type=Path,
+        metavar="model.json",
+        help=_("find the gestures of this model, too"),
+    )
+    parser.add_argument(
+        "--ethogram", type=Path, metavar=_("FILE"), help=_("what behaviours are called (JSON)")
+    )
+    parser.add_argument(
+        "--coding",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("what a human observer coded: .csv, .tsv, .xlsx, .boris or .eaf"),
+    )
+    parser.add_argument(
+        "--section",
+        type=named_section,
+        action="append",
+        default=[],
+        metavar="NAME=A:B",
+        help=_("a condition from A to B seconds, compared with others; may be given several times"),
+    )
+    parser.add_argument(
+        "--bin",
+        type=positive,
+        default=60.0,
+        metavar="S",
+        help=_("length of a time bin, seconds; 60 if not given"),
+    )
+    parser.add_argument(
+        "--still",
+        type=seconds_range,
+        metavar="A:B",
+        help=_("seconds in which nobody moved: its steps are the noise"),
+    )
+    parser.add_argument(
+        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
+    )
+    parser.add_argument(
+        "--language",
+        choices=tuple(LANGUAGES),
+        default=spoken_language(),
+        help=_("of the report; the program's own if not given"),
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        action="append",
+        metavar="report.xlsx|.csv",
+        help=_("report, or what was found as a coding; may be given several times"),
+    )
+    add_json(parser)
+
+
+def seconds_range(text: str) -> tuple[float, float]:
+    """Read ``A:B`` in seconds."""
+    first, _colon, last = text.partition(":")
+    try:
+        begin, end = float(first), float(last)
+    except ValueError:
+        begin, end = 0.0, 0.0
+    if not 0.0 <= begin < end < float("inf"):
+        raise argparse.ArgumentTypeError(
+            _("{text} is no time: give A:B in seconds such as 10:25.5").format(text=text)
+        )
+    return begin, end
+
+
+def named_section(text: str) -> tuple[str, float, float]:
+    """Read ``NAME=A:B``."""
+    name, _equals, span = text.rpartition("=")
+    if not name.strip():
+        raise argparse.ArgumentTypeError(
+            _("{text} is no section: give NAME=A:B such as game=10:70").format(text=text)
+        )
+    return name.strip(), *seconds_range(span)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Measure, write the reports, and say what was found."""
+    from adibas.behaviour.activity import ActivityParams
+    from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
+    from adibas.reports.behaviour import BEHAVIOUR_KINDS, write_behaviour
+    from adibas.reports.behaviour_json import behaviour_to_json
+
+    for path in arguments.out:
+        if path.suffix.lower() not in BEHAVIOUR_KINDS:
+            raise FileError(
+                "{file} is no report. Give --out a name that ends in one of: {endings}.",
+                file=path.name or str(path),
+                endings=", ".join(BEHAVIOUR_KINDS),
+            )
+        check_place(path)
+    request = BehaviourRequest(
+        arguments.source,
+        arguments.model,
+        arguments.ethogram,
+        arguments.coding,
+        tuple(arguments.section),
+        arguments.bin,
+        arguments.patient,
+        ActivityParams(still_s=arguments.still),
+    )
+    with console.progress(_("Analysing")) as advance:
+        analysis = analyse_behaviour(request, advance)
+    for path in arguments.out:
+        write_behaviour(analysis, path, arguments.language)
+    for notice in analysis.notices:
+        console.warn(notice.text)
+    n_people, n_events = len(analysis.people), len(analysis.detected.occurrences)
+    for path in arguments.out:
+        console.say(
+            _("{file}: {people}, {events}.").format(
+                file=path,
+                people=translate_plural("{n} person", "{n} people", n_people).format(n=n_people),
+                events=translate_plural("{n} event found", "{n} events found", n_events).format(
+                    n=n_events
+                ),
+            )
+        )
+    console.give({**behaviour_to_json(analysis), "out": [str(path) for path in arguments.out]})
+    return 0

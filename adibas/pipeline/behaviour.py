@@ -1,0 +1,350 @@
+"""From joints over time to a timeline: activity, posture changes, gestures, and observers beside.
+
+Indicators beside a human's own coding, never a diagnosis or a score.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from adibas import __version__
+from adibas.behaviour.activity import ActivityParams, JointActivity, Steps, activity, steps_of
+from adibas.behaviour.bands import BandPower, band_power
+from adibas.behaviour.budget import Condition, Span, conditions, gaps
+from adibas.behaviour.posture_changes import PostureParams, hidden_spans_s, posture_changes_s
+from adibas.clock import Clock, to_text, utc_now
+from adibas.data.coding import MS_PER_S, Coding, Occurrence, Section
+from adibas.data.ethogram import Behaviour, Ethogram, Subject
+from adibas.data.events import TimedEvent
+from adibas.data.posture import Provenance
+from adibas.data.sentence import Sentence
+from adibas.data.skeleton_track import SkeletonTrack
+from adibas.errors import BehaviourError
+from adibas.gestures.model import GestureModel
+from adibas.gestures.model_file import read_model
+from adibas.pipeline.gesture_examples import unseen_joints
+from adibas.pipeline.gesture_work import detected_events
+from adibas.recordings.checksum import recording_sha256
+from adibas.recordings.codings import read_codings
+from adibas.recordings.ethogram_json import read_ethogram
+from adibas.recordings.joints_csv import read_joints_csv, recording_name
+from adibas.texts import message
+
+Progress = Callable[[int, int], None]
+
+PROGRAM = "ADiBAS"
+POSTURE_CHANGE, OUT_OF_VIEW = "posture change", "out of view"
+OWN_SOURCE = "own definition, docs/behaviour.md"
+
+PERSON_OUT_OF_VIEW = message(
+    "Person {person} is out of view in {percent} % of the time. What happens then is not in any "
+    "figure."
+)
+FEW_FRAMES = message(
+    "The joints come {rate} times a second: faster movements than {half} a second are not seen."
+)
+OTHER_SESSION = message(
+    "{file} holds {n} sessions; the first one, {name}, is shown beside the joints."
+)
+SLOWEST_HZ = 20.0
+
+
+@dataclass(frozen=True, slots=True)
+class BehaviourRequest:
+    """What to measure.
+
+    Attributes
+    ----------
+    source : Path
+        A table of joints.
+    model : Path or None
+        Of gestures, to be found.
+    ethogram : Path or None
+        For the coding, and for what gestures are called in the report.
+    coding : Path or None
+        Of a human observer, beside.
+    sections : tuple of (name, begin_s, end_s)
+        Conditions; added to those of the coding.
+    bin_s : float
+        Length of a time bin.
+    patient : str
+        A pseudonym or empty.
+    """
+
+    source: Path
+    model: Path | None = None
+    ethogram: Path | None = None
+    coding: Path | None = None
+    sections: tuple[tuple[str, float, float], ...] = ()
+    bin_s: float = 60.0
+    patient: str = ""
+    activity: ActivityParams = field(default_factory=ActivityParams)
+    posture: PostureParams = field(default_factory=PostureParams)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PersonActivity:
+    """How one person moved.
+
+    Attributes
+    ----------
+    person : int
+    steps : Steps
+    joints : tuple of JointActivity
+        Over the whole session.
+    bands : BandPower
+    by_condition : tuple of (name, tuple of JointActivity)
+        The untagged rest as an empty name; nothing where no section is tagged.
+    """
+
+    person: int
+    steps: Steps
+    joints: tuple[JointActivity, ...]
+    bands: BandPower
+    by_condition: tuple[tuple[str, tuple[JointActivity, ...]], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BehaviourAnalysis:
+    """A timeline and all that is counted in it.
+
+    Attributes
+    ----------
+    recording, patient : str
+    people : tuple of PersonActivity
+    detected : Coding
+        What the program saw, with its sections.
+    observed : Coding or None
+        What a human observer coded.
+    bin_ms : int
+    provenance : Provenance
+    notices : tuple of Sentence
+    """
+
+    recording: str
+    patient: str
+    people: tuple[PersonActivity, ...]
+    detected: Coding
+    observed: Coding | None
+    bin_ms: int
+    provenance: Provenance
+    notices: tuple[Sentence, ...]
+
+
+def analyse_behaviour(
+    request: BehaviourRequest, progress: Progress, clock: Clock = utc_now
+) -> BehaviourAnalysis:
+    """Measure the behaviour in a table of joints.
+
+    Raises
+    ------
+    RecordingError, GestureError, BehaviourError
+        A file cannot be used.
+    """
+    read = read_joints_csv(request.source)
+    notices = list(read.notices)
+    name = recording_name(request.source)
+    ethogram = None if request.ethogram is None else read_ethogram(request.ethogram)
+    observed, more = _observed(request, ethogram)
+    notices += more
+    model = None if request.model is None else read_model(request.model)
+    session_ms = _session_ms(read.tracks, observed)
+    sections = _sections(request, observed, session_ms)
+    occurrences: list[Occurrence] = []
+    people: list[PersonActivity] = []
+    total = len(read.tracks)
+    for number, track in enumerate(read.tracks):
+        progress(number, total)
+        if model is not None:
+            notices += unseen_joints(request.source.name, [track])
+        found = _occurrences(name, track, model, session_ms, request)
+        occurrences += found
+        notices += _notices(track, found, session_ms)
+        people.append(_person(track, sections, session_ms, request))
+    progress(total, total)
+    scheme = program_ethogram(model, [track.person for track in read.tracks], ethogram)
+    detected = Coding(name, scheme, *session_ms, tuple(occurrences), PROGRAM, sections)
+    return BehaviourAnalysis(
+        *(name, request.patient, tuple(people), detected, observed),
+        round(request.bin_s * MS_PER_S),
+        _provenance(request, clock),
+        _once(notices),
+    )
+
+
+def program_ethogram(
+    model: GestureModel | None, people: Sequence[int], ethogram: Ethogram | None
+) -> Ethogram:
+    """Return the ethogram of what the program can see; descriptions as in the observer's."""
+    known = {one.name: one for one in ethogram.behaviours} if ethogram is not None else {}
+    gestures = () if model is None else model.labels
+    behaviours = [
+        Behaviour(
+            label,
+            description=known[label].description if label in known else "",
+            category="gesture",
+            sources=known[label].sources if label in known else (),
+        )
+        for label in gestures
+    ]
+    behaviours += [
+        Behaviour(POSTURE_CHANGE, "point", category="posture", sources=(OWN_SOURCE,)),
+        Behaviour(OUT_OF_VIEW, "state", category="view", sources=(OWN_SOURCE,)),
+    ]
+    return Ethogram(PROGRAM, tuple(behaviours), tuple(Subject(subject_of(p)) for p in people))
+
+
+def subject_of(person: int) -> str:
+    """Return the subject that a person of a recording is."""
+    return f"person {person}"
+
+
+def observed_conditions(analysis: BehaviourAnalysis) -> tuple[Condition, ...]:
+    """Return the conditions of what an observer coded; those of the program where nobody did."""
+    return conditions(analysis.detected if analysis.observed is None else analysis.observed)
+
+
+def _observed(
+    request: BehaviourRequest, ethogram: Ethogram | None
+) -> tuple[Coding | None, list[Sentence]]:
+    if request.coding is None:
+        return None, []
+    found = read_codings(request.coding, ethogram)
+    if not found:
+        raise BehaviourError("{file} holds no session.", file=request.coding.name)
+    name = recording_name(request.source)
+    chosen = next((one for one in found if one.name == name), found[0])
+    if len(found) == 1 or chosen.name == name:
+        return chosen, []
+    told = {"file": request.coding.name, "n": len(found), "name": chosen.name}
+    return chosen, [Sentence(OTHER_SESSION, told)]
+
+
+def _session_ms(tracks: Sequence[SkeletonTrack], observed: Coding | None) -> Span:
+    """Return the time that joints or the observer cover."""
+    begin = min(float(track.times_s[0]) for track in tracks) * MS_PER_S
+    end = max(float(track.times_s[-1]) for track in tracks) * MS_PER_S
+    if observed is None:
+        return int(np.floor(begin)), int(np.ceil(end))
+    return min(int(np.floor(begin)), observed.begin_ms), max(int(np.ceil(end)), observed.end_ms)
+
+
+def _sections(
+    request: BehaviourRequest, observed: Coding | None, session_ms: Span
+) -> tuple[Section, ...]:
+    told = [
+        Section(name, round(begin * MS_PER_S), round(end * MS_PER_S))
+        for name, begin, end in request.sections
+    ]
+    found = sorted(
+        [*told, *(() if observed is None else observed.sections)], key=lambda one: one.begin_ms
+    )
+    latest = session_ms[0]
+    for one in found:
+        if not latest <= one.begin_ms <= one.end_ms <= session_ms[1]:
+            raise BehaviourError(
+                "The section {name} from {begin} to {end} s overlaps with another one, or lies "
+                "outside the recording ({first} to {last} s). Correct its times.",
+                name=one.name,
+                begin=one.begin_ms / MS_PER_S,
+                end=one.end_ms / MS_PER_S,
+                first=session_ms[0] / MS_PER_S,
+                last=session_ms[1] / MS_PER_S,
+            )
+        latest = one.end_ms
+    return tuple(found)
+
+
+def _occurrences(
+    name: str,
+    track: SkeletonTrack,
+    model: GestureModel | None,
+    session_ms: Span,
+    request: BehaviourRequest,
+) -> list[Occurrence]:
+    subject = subject_of(track.person)
+    found: list[Occurrence] = []
+    if model is not None:
+        found += gesture_occurrences(detected_events(name, track, model), subject)
+    session_s = (session_ms[0] / MS_PER_S, session_ms[1] / MS_PER_S)
+    for begin, end in hidden_spans_s(track, session_s, request.posture):
+        found.append(Occurrence(OUT_OF_VIEW, *_ms((begin, end)), subject))
+    for at in posture_changes_s(track, request.posture):
+        moment, _same = _ms((float(at), float(at)))
+        found.append(Occurrence(POSTURE_CHANGE, moment, moment, subject))
+    return found
+
+
+def gesture_occurrences(events: Sequence[TimedEvent], subject: str) -> list[Occurrence]:
+    """Return detected gestures; where the same one overlaps with itself, the later begins after."""
+    found: list[Occurrence] = []
+    ends: dict[str, int] = {}
+    for event in sorted(events, key=lambda one: one.begin_s):
+        begin, end = _ms((event.begin_s, event.end_s))
+        begin = max(begin, ends.get(event.label, begin))
+        if end >= begin:
+            found.append(Occurrence(event.label, begin, end, subject))
+            ends[event.label] = end
+    return found
+
+
+def _person(
+    track: SkeletonTrack,
+    sections: Sequence[Section],
+    session_ms: Span,
+    request: BehaviourRequest,
+) -> PersonActivity:
+    steps = steps_of(track, request.activity)
+    spans: dict[str, list[Span]] = {}
+    for section in sections:
+        spans.setdefault(section.name, []).append((section.begin_ms, section.end_ms))
+    if sections:
+        tagged = list(chain.from_iterable(spans.values()))
+        rest = gaps(tagged, (session_ms[0], session_ms[1] + 1))
+        if rest:
+            spans.setdefault("", []).extend(rest)
+    by_condition = tuple(
+        (name, activity(steps, [(begin / MS_PER_S, end / MS_PER_S) for begin, end in some]))
+        for name, some in spans.items()
+    )
+    bands = band_power(track, steps.noise_m)
+    return PersonActivity(track.person, steps, activity(steps), bands, by_condition)
+
+
+def _notices(track: SkeletonTrack, found: Sequence[Occurrence], session_ms: Span) -> list[Sentence]:
+    notices = []
+    hidden_ms = sum(one.duration_ms for one in found if one.behaviour == OUT_OF_VIEW)
+    length_ms = session_ms[1] - session_ms[0]
+    if hidden_ms and length_ms:
+        told = {"person": track.person, "percent": 100.0 * hidden_ms / length_ms}
+        notices.append(Sentence(PERSON_OUT_OF_VIEW, told))
+    if len(track) > 1:
+        rate_hz = 1.0 / float(np.median(np.diff(track.times_s)))
+        if rate_hz < SLOWEST_HZ:
+            notices.append(Sentence(FEW_FRAMES, {"rate": rate_hz, "half": rate_hz / 2}))
+    return notices
+
+
+def _once(notices: Sequence[Sentence]) -> tuple[Sentence, ...]:
+    return tuple({notice.text: notice for notice in notices}.values())
+
+
+def _provenance(request: BehaviourRequest, clock: Clock) -> Provenance:
+    parameters: dict[str, object] = {
+        "activity": asdict(request.activity),
+        "posture": asdict(request.posture),
+        "bin_s": request.bin_s,
+    }
+    for what, path in (("model", request.model), ("coding", request.coding)):
+        if path is not None:
+            parameters[f"{what}_sha256"] = recording_sha256(path)
+    return Provenance(
+        recording_sha256(request.source), "", __version__, to_text(clock()), parameters
+    )
+
+
+def _ms(span_s: tuple[float, float]) -> Span:
+    return round(span_s[0] * MS_PER_S), round(span_s[1] * MS_PER_S)

@@ -1,0 +1,247 @@
+"""Behaviour from joints and from observers, end to end through the command line."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from openpyxl import load_workbook
+
+from adibas.cli.command_line import main
+from adibas.data.events import TimedEvent
+from adibas.data.skeleton_track import track_of
+from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour, gesture_occurrences
+from adibas.pipeline.behaviour_agreement import icc_of
+from adibas.recordings.boris_writing import write_boris
+from adibas.recordings.coding_csv import write_coding_csv
+from adibas.recordings.codings import read_codings
+from adibas.recordings.joints_csv import write_joints_csv
+from adibas.resources import resource_path
+from tests.unit.coding_samples import coding
+from tests.unit.test_activity import HAND, circling, still
+
+
+@pytest.fixture
+def joints(tmp_path):
+    """Two people for 60 s: the first circles a hand for 20 s and shifts; the second comes late."""
+    times_s, first_m = still(900, 15.0, 0.005, begin_s=0.0)
+    first_m[:300] = circling(first_m[:300], HAND, 0.1, 1.0, 15.0)
+    first_m[600:, :, 0] += 0.3
+    _times, second_m = still(900, 15.0, 0.005, seed=1)
+    second_m[:300] = np.nan
+    path = tmp_path / "play.joints.csv"
+    write_joints_csv(path, [track_of(times_s, first_m), track_of(times_s, second_m, 2)])
+    return path
+
+
+def told(capsys, *argv):
+    code = main([*map(str, argv), "--json"])
+    document = capsys.readouterr().out
+    return code, json.loads(document) if document else None
+
+
+def test_a_table_of_joints_becomes_a_timeline(joints, tmp_path, capsys):
+    report = tmp_path / "report.xlsx"
+    code, document = told(
+        capsys, "behaviour", joints, "--section", "game=0:20", "--section", "task=20:50",
+        "--bin", "20", "--out", report,
+    )  # fmt: skip
+    assert code == 0
+    first, second = document["people"]
+    conditions = {name: one[HAND] for name, one in first["conditions"].items()}
+    assert conditions["game"]["active_s"] > 19
+    assert conditions["task"]["active_s"] < 1.5
+    assert sum(one["observed_s"] for one in conditions.values()) == pytest.approx(
+        first["joints"][HAND]["observed_s"]
+    )
+    (detected,) = document["codings"]
+    totals = {(one["subject"], one["behaviour"]): one for one in detected["totals"]}
+    assert totals["person 1", "posture change"]["count"] == 1
+    assert totals["person 2", "out of view"]["total_s"] == pytest.approx(20.0, abs=0.1)
+    for whose, one in totals.items():
+        bins = [
+            part
+            for some in detected["bins"]
+            for part in some["totals"]
+            if (part["subject"], part["behaviour"]) == whose
+        ]
+        assert sum(part["count"] for part in bins) == one["count"]
+    assert second["joints"][HAND]["seen_s"] == pytest.approx(40.0, abs=0.2)
+    assert any(notice.startswith("Person 2 is out of view") for notice in document["notices"])
+    book = load_workbook(report)
+    assert book.sheetnames[:4] == ["Summary", "Activity", "Activity in time", "Behaviour"]
+    rows = list(book["Activity"].iter_rows(values_only=True))
+    whole = next(row for row in rows if row[:3] == ("whole session", "Person 1", "Left hand"))
+    assert whole[7] == pytest.approx(first["joints"][HAND]["path_m"])
+    bins = list(book["Activity in time"].iter_rows(min_row=2, values_only=True))
+    column = [cell.value for cell in book["Activity in time"][1]].index("Left hand [m]")
+    mine = [row[column] or 0.0 for row in bins if row[2] == "Person 1"]
+    assert sum(mine) == pytest.approx(whole[7])
+    book.close()
+
+
+def test_an_observer_stands_beside_the_joints(joints, tmp_path, capsys):
+    write_coding_csv(tmp_path / "ab.csv", [coding(("fidgets", 1, 19, "child"), end_ms=59_000)])
+    code, document = told(
+        capsys, "behaviour", joints, "--coding", tmp_path / "ab.csv", "--out", tmp_path / "r.xlsx",
+        "--out", tmp_path / "found.csv", "--language", "es",
+    )  # fmt: skip
+    assert code == 0
+    assert [one["observer"] for one in document["codings"]] == ["AB", "ADiBAS"]
+    (found,) = read_codings(tmp_path / "found.csv")
+    assert len(found.occurrences) == len(document["codings"][1]["events"])
+
+
+def test_gestures_that_overlap_with_themselves_follow_each_other():
+    events = [TimedEvent("r", "wave", 0.0, 2.0), TimedEvent("r", "wave", 1.5, 3.0),
+              TimedEvent("r", "clap", 1.0, 2.0), TimedEvent("r", "wave", 1.6, 2.5)]  # fmt: skip
+    found = gesture_occurrences(events, "person 1")
+    assert [(one.behaviour, one.begin_ms, one.end_ms) for one in found] == [
+        ("wave", 0, 2000),
+        ("clap", 1000, 2000),
+        ("wave", 2000, 3000),
+    ]
+
+
+def test_gestures_of_a_model_are_in_the_timeline(joints):
+    model = resource_path("models", "gestures.json")
+    found = analyse_behaviour(BehaviourRequest(joints, model), lambda _done, _total: None)
+    names = {one.name for one in found.detected.ethogram.behaviours}
+    assert {"clap", "jump", "posture change", "out of view"} <= names
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--section", "a=0:20", "--section", "b=10:30"], "overlaps with another one"),
+        (["--section", "a=0:200"], "outside the recording"),
+        (["--coding", "none.csv"], "none.csv cannot be read"),
+        (["--model", "none.json"], "none.json cannot be read"),
+    ],
+)
+def test_what_the_world_lacks_is_told(joints, tmp_path, capsys, options, words):
+    code = main(["behaviour", str(joints), *options, "--out", str(tmp_path / "r.xlsx")])
+    assert code == 1
+    assert words in capsys.readouterr().err
+    assert not (tmp_path / "r.xlsx").exists()
+
+
+@pytest.mark.parametrize(
+    "options", [["--section", "a=x:3"], ["--section", "=1:3"], ["--still", "5:1"], ["--bin", "0"]]
+)
+def test_wrong_usage_is_told(joints, tmp_path, options):
+    with pytest.raises(SystemExit) as stopped:
+        main(["behaviour", str(joints), *options, "--out", str(tmp_path / "r.xlsx")])
+    assert stopped.value.code == 2
+
+
+@pytest.fixture
+def observers(tmp_path):
+    one = coding(("seated", 0, 30, "child"), ("nods", 31, 31, "child"), ("nods", 50, 50, "child"))
+    other = coding(
+        ("seated", 2, 30, "child"), ("nods", 31.4, 31.4, "child"), observer="CD",
+    )  # fmt: skip
+    write_coding_csv(tmp_path / "one.csv", [one])
+    write_boris(tmp_path / "other.boris", [other])
+    return tmp_path / "one.csv", tmp_path / "other.boris"
+
+
+def test_observers_are_compared_across_formats(observers, tmp_path, capsys):
+    report = tmp_path / "agreement.xlsx"
+    code, document = told(capsys, "coding", "agreement", *observers, "--out", report)
+    assert code == 0
+    (session,) = document["sessions"]
+    assert session["observers"] == ["AB", "CD"]
+    values = {(one["method"], one["subject"], one["behaviour"]): one for one in session["figures"]}
+    assert values["time-unit-kappa", "child", "seated"]["observed"] == pytest.approx(58 / 60)
+    assert values["total-count", "child", "nods"]["value"] == 0.5
+    assert values["icc-duration", "child", "seated"]["value"] > 0.9
+    assert values["icc-count", "child", "up"]["value"] is None
+    assert "same value" in values["icc-count", "child", "up"]["reason"]
+    assert session["disagreements"] == [
+        {"subject": "child", "behaviour": "seated", "begin_s": 0.0, "end_s": 2.0, "seen_by": 1}
+    ]
+    assert {"first": "nods", "second": None, "begin_s": 50.0} in session["events"]
+    book = load_workbook(report)
+    assert book.sheetnames == ["Summary", "Agreement", "Who called it what", "Disagreements"]
+    rows = list(book["Agreement"].iter_rows(min_row=2, values_only=True))
+    assert len(rows) == len(session["figures"])
+    assert all(row[4] is not None or row[8] for row in rows)
+    book.close()
+
+
+def test_one_method_is_printed_for_a_reader(observers, capsys):
+    assert main(["coding", "agreement", *map(str, observers), "--method", "event-kappa"]) == 0
+    printed = capsys.readouterr().out
+    assert "Kappa by events" in printed
+    assert "PABAK" not in printed
+    assert "events not agreed on, and 2.0 s" in printed
+
+
+def test_sessions_are_paired_by_name(tmp_path, capsys):
+
+    one = coding(("nods", 1, 1))
+    two = dataclasses.replace(one, name="session 2")
+    write_coding_csv(tmp_path / "a.csv", [one, two])
+    write_coding_csv(tmp_path / "b.csv", [two, dataclasses.replace(one, name="session 3")])
+    code, document = told(capsys, "coding", "agreement", tmp_path / "a.csv", tmp_path / "b.csv")
+    assert code == 0
+    assert [one["session"] for one in document["sessions"]] == ["session 2"]
+    assert "session 1, session 3" in document["notices"][0]
+    write_coding_csv(tmp_path / "c.csv", [dataclasses.replace(one, name="x"), one])
+    write_coding_csv(tmp_path / "d.csv", [dataclasses.replace(one, name="y"), two])
+    assert main(["coding", "agreement", str(tmp_path / "c.csv"), str(tmp_path / "d.csv")]) == 1
+    assert "No session is in all files" in capsys.readouterr().err
+
+
+def test_a_coding_goes_through_every_format(observers, tmp_path, capsys):
+    at = observers[0]
+    for name in ("c.xlsx", "c.boris", "c.eaf", "back.csv"):
+        assert main(["coding", "convert", str(at), str(tmp_path / name)]) == 0
+        at = tmp_path / name
+    assert read_codings(at) == read_codings(observers[0])
+    assert main(["coding", "convert", str(at), str(tmp_path / "c.doc")]) == 1
+    assert "must end in one of" in capsys.readouterr().err
+
+
+def test_several_sessions_are_several_files_of_elan(tmp_path, capsys):
+
+    one = coding(("nods", 1, 1))
+    write_coding_csv(tmp_path / "a.csv", [one, dataclasses.replace(one, name="two")])
+    code, document = told(capsys, "coding", "convert", tmp_path / "a.csv", tmp_path / "a.eaf")
+    assert code == 0
+    assert document["sessions"] == 2
+    assert (tmp_path / "a-2.eaf").exists()
+
+
+def test_a_coding_is_sampled_and_counted(observers, capsys):
+    code, document = told(
+        capsys, "coding", "sample", observers[0], "--method", "momentary", "--interval", "20"
+    )
+    assert code == 0
+    seated = next(
+        one
+        for one in document["samples"]
+        if (one["behaviour"], one["subject"]) == ("seated", "child")
+    )
+    assert seated["scores"] == [True, False, False]
+    code, document = told(capsys, "coding", "count", observers[0], "--bin", "30")
+    (session,) = document["sessions"]
+    assert len(session["bins"]) == 2
+    total = next(one for one in session["totals"] if one["behaviour"] == "seated" and one["count"])
+    assert total["total_s"] == 30.0
+
+
+def test_readers_get_lines(observers, tmp_path, capsys):
+    assert main(["coding", "sample", str(observers[0])]) == 0
+    assert "50.0 % of intervals" in capsys.readouterr().out
+    assert main(["coding", "count", str(observers[0])]) == 0
+    assert "1 times, 30.000 s (50.0 %): child, seated" in capsys.readouterr().out
+    assert main(["coding", "ethogram", "--out", str(tmp_path / "e.json")]) == 0
+    assert "behaviours" in capsys.readouterr().out
+    assert main(["coding", "count", str(observers[0]), "--ethogram", str(tmp_path / "e.json")]) == 1
+    assert "nods is not in the ethogram" in capsys.readouterr().err
+
+
+def test_too_few_intervals_have_a_reason():
+    assert "takes 5 intervals" in icc_of("icc-count", np.zeros((4, 2))).reason.text
