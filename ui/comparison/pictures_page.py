@@ -121,7 +121,7 @@ class PicturesPage(QWidget):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        self._beside.setText(_("Side &by side"))
+        self._beside.setText(_("&Side by side"))
         self._over.setText(_("O&verlaid"))
         self._slider.setAccessibleName(_("How much of the later picture is seen"))
         self._slider.setToolTip(_("Left: the earlier picture. Right: the later one. (Arrows)"))
