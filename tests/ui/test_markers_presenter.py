@@ -404,12 +404,26 @@ def test_of_two_pictures_the_last_one_is_taken(learner, view, held, live):
     assert view.show_taken.call_args.args[0].shape == (400, 600)
 
 
+def test_what_was_found_is_used_at_once(learner, workspace, held):
+    learner.freeze()
+    held.run()
+    learner.click(*STICKERS[0])
+    held.run()
+    learner.use()
+    assert workspace.target is not None
+    assert held.held == []
+
+
 def test_what_is_used_is_what_was_clicked_last(learner, workspace, held):
     learner.freeze()
     held.run()
     learner.click(*STICKERS[0])
+    search = held.held.pop()
     learner.use()
+    assert workspace.target is None, "nothing is learned in the window's thread"
+    held.run()
     assert workspace.target is not None, "the search need not be over"
+    search.run()
 
 
 def test_a_closed_learner_listens_no_more(learner, view, workspace, live):

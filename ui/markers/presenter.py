@@ -152,7 +152,18 @@ class LearnerPresenter:
 
     def use(self) -> None:
         """Look for these markers from now on, and keep that with the session."""
-        self._model = self._learning()()  # a job may still be at the last click
+        if self._job is None or not self._job.is_running:
+            self._use()
+            return
+        learn = self._learning()  # the job may still be at the click before the last one
+
+        def done(model: ColorModel | None) -> None:
+            self._model = model
+            self._use()
+
+        self._workspace.jobs.start(_("Looking for markers"), lambda _control: learn(), done)
+
+    def _use(self) -> None:
         target = self._target()
         if target is None:
             return
