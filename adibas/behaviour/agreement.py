@@ -53,6 +53,7 @@ MOST_STATES = 60
 
 NO_STATES = message("No behaviour of the ethogram is a state, so that no time can be compared.")
 TOO_MANY_STATES = message("More than {most} states cannot be compared in combination.")
+NOBODY_SAW = message("Nobody coded anything of {subjects}, who are left out.")
 OTHER_TIMES = message(
     "The observers watched from {begin} to {end} s together; the rest of the session is left out."
 )
@@ -164,6 +165,10 @@ def agreement(codings: Sequence[Coding], params: AgreementParams | None = None) 
     if any((coding.begin_ms, coding.end_ms) != within for coding in codings):
         begin_s, end_s = (time_ms / MS_PER_S for time_ms in within)
         notices.append(Sentence(OTHER_TIMES, {"begin": begin_s, "end": end_s}, decimals=3))
+    unseen = {subject for one in codings for subject in one.subjects} - set(_subjects(clipped))
+    if unseen - {""}:
+        told = {"subjects": ", ".join(sorted(unseen - {""}))}
+        notices.append(Sentence(NOBODY_SAW, told))
     return AgreementResult(
         tuple(coding.observer for coding in codings),
         within,
@@ -242,7 +247,9 @@ def _behaviours(codings: Sequence[Coding]) -> tuple[tuple[str, ...], tuple[str, 
 
 
 def _subjects(codings: Sequence[Coding]) -> tuple[str, ...]:
-    return tuple(sorted({subject for coding in codings for subject in coding.subjects}))
+    """Return whom any observer saw do anything: others would be agreement on nothing."""
+    acting = {one.subject for coding in codings for one in coding.occurrences}
+    return tuple(sorted(acting or {codings[0].subjects[0]}))
 
 
 def _time_units(

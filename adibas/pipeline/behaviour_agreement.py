@@ -129,8 +129,8 @@ def _with_correlations(codings: Sequence[Coding], params: AgreementParams) -> Ag
 def _correlations(codings: Sequence[Coding], params: AgreementParams) -> Iterator[Figure]:
     """Yield the absolute agreement of counts, and of durations of states, over intervals."""
     behaviours = {one.name: one.kind for coding in codings for one in coding.ethogram.behaviours}
-    subjects = sorted({subject for coding in codings for subject in coding.subjects})
-    for subject in subjects:
+    subjects = {one.subject for coding in codings for one in coding.occurrences}
+    for subject in sorted(subjects):
         for name, kind in behaviours.items():
             counts, seconds = interval_values(codings, name, subject, params.interval_ms)
             yield Figure(subject, name, icc_of("icc-count", counts))

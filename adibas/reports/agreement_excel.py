@@ -115,7 +115,9 @@ def _blocks(report: AgreementReport) -> Iterator[Block]:
                 first=first or _("first observer"), second=second or _("second observer")
             )
             columns = [Column(corner, 34), *(Column(name, 16, "0") for name in names)]
-            rows = [(name, *map(float, row)) for name, row in zip(names, table.counts, strict=True)]
+            rows: Rows = [
+                (name, *row) for name, row in zip(names, table.counts.tolist(), strict=True)
+            ]
             heading = f"{session.name}: {method_text(table.method)}"
             yield Block(heading, columns, rows, is_map=True)
 

@@ -232,7 +232,7 @@ def test_time_unit_kappa_is_that_of_a_table_done_by_hand():
     assert found.value == pytest.approx(cohen_kappa(np.array([[20.0, 10], [10, 20]])).value)
     table = result.tables[0]
     assert sorted(table.names) == ["", "seated"]
-    assert table.counts.sum() == 60 * 3  # subjects
+    assert table.counts.sum() == 60  # of the one subject that anybody saw
     assert [(d.begin_ms, d.end_ms, d.is_first) for d in result.differences] == [
         (0, 10_000, True),
         (30_000, 40_000, False),
@@ -267,7 +267,7 @@ def test_a_state_lasts_from_its_first_millisecond_to_before_its_last():
 def test_fleiss_takes_all_observers():
     three = [coding(("seated", 0, end), observer=str(end)) for end in (30, 30, 40)]
     result = agreement(three)
-    assert figure(result, "fleiss-kappa").n == 180
+    assert figure(result, "fleiss-kappa").n == 60
     assert 0.5 < figure(result, "fleiss-kappa").value < 1.0
     assert result.observers == ("30", "30", "40")
 
@@ -277,6 +277,7 @@ def test_only_the_time_that_all_watched_is_compared():
     result = agreement([one, other])
     assert result.within_ms == (0, 20_000)
     assert "from 0.000 to 20.000 s" in result.notices[0].text
+    assert "Nobody coded anything of child, peer" in result.notices[1].text
     assert figure(result, "time-unit-kappa", "seated").observed == 1.0
 
 
