@@ -11,8 +11,9 @@ from adibas.calibration.grid_growth_kernels import expect
 
 FIRST_BLUR = 0.9
 """Of a crossing, in pixels of the level that shows it best; the fit finds the rest."""
-NOTICEABLE_PX = 0.003
-"""A curved edge moves the corner less than that: no second fit."""
+NOTICEABLE_PX = 0.0001
+"""A curved edge moves the corner less than that: no second fit. A lens bends the edges of all
+boards alike, so that even a tenth of a corner's noise would add up to a wrong lens."""
 FEWEST_FOR_LIGHT = 6
 BLURRED_SHARE = 0.15
 """A blur of so much of a square makes the places of the neighbours matter: a second fit."""
@@ -91,7 +92,9 @@ def _shapes(pixels: FloatArray, light: FloatArray, known: BoolArray, dots: BoolA
     """Return (N, 16) the windows of the known corners by where their neighbours are."""
     (along, along_bend, *along_sides) = _change(pixels, known, axis=1)
     (down, down_bend, *down_sides) = _change(pixels, known, axis=0)
-    bends = np.stack([_curvature(along, along_bend), _curvature(down, down_bend)], axis=-1)
+    bends = np.stack(
+        [_curvature(along, along_bend, axis=1), _curvature(down, down_bend, axis=0)], axis=-1
+    )
     gaps = [_height(side, along) for side in down_sides]
     # Left of an edge that runs down is the previous column.
     gaps += [_height(side, down) for side in reversed(along_sides)]
@@ -168,9 +171,16 @@ def _change(
     return changes[0], changes[1], changes[2], changes[3]
 
 
-def _curvature(change: FloatArray, bend: FloatArray) -> FloatArray:
-    """Return how fast an edge turns per pixel; 0 where only one neighbour is seen."""
+def _curvature(change: FloatArray, bend: FloatArray, *, axis: int) -> FloatArray:
+    """Return how fast an edge turns per pixel.
+
+    Where only one neighbour is seen it turns as at that; 0 where that has none either.
+    """
     length = np.linalg.norm(change, axis=-1)
     across = change[..., 0] * bend[..., 1] - change[..., 1] * bend[..., 0]
-    curvature: FloatArray = np.nan_to_num(across / length**3)
-    return curvature
+    curvature = np.moveaxis(across / length**3, axis, 0)
+    wide = np.pad(curvature, ((1, 1), (0, 0)), constant_values=np.nan)
+    for beside in (wide[:-2], wide[2:]):
+        curvature = np.where(np.isnan(curvature), beside, curvature)
+    filled: FloatArray = np.moveaxis(np.nan_to_num(curvature), 0, axis)
+    return filled

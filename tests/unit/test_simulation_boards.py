@@ -5,6 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from adibas.data.board import Board
 from adibas.data.calibration import CameraCalibration
@@ -12,6 +13,7 @@ from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 from adibas.simulation.boards import corner_pixels, render_board, render_boards, visible_corners
 from adibas.simulation.boards_background import Background, paint_background
+from adibas.simulation.boards_camera import fineness, gathered
 from adibas.simulation.boards_look import BoardLook, BoardView, Hand
 from adibas.simulation.boards_painting import corner_rays, lay_board, motion_kernel
 from adibas.simulation.color_noise import EXACT_COLOR, ColorNoise
@@ -245,6 +247,21 @@ def test_motion_smears_the_board_evenly_about_its_place():
         middle = (still * places).sum() / still.sum()
         assert (moved * places).sum() / moved.sum() == pytest.approx(middle, abs=1e-3)
     assert np.abs(moved - still).max() > 0.3
+
+
+@pytest.mark.parametrize("blur_px", [0.7, 1.4])
+@pytest.mark.parametrize("edge_px", np.linspace(300.0, 301.0, 5))
+def test_a_lens_blurs_before_the_pixels_sample(edge_px, blur_px):
+    camera = ColorNoise(blur_px=blur_px)
+    n, sd_px = fineness(camera, 640), 0.5 * blur_px
+    assert n * sd_px >= 1.4
+    ends_px = (np.arange(640 * n + 1) - 0.5 * n) / n
+    fine = np.diff(np.maximum(ends_px - edge_px, 0.0)) * n
+    fine = np.tile(fine.astype(np.float32), (n * 20, 1))[..., None]
+    seen = gathered(fine, camera, n)[10, :, 0]
+    away = (np.arange(641) - 0.5 - edge_px) / sd_px
+    integral_px = sd_px * (away * norm.cdf(away) + norm.pdf(away))
+    np.testing.assert_allclose(seen[250:350], np.diff(integral_px)[250:350], atol=0.012)
 
 
 def test_noise_grows_with_the_light_as_photons_do():
