@@ -16,7 +16,7 @@ TITLES = {
     "markers": message("Markers"),
     "review": message("Review"),
     "reports": message("Reports"),
-    "comparison": message("Comparison"),
+    "comparison": message("Compare"),
     "calibration": message("Calibration"),
     "settings": message("Settings"),
 }

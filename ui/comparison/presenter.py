@@ -58,7 +58,8 @@ class ComparisonPresenter:
         ]
 
     def close(self) -> None:
-        """Listen no more."""
+        """Listen no more: nobody looks."""
+        self._is_seen = False
         for end in self._ends:
             end()
 
