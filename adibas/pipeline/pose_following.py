@@ -1,6 +1,6 @@
 """From depth images of one camera to the joints of everybody in view, frame by frame."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -149,13 +149,17 @@ class PoseEstimator:
             self._n_trials += 1
             self.floor = find_floor(depth_m, self.camera)
         masks = find_people(depth_m, self.camera, self.floor, self._params.people, self._known_m)
+        return self.look_at(depth_m, [mask.pixels for mask in masks], time_s)
+
+    def look_at(self, depth_m: Float32Array, masks: Sequence[BoolArray], time_s: float) -> PoseNow:
+        """Return the people whose (H, W) masks are known; as `look`, for the rest."""
         notices: tuple[Sentence, ...] = () if masks else judge_mask(depth_m, None).notices
         seen = []
-        for mask in masks:
-            parts, said = self._parts(depth_m, mask.pixels)
+        for pixels in masks:
+            parts, said = self._parts(depth_m, pixels)
             notices += said
             if parts is not None:
-                seen.append((mask.pixels, parts))
+                seen.append((pixels, parts))
         return PoseNow(tuple(self._named(depth_m, seen, time_s)), notices)
 
     def _parts(
