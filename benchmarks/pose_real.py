@@ -93,12 +93,16 @@ def _rows_of(calm: list[Compared], told: str) -> Iterator[Row]:
         for person in PEOPLE
     }
     means = [_near_share(errors_m, NEAR_M) for errors_m in by_person.values()]
-    yield Row(f"{told}: joints within 10 cm, mean over people", np.mean(means), "%", 80, "goal >=")
+    yield Row(
+        f"{told}: joints within 10 cm, mean over people", float(np.mean(means)), "%", 80, "goal >="
+    )
     wider = [_near_share(errors_m, WIDER_M) for errors_m in by_person.values()]
     yield Row("same: within 15 cm", float(np.mean(wider)), "%", 92, "goal >=")
     every_m = np.concatenate(list(by_person.values()))
     seen = np.isfinite(every_m)
-    yield Row("same: mean error of seen joints", 1e3 * every_m[seen].mean(), "mm", 60, "goal <=")
+    yield Row(
+        "same: mean error of seen joints", 1e3 * float(every_m[seen].mean()), "mm", 60, "goal <="
+    )
     yield Row("same: joints not seen", 100.0 * float((~seen).mean()), "%")
     yield Row("same: frames with shoulders exchanged", _flips(calm), "%", 1, "goal <")
     raw_m = np.concatenate([_errors_m([one], np.zeros((15, 3))) for one in calm])
@@ -119,7 +123,7 @@ def compare(folder: Path, model: LimbModel, *, quick: bool) -> Iterator[Compared
                 depths_m = read_depths(folder / "Depth" / f"{name}_depth.mat")
                 reference_m = read_reference(folder / "Skeleton" / f"{name}_skeleton.mat")
                 track = follow(depths_m, model)
-                places = np.arange(len(depths_m)) - LAG_FRAMES
+                places: FloatArray = np.arange(float(len(depths_m))) - LAG_FRAMES
                 yield Compared(person, action, track.joints_m, at_frames(reference_m, places))
 
 
