@@ -14,7 +14,7 @@ from adibas.recordings.decoding import decode_color
 
 N_FRAMES = 4
 ATTEMPTS = 3
-"""OpenNI2's own player crashes now and then, on a busy computer: that ends a program by a signal."""
+"""The player of OpenNI2 crashes now and then on a busy computer: the program ends by a signal."""
 PROGRAM = Path(__file__).with_name("play_oni.py")
 
 
