@@ -53,6 +53,8 @@ def calibration_to_json(calibration: RgbdCalibration) -> dict[str, Any]:
     document |= _vertical_to_json(calibration)
     if calibration.valid_region:
         document["valid_region"] = dict(calibration.valid_region)
+    if calibration.corner_method:
+        document["corner_method"] = calibration.corner_method
     return document
 
 
@@ -132,6 +134,7 @@ def _from_document(document: Document) -> RgbdCalibration:
         sensor_serial=str(document.get("sensor_serial") or ""),
         created_utc=str(document.get("created_utc") or ""),
         valid_region=valid_region or {},
+        corner_method=str(document.get("corner_method") or ""),
     )
 
 

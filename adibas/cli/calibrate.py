@@ -19,15 +19,16 @@ from adibas.texts import LANGUAGES, message, spoken_language
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
-    from adibas.calibration.camera_fitting import FittingParams
     from adibas.calibration.lens_models import LensModel
     from adibas.data.calibration import RgbdCalibration
-    from adibas.pipeline.calibrating import CameraOutcome
+    from adibas.pipeline.calibrating import CalibratingParams, CameraOutcome
 
 SUMMARY = message("calibrate a camera from images of a chessboard, or print the chessboard")
 
 REPEAT = 1
 WRONG_USAGE = 2
+CORNERS = ("edges", "gradient")
+"""The values of `adibas.calibration.corners.CornerMethod`, which brings the compiler along."""
 SMALLEST_SIDE, LARGEST_SIDE = 3, 100
 
 
@@ -56,6 +57,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--model",
         metavar=_("TERMS"),
         help=_("distortion, such as 'k1 k2 p1 p2' or 'none'; chosen by the images if not given"),
+    )
+    parser.add_argument(
+        "--corners",
+        choices=CORNERS,
+        default=CORNERS[0],
+        help=_(
+            "what a corner is: 'edges', where the middles of its edges cross, or 'gradient', where "
+            "they are steepest, to compare with OpenCV's cornerSubPix and the toolbox for Matlab; "
+            "edges if not given"
+        ),
     )
     parser.add_argument(
         "--report",
@@ -127,13 +138,10 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _calibrate_sensor(arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.calibration.camera_fitting import FittingParams
-
     check_place(arguments.out)
     _check_reports(arguments.report)
-    fitting = FittingParams(model=_model(arguments.model))
     run_sensor = run_infrared if arguments.infrared else run_depth
-    return run_sensor(arguments, console, fitting)
+    return run_sensor(arguments, console, _params(arguments))
 
 
 def _check_reports(paths: list[Path]) -> None:
@@ -172,24 +180,22 @@ def _print_board(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _calibrate(arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.calibration.camera_fitting import FittingParams
     from adibas.calibration.files import write_calibration
     from adibas.cli.calibrate_texts import describe_outcome, document
     from adibas.data.calibration_verdict import Grade
     from adibas.pipeline.calibrating import color_calibration
     from adibas.pipeline.calibrating_recording import serial_of
 
-    fitting = FittingParams(model=_model(arguments.model))
     is_recorded = are_recordings(arguments.images)
     find = color_of_recordings if is_recorded else _color_of_images
-    outcome = find(arguments, console, fitting)
+    outcome = find(arguments, console, _params(arguments))
     is_bad = outcome.verdict.grade is Grade.REPEAT
     is_fitted = outcome.fit is not None and outcome.fit.is_settled
     is_written = is_fitted and (arguments.keep_bad or not is_bad)
     serial = serial_of(arguments.images) if is_recorded else ""
     calibration = None
     if is_fitted and outcome.fit is not None:
-        calibration = color_calibration(outcome.fit, serial)
+        calibration = color_calibration(outcome.fit, serial, method=outcome.method)
     if is_written and calibration is not None:
         write_calibration(arguments.out, calibration)
     for line in describe_outcome(outcome):
@@ -201,10 +207,10 @@ def _calibrate(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _color_of_images(
-    arguments: argparse.Namespace, console: Console, fitting: "FittingParams"
+    arguments: argparse.Namespace, console: Console, params: "CalibratingParams"
 ) -> "CameraOutcome":
     from adibas.data.board import Board
-    from adibas.pipeline.calibrating import CalibratingParams, calibrate_camera, read_images
+    from adibas.pipeline.calibrating import calibrate_camera, read_images
 
     columns, rows = arguments.board
     board = Board(columns, rows, arguments.square_mm / 1000.0)
@@ -212,7 +218,7 @@ def _color_of_images(
         outcome = calibrate_camera(
             read_images(arguments.images),
             board,
-            CalibratingParams(fitting=fitting),
+            params,
             n_images=len(arguments.images),
             progress=progress,
         )
@@ -249,6 +255,13 @@ def _write_reports(
         report = report_of_calibration(outcome, calibration, arguments.language)
         write_calibration_report(report, path)
         console.say(_("{file} is written.").format(file=path))
+
+
+def _params(arguments: argparse.Namespace) -> "CalibratingParams":
+    from adibas.calibration.corners import CornerMethod
+    from adibas.pipeline.calibrating import params_by
+
+    return params_by(CornerMethod(arguments.corners), _model(arguments.model))
 
 
 def _model(name: str | None) -> "LensModel | None":

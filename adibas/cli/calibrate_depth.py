@@ -9,10 +9,9 @@ from adibas.cli.console import Console
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
-    from adibas.calibration.camera_fitting import FittingParams
     from adibas.data.board import Board
     from adibas.data.calibration import RgbdCalibration
-    from adibas.pipeline.calibrating import CameraOutcome
+    from adibas.pipeline.calibrating import CalibratingParams, CameraOutcome
     from adibas.pipeline.calibrating_depth import DepthOutcome
 
 REPEAT = 1
@@ -74,7 +73,7 @@ def missing(arguments: argparse.Namespace) -> str | None:
     return None
 
 
-def run_depth(arguments: argparse.Namespace, console: Console, fitting: "FittingParams") -> int:
+def run_depth(arguments: argparse.Namespace, console: Console, params: "CalibratingParams") -> int:
     """Calibrate the depth camera, and the colour camera where that is not done."""
     from adibas.calibration.files import write_calibration
     from adibas.cli.calibrate_depth_texts import depth_document, describe_depth
@@ -86,10 +85,10 @@ def run_depth(arguments: argparse.Namespace, console: Console, fitting: "Fitting
     if problem is not None:
         console.warn(problem)
         return WRONG_USAGE
-    color, calibration = _color(arguments, console, fitting)
+    color, calibration = _color(arguments, console, params)
     if calibration is None:
         return REPEAT
-    outcome = _depth(arguments, console, calibration)
+    outcome = _depth(arguments, console, calibration, params)
     verdict = outcome.verdict if color is None else joined(color.verdict, outcome.verdict)
     is_bad = verdict.grade is Grade.REPEAT
     is_written = arguments.keep_bad or not is_bad
@@ -119,16 +118,14 @@ def say_where(arguments: argparse.Namespace, console: Console, *, is_written: bo
 
 
 def color_of_recordings(
-    arguments: argparse.Namespace, console: Console, fitting: "FittingParams"
+    arguments: argparse.Namespace, console: Console, params: "CalibratingParams"
 ) -> "CameraOutcome":
     """Calibrate the colour camera of the recordings."""
-    from adibas.pipeline.calibrating import CalibratingParams
     from adibas.pipeline.calibrating_recording import calibrate_color_of
 
     board = board_of(arguments)
     if board is None:
         raise ValueError("a board is needed")
-    params = CalibratingParams(fitting=fitting)
     with console.progress(_("Looking for the board")) as progress:
         outcome = calibrate_color_of(arguments.images, board, params, progress=progress)
     if outcome is None:
@@ -137,7 +134,7 @@ def color_of_recordings(
 
 
 def _color(
-    arguments: argparse.Namespace, console: Console, fitting: "FittingParams"
+    arguments: argparse.Namespace, console: Console, params: "CalibratingParams"
 ) -> "tuple[CameraOutcome | None, RgbdCalibration | None]":
     """Return the colour camera as it was given, or by the recordings; None where it is bad."""
     from adibas.calibration.files import read_calibration
@@ -148,7 +145,7 @@ def _color(
 
     if arguments.calibration is not None:
         return None, read_calibration(arguments.calibration)
-    outcome = color_of_recordings(arguments, console, fitting)
+    outcome = color_of_recordings(arguments, console, params)
     fit = outcome.fit
     is_fitted = fit is not None and fit.is_settled
     is_bad = outcome.verdict.grade is Grade.REPEAT
@@ -158,13 +155,21 @@ def _color(
         console.warn(_("{file} is not written.").format(file=arguments.out))
         console.give({"out": None, "color": document(outcome, None)})
         return outcome, None
-    return outcome, color_calibration(fit, serial_of(arguments.images))
+    serial = serial_of(arguments.images)
+    return outcome, color_calibration(fit, serial, method=outcome.method)
 
 
 def _depth(
-    arguments: argparse.Namespace, console: Console, calibration: "RgbdCalibration"
+    arguments: argparse.Namespace,
+    console: Console,
+    calibration: "RgbdCalibration",
+    params: "CalibratingParams",
 ) -> "DepthOutcome":
-    from adibas.pipeline.calibrating_depth import DepthRequest, calibrate_depth
+    from adibas.pipeline.calibrating_depth import (
+        DepthCalibratingParams,
+        DepthRequest,
+        calibrate_depth,
+    )
 
     first, *more = arguments.images
     request = DepthRequest(
@@ -175,7 +180,7 @@ def _depth(
         more_recordings=tuple(more),
     )
     with console.progress(_("Calibrating the depth camera")) as progress:
-        outcome = calibrate_depth(request, progress)
+        outcome = calibrate_depth(request, progress, DepthCalibratingParams(finder=params.finder))
     if outcome is None:
         raise ValueError("nothing can stop this calibration")
     return outcome

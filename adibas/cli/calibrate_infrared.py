@@ -12,7 +12,7 @@ from adibas.cli.console import Console
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
-    from adibas.calibration.camera_fitting import FittingParams
+    from adibas.pipeline.calibrating import CalibratingParams
     from adibas.pipeline.calibrating_infrared import InfraredOutcome
 
 SURE = 1.959964
@@ -34,11 +34,12 @@ def add_infrared_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run_infrared(arguments: argparse.Namespace, console: Console, fitting: "FittingParams") -> int:
+def run_infrared(
+    arguments: argparse.Namespace, console: Console, params: "CalibratingParams"
+) -> int:
     """Calibrate both cameras, say what that is worth, and write it."""
     from adibas.calibration.files import read_calibration, write_calibration
     from adibas.data.calibration_verdict import Grade
-    from adibas.pipeline.calibrating import CalibratingParams
     from adibas.pipeline.calibrating_infrared import calibrate_infrared, in_pairs
 
     board = board_of(arguments)
@@ -54,9 +55,7 @@ def run_infrared(arguments: argparse.Namespace, console: Console, fitting: "Fitt
     given = None if arguments.calibration is None else read_calibration(arguments.calibration)
     pairs = in_pairs(arguments.images, arguments.infrared)
     with console.progress(_("Looking for the board")) as progress:
-        outcome = calibrate_infrared(
-            pairs, board, given, CalibratingParams(fitting=fitting), progress=progress
-        )
+        outcome = calibrate_infrared(pairs, board, given, params, progress=progress)
     is_bad = outcome.verdict.grade is Grade.REPEAT
     is_written = arguments.keep_bad or not is_bad
     if is_written:

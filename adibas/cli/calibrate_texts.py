@@ -14,6 +14,7 @@ from adibas.calibration.quality import (
 )
 from adibas.data.camera_fit import CameraFit
 from adibas.pipeline.calibrating import CameraOutcome, SearchedImage, parameter_intervals
+from adibas.reports.calibration_facts import DEFINITIONS
 from adibas.reports.calibration_rows import LENGTH_M, SURE, UncertaintyRow, uncertainty_rows
 from adibas.texts import translate as _
 
@@ -35,6 +36,7 @@ def describe_camera(outcome: CameraOutcome) -> Iterator[str]:
     fit = outcome.fit
     if fit is not None and fit.is_settled:
         yield from _describe_fit(fit)
+        yield _("Corners: {definition}.").format(definition=_(DEFINITIONS[outcome.method.value]))
         yield _(
             "Distances rest on squares of {side:g} mm: measure one with a ruler. Images alone do "
             "not show a wrong size."
@@ -59,6 +61,7 @@ def document(outcome: CameraOutcome, out: Path | None) -> dict[str, object]:
             ],
         },
         "images": _images(outcome),
+        "corners": outcome.method.value,
     }
     return found | (_fit_document(fit) if fit is not None else {})
 

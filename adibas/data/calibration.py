@@ -158,6 +158,8 @@ class RgbdCalibration:
         Empty where unknown.
     valid_region : mapping
         Where the images of the calibration had points; kept, and applied by nothing.
+    corner_method : str
+        What counted as a corner of the board: ``edges`` or ``gradient``; empty where unknown.
     """
 
     color: CameraCalibration | None = None
@@ -175,6 +177,7 @@ class RgbdCalibration:
     sensor_serial: str = ""
     created_utc: str = ""
     valid_region: Mapping[str, object] = field(default_factory=dict)
+    corner_method: str = ""
 
     def __post_init__(self) -> None:
         if not 0 < self.depth_unit_m < math.inf:

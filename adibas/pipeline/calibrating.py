@@ -11,7 +11,9 @@ import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
 from adibas.calibration.camera_fitting import FittingParams, fit_camera
+from adibas.calibration.corners import CornerMethod, FitParams
 from adibas.calibration.finder import BoardSearch, FinderParams, search_board
+from adibas.calibration.lens_models import LensModel
 from adibas.calibration.quality import map_residuals
 from adibas.calibration.sharpness import blur_px
 from adibas.calibration.verdict import Evidence, ScaleCheck, VerdictParams, judge
@@ -37,6 +39,13 @@ class CalibratingParams:
     finder: FinderParams = field(default_factory=FinderParams)
     fitting: FittingParams = field(default_factory=FittingParams)
     verdict: VerdictParams = field(default_factory=VerdictParams)
+
+
+def params_by(method: CornerMethod, model: LensModel | None = None) -> CalibratingParams:
+    """Return settings for corners placed in a way, and a lens model; None chooses one."""
+    return CalibratingParams(
+        finder=FinderParams(fit=FitParams(method=method)), fitting=FittingParams(model=model)
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,12 +100,15 @@ class CameraOutcome:
         None where nothing could be fitted.
     verdict : Verdict
         What it is worth.
+    method : CornerMethod
+        What counted as a corner.
     """
 
     board: Board
     images: tuple[SearchedImage, ...]
     fit: CameraFit | None
     verdict: Verdict
+    method: CornerMethod = CornerMethod.EDGES
 
 
 def read_images(paths: Iterable[Path]) -> Iterable[NamedImage]:
@@ -201,7 +213,8 @@ def fit_searched(
         raise CalibrationError("There are no images to calibrate from. Give some of the board.")
     corners = [image.search.corners for image in images if image.search.corners is not None]
     fit = fit_camera(board, corners, params.fitting) if corners else None
-    return judged(CameraOutcome(board, images, fit, Verdict()), params=params.verdict)
+    outcome = CameraOutcome(board, images, fit, Verdict(), params.finder.fit.method)
+    return judged(outcome, params=params.verdict)
 
 
 def judged(
@@ -230,7 +243,10 @@ def judged(
 
 
 def color_calibration(
-    fit: CameraFit, sensor_serial: str = "", clock: Clock = utc_now
+    fit: CameraFit,
+    sensor_serial: str = "",
+    clock: Clock = utc_now,
+    method: CornerMethod = CornerMethod.EDGES,
 ) -> RgbdCalibration:
     """Return the calibration of a colour camera alone, as it is stored."""
     return RgbdCalibration(
@@ -241,6 +257,7 @@ def color_calibration(
         sensor_serial=sensor_serial,
         created_utc=to_text(clock()),
         valid_region={"color": covered_cells(fit)},
+        corner_method=method.value,
     )
 
 

@@ -158,6 +158,7 @@ def _color_of(outcome: CameraOutcome, given: RgbdCalibration | None) -> RgbdCali
             rms_px=fit.rms_px,
             parameter_names=names,
             covariance=np.array(fit.covariance),
+            corner_method=outcome.method.value,
         )
     camera = given.color
     if camera is None:

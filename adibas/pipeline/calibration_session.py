@@ -278,7 +278,7 @@ class CalibrationSession:
         fit = camera.fit
         if fit is None or not fit.is_settled:
             return SensorOutcome(camera, None, None, None)
-        color = color_calibration(fit, self.sensor.key, clock)
+        color = color_calibration(fit, self.sensor.key, clock, camera.method)
         depth: DepthOutcome | Verdict | None = None
         if has_depth_camera(info) and not _is_of_wrong_scale(camera):
             depth = calibrate_depth_of(pictures, board, color, info, clock)
@@ -340,6 +340,7 @@ class CalibrationSession:
             sensor_serial=color.sensor_serial,
             created_utc=color.created_utc,
             valid_region=color.valid_region,
+            corner_method=color.corner_method,
             gravity=None,  # the sensor may stand elsewhere tomorrow
             floor=None,
         )

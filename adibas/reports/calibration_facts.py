@@ -28,12 +28,18 @@ from adibas.reports.calibration_rows import (
     length_interval_mm,
 )
 from adibas.reports.facts import intended_use
-from adibas.texts import DECIMAL_COMMA, decimal_text, spoken_language, translate_plural
+from adibas.texts import DECIMAL_COMMA, decimal_text, message, spoken_language, translate_plural
 from adibas.texts import translate as _
 
 Pairs = list[tuple[str, str]]
 
 SECONDS_PER_MINUTE = 60.0
+
+DEFINITIONS = {
+    "edges": message("where the middles of the edges cross"),
+    "gradient": message("where the edges are steepest, as OpenCV's cornerSubPix places them"),
+}
+"""Of a corner, by `RgbdCalibration.corner_method`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +107,9 @@ def camera_facts(report: CalibrationReport) -> Pairs:
         )
         terms = _("no lens distortion") if fit.model == "none" else fit.model
         facts += [(_("Image"), size), (_("Lens model"), terms)]
+    method = "" if report.calibration is None else report.calibration.corner_method
+    if method in DEFINITIONS:
+        facts.append((_("Corners"), _(DEFINITIONS[method])))
     return facts
 
 

@@ -6,6 +6,7 @@ import threading
 import cv2
 import numpy as np
 import pytest
+from openpyxl import load_workbook
 
 from adibas.calibration.files import read_calibration
 from adibas.cli import main
@@ -121,6 +122,22 @@ def test_the_command_writes_a_calibration_and_says_what_it_is_worth(careful, tmp
     assert document["images"][0]["q_mm"] < 0.5
     assert document["uncertainty"][1]["length_ci95_mm"] < 5
     assert read_calibration(out).color.intrinsics.fx == fx["value"]
+
+
+def test_corners_may_be_placed_as_other_programs_do_and_the_file_says_so(careful, tmp_path, capsys):
+    out, report = tmp_path / "calibration.json", tmp_path / "calibration.xlsx"
+    argv = ["calibrate", *saved(tmp_path, careful[:6]), *TOLD, "--out", str(out), "--keep-bad"]
+    by_method = {}
+    for method in ("edges", "gradient"):
+        main([*argv, "--corners", method, "--json", "--report", str(report), "--language", "en"])
+        document = json.loads(capsys.readouterr().out)
+        assert document["corners"] == read_calibration(out).corner_method == method
+        by_method[method] = document["parameters"]["fx"]["value"]
+    # The rendered lens has no coma: both definitions mean the same place, but not to the last bit.
+    assert by_method["edges"] != by_method["gradient"]
+    assert by_method["edges"] == pytest.approx(by_method["gradient"], rel=0.005)
+    cells = [cell.value for row in load_workbook(report).active.iter_rows() for cell in row]
+    assert "where the edges are steepest, as OpenCV's cornerSubPix places them" in cells
 
 
 def test_a_bad_set_is_not_written_unless_asked_for(tmp_path, capsys):

@@ -42,6 +42,7 @@ def whole_calibration(fx=1050.1):
         sensor_serial="A1",
         created_utc="2026-11-21T10:00:00+00:00",
         valid_region={"color": [[10, 10], [1270, 1010]]},
+        corner_method="gradient",
     )
 
 
