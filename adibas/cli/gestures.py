@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
+from adibas.cli.exercise import add_check_arguments
 from adibas.cli.options import add_json, add_out, sentence
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -17,6 +18,7 @@ SUMMARY = message("learn gestures from examples, and find when they begin and en
 TRAIN = message("learn gestures from a folder of examples")
 DETECT = message("find the gestures of a model in a table of joints")
 EVALUATE = message("measure on people who were left out of the training")
+CHECK = message("compare a patient's exercise with the therapist's, repetition by repetition")
 METHODS = ("likeness", "hmm", "dtw", "weighted-dtw", "table-7.1")
 
 
@@ -49,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     evaluate.set_defaults(action=_evaluate)
     for action in (train, detect, evaluate):
         add_json(action)
+    add_check_arguments(actions.add_parser("check", help=_(CHECK), description=sentence(_(CHECK))))
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
