@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.calibration.depth_bias import depth_sd_m
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.geometry.distortion import FoldWarning, undistort_pixels
+from adibas.geometry.rigid import rotation_vector
 
 GRID = 9
 DISTANCE_M = 2.0
@@ -16,6 +18,9 @@ DISTANCE_M = 2.0
 
 LENGTH_M = 0.5
 """A thigh, a trunk: what is measured."""
+
+DEPTHS_M = (1.0, 2.0, 3.0)
+"""Of the working volume."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +45,27 @@ class ParameterChange:
 
 
 @dataclass(frozen=True, slots=True)
+class DepthChange:
+    """What both calibrations make of one reading of the depth, in the image's middle.
+
+    Attributes
+    ----------
+    measured_m : float
+        The reading.
+    before_m, now_m : float
+        Corrected.
+    sigma_m : float
+        Standard deviation of their difference by both calibrations' own account; NaN where one
+        does not say.
+    """
+
+    measured_m: float
+    before_m: float
+    now_m: float
+    sigma_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class Comparison:
     """Two calibrations of one sensor.
 
@@ -49,10 +75,17 @@ class Comparison:
         Of the colour camera.
     largest_change_m : float
         By how much a length of half a metre at two metres changes where it changes most.
+    depths : tuple of DepthChange
+        At `DEPTHS_M`; none where one of them has no depth camera of this size.
+    turn_rad, shift_m : float
+        By which the depth camera's pose changed; NaN likewise.
     """
 
     parameters: tuple[ParameterChange, ...]
     largest_change_m: float
+    depths: tuple[DepthChange, ...] = ()
+    turn_rad: float = math.nan
+    shift_m: float = math.nan
 
 
 def compare(before: RgbdCalibration, now: RgbdCalibration) -> Comparison | None:
@@ -61,10 +94,46 @@ def compare(before: RgbdCalibration, now: RgbdCalibration) -> Comparison | None:
         return None
     if (before.color.width, before.color.height) != (now.color.width, now.color.height):
         return None
+    depths = tuple(_depth_changes(before, now))
+    turn_rad = shift_m = math.nan
+    if depths:
+        old, new = before.color_from_depth, now.color_from_depth
+        turn_rad = float(np.linalg.norm(rotation_vector(new.rotation @ old.rotation.T)))
+        shift_m = float(np.linalg.norm(new.translation_m - old.translation_m))
     return Comparison(
         parameters=tuple(_changes(before, now)),
         largest_change_m=_largest_change_m(before.color, now.color),
+        depths=depths,
+        turn_rad=turn_rad,
+        shift_m=shift_m,
     )
+
+
+def _depth_changes(before: RgbdCalibration, now: RgbdCalibration) -> list[DepthChange]:
+    if before.depth is None or now.depth is None:
+        return []
+    if (before.depth.width, before.depth.height) != (now.depth.width, now.depth.height):
+        return []
+    measured_m = np.array(DEPTHS_M)
+    old_m, new_m = (
+        one.depth_bias.a + measured_m * (one.depth_bias.b + one.depth_bias.c * measured_m)
+        for one in (before, now)
+    )
+    sigmas_m = np.hypot(_depth_sigmas_m(before), _depth_sigmas_m(now))
+    columns = (DEPTHS_M, old_m.tolist(), new_m.tolist(), sigmas_m.tolist())
+    return [DepthChange(*row) for row in zip(*columns, strict=True)]
+
+
+def _depth_sigmas_m(calibration: RgbdCalibration) -> FloatArray:
+    """Return how sure the correction in the image's middle is at `DEPTHS_M`; NaN where unknown."""
+    is_known = calibration.covariance is not None and any(
+        name.startswith("depth_bias.") for name in calibration.parameter_names
+    )
+    if calibration.depth is None or not is_known:
+        return np.full(len(DEPTHS_M), math.nan)
+    k = calibration.depth.intrinsics
+    middle = np.tile([k.cx, k.cy], (len(DEPTHS_M), 1))
+    return depth_sd_m(calibration, middle, np.array(DEPTHS_M))
 
 
 def _changes(before: RgbdCalibration, now: RgbdCalibration) -> list[ParameterChange]:

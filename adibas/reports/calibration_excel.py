@@ -16,6 +16,7 @@ from adibas.reports.calibration_blocks import (
 )
 from adibas.reports.calibration_facts import (
     camera_facts,
+    change_facts,
     depth_facts,
     figures,
     general_facts,
@@ -23,6 +24,7 @@ from adibas.reports.calibration_facts import (
     verdict_facts,
 )
 from adibas.reports.calibration_rows import (
+    comparison_of,
     corner_lines,
     image_rows,
     known,
@@ -82,6 +84,9 @@ def _summary(report: CalibrationReport) -> list[Part]:
     checks = [] if report.depth is None else depth_facts(report.depth)
     if checks:
         parts.append(Part(_("Depth"), checks))
+    changes = change_facts(comparison_of(report))
+    if changes:
+        parts.append(Part(_("Depth against the calibration before (95 %)"), changes))
     return [*parts, Part(_("About this report"), general_facts(report))]
 
 

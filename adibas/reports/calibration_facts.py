@@ -7,6 +7,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
+from adibas.calibration.comparison import Comparison, DepthChange
 from adibas.calibration.kept import REMIND_AFTER
 from adibas.calibration.quality import board_errors, map_residuals, mean_board_error_m, tilts_rad
 from adibas.calibration.verdict import VerdictParams
@@ -155,6 +156,40 @@ def depth_facts(depth: DepthReport) -> Pairs:
     if depth.drift is not None:
         facts.append((_("Warm-up"), _drift_text(depth.drift)))
     return facts + [(_("Left open"), sentence.text) for sentence in depth.left_open]
+
+
+def change_facts(comparison: Comparison | None) -> Pairs:
+    """Return what became of the depth since the calibration before; nothing without a depth."""
+    if comparison is None or not comparison.depths:
+        return []
+    facts = [
+        (
+            _("Depth at {distance} m").format(distance=decimal_text(one.measured_m, 0)),
+            _depth_change_text(one),
+        )
+        for one in comparison.depths
+    ]
+    pose = _("{shift} mm and {turn} degrees").format(
+        shift=decimal_text(MM_PER_M * comparison.shift_m, 1),
+        turn=decimal_text(math.degrees(comparison.turn_rad), 2),
+    )
+    return [*facts, (_("Place of the depth camera, moved by"), pose)]
+
+
+def _depth_change_text(change: DepthChange) -> str:
+    moved_mm = MM_PER_M * (change.now_m - change.before_m)
+    text = f"{signed_text(moved_mm, 1)} mm"
+    if math.isnan(change.sigma_m):
+        return text
+    return f"{text} (± {decimal_text(MM_PER_M * SURE * change.sigma_m, 1)})"
+
+
+def signed_text(value: float, n_decimals: int) -> str:
+    """Return a change in the language in use; one that is rounded away has no sign."""
+    text = decimal_text(abs(value), n_decimals)
+    if round(value, n_decimals) == 0:
+        return text
+    return ("+" if value > 0 else "\N{MINUS SIGN}") + text
 
 
 def remark(row: ImageRow) -> str | None:

@@ -82,7 +82,7 @@ def _story(report: CalibrationReport) -> Iterator[Flowable]:
         yield from _plots(report, report.fit)
     if report.depth is not None:
         yield PageBreak()
-        yield from depth_tables(report.depth)
+        yield from depth_tables(report, report.depth)
         yield _row(
             bias_figure(report.depth, HALF, MAP_HEIGHT),
             shots_figure(report.depth, HALF, MAP_HEIGHT),

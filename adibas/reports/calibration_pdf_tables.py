@@ -8,8 +8,14 @@ from reportlab.platypus import Flowable
 from adibas.data.calibration_report import CalibrationReport, DepthReport
 from adibas.data.camera_fit import CameraFit
 from adibas.reports.calibration_depth_rows import depth_parameter_rows
-from adibas.reports.calibration_facts import depth_facts, figures, remark
-from adibas.reports.calibration_rows import LENGTH_M, image_rows, parameter_rows, uncertainty_rows
+from adibas.reports.calibration_facts import change_facts, depth_facts, figures, remark
+from adibas.reports.calibration_rows import (
+    LENGTH_M,
+    comparison_of,
+    image_rows,
+    parameter_rows,
+    uncertainty_rows,
+)
 from adibas.reports.pdf_layout import (
     SMALL_TEXT,
     WIDTH,
@@ -132,8 +138,8 @@ def _notes(report: CalibrationReport, n_more: int) -> Iterator[Flowable]:
         )
 
 
-def depth_tables(depth: DepthReport) -> Iterator[Flowable]:
-    """Yield pose and own error of the depth camera, and what was checked."""
+def depth_tables(report: CalibrationReport, depth: DepthReport) -> Iterator[Flowable]:
+    """Yield pose and own error of the depth camera, what was checked, and what changed."""
     yield title(_("Depth"), level=2)
     cells = []
     for row in depth_parameter_rows(depth):
@@ -149,6 +155,10 @@ def depth_tables(depth: DepthReport) -> Iterator[Flowable]:
     if checks:
         yield title(_("Checks"), level=2)
         yield facts_table(checks)
+    changes = change_facts(comparison_of(report))
+    if changes:
+        yield title(_("Depth against the calibration before (95 %)"), level=2)
+        yield facts_table(changes)
 
 
 def n_decimals(half_interval: float) -> int:

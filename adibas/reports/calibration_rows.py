@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.calibration.comparison import ParameterChange, compare
+from adibas.calibration.comparison import Comparison, ParameterChange, compare
 from adibas.calibration.projection_uncertainty import (
     UncertaintyMap,
     distance_uncertainty,
@@ -107,17 +107,20 @@ def parameter_rows(report: CalibrationReport) -> Iterator[ParameterRow]:
 
 def parameter_changes(report: CalibrationReport) -> tuple[ParameterChange, ...]:
     """Return what the calibration changed against the one before; none where none compares."""
-    if report.previous is None or report.calibration is None:
-        return ()
-    comparison = compare(report.previous, report.calibration)
+    comparison = comparison_of(report)
     return () if comparison is None else comparison.parameters
+
+
+def comparison_of(report: CalibrationReport) -> Comparison | None:
+    """Return the comparison with the calibration before; None where none compares."""
+    if report.previous is None or report.calibration is None:
+        return None
+    return compare(report.previous, report.calibration)
 
 
 def largest_change_mm(report: CalibrationReport) -> float | None:
     """Return by how much 0.5 m at 2 m changes at most against the calibration before."""
-    if report.previous is None or report.calibration is None:
-        return None
-    comparison = compare(report.previous, report.calibration)
+    comparison = comparison_of(report)
     return None if comparison is None else known(MM_PER_M * comparison.largest_change_m)
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from adibas.calibration.comparison import compare
-from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.geometry.pinhole import Intrinsics
+from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 
 
 def calibration(fx=525.0, cx=319.5, size=(640, 480), distortion=(), **changes):
@@ -54,3 +55,36 @@ def test_what_cannot_be_compared_is_not():
     depth_only = RgbdCalibration(depth=calibration().color)
     assert compare(depth_only, calibration()) is None
     assert compare(calibration(), depth_only) is None
+
+
+def test_the_depth_changes_by_what_the_bias_says_with_both_intervals():
+    names = ("depth_bias.a", "depth_bias.b", "depth_bias.c")
+    depth = calibration().color
+    before = calibration(depth=depth, parameter_names=names, covariance=np.diag([9e-6, 0.0, 0.0]))
+    turned = RigidTransform(
+        rotation_from_vector(np.array([0.0, 0.002, 0.0])), np.array([0.0, 3.0, 4.0]) * 1e-3
+    )
+    now = calibration(
+        depth=depth,
+        depth_bias=DepthBias(0.001, 1.002, -0.001),
+        color_from_depth=turned,
+        parameter_names=names,
+        covariance=np.diag([16e-6, 0.0, 0.0]),
+    )
+    found = compare(before, now)
+    assert [one.measured_m for one in found.depths] == [1.0, 2.0, 3.0]
+    moved_mm = [1000 * (one.now_m - one.before_m) for one in found.depths]
+    np.testing.assert_allclose(moved_mm, [2.0, 1.0, -2.0], atol=1e-9)
+    assert [one.sigma_m for one in found.depths] == pytest.approx([0.005] * 3)
+    assert (found.turn_rad, found.shift_m) == pytest.approx((0.002, 0.005))
+
+
+def test_a_depth_of_unknown_error_has_no_interval_and_another_depth_camera_no_change():
+    depth = calibration().color
+    found = compare(calibration(depth=depth), calibration(depth=depth))
+    assert np.isnan([one.sigma_m for one in found.depths]).all()
+    assert [one.before_m for one in found.depths] == [one.now_m for one in found.depths]
+    for other in (None, calibration(size=(320, 240)).color):
+        found = compare(calibration(depth=depth), calibration(depth=other))
+        assert found.depths == ()
+        assert np.isnan(found.shift_m)

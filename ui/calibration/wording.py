@@ -16,7 +16,7 @@ from adibas.data.calibration_verdict import Grade
 from adibas.data.camera_fit import CameraFit
 from adibas.pipeline.calibration_session import SensorOutcome
 from adibas.reports.calibration_depth_rows import bias_rows
-from adibas.reports.calibration_facts import depth_facts
+from adibas.reports.calibration_facts import change_facts, depth_facts, signed_text
 from adibas.texts import decimal_text, message
 from adibas.texts import translate as _
 
@@ -89,7 +89,16 @@ def _depth_parts(outcome: SensorOutcome) -> list[str]:
         _heading(_("Depth camera")),
         _list([f"{name}: {text}" for name, text in checks]),
         _table(_bias_table(depth)),
+        *_depth_changes(outcome.comparison),
     ]
+
+
+def _depth_changes(comparison: Comparison | None) -> list[str]:
+    changes = change_facts(comparison)
+    if not changes:
+        return []
+    told = _("Against the calibration before (95 %):")
+    return [f"<p>{html.escape(told)}</p>", _list([f"{name}: {text}" for name, text in changes])]
 
 
 def _bias_table(depth: DepthReport) -> list[Row]:
@@ -97,7 +106,7 @@ def _bias_table(depth: DepthReport) -> list[Row]:
     for row in bias_rows(depth):
         if row.low_mm is not None and row.measured_m % SHOWN_EVERY_M == 0:
             half = f"± {decimal_text(row.added_mm - row.low_mm, 1)}"
-            rows.append((decimal_text(row.measured_m, 1), _signed(row.added_mm, 1), half))
+            rows.append((decimal_text(row.measured_m, 1), signed_text(row.added_mm, 1), half))
     return rows
 
 
@@ -139,7 +148,7 @@ def _parameter_rows(fit: CameraFit, comparison: Comparison | None) -> list[Row]:
         change = changes.get(f"color.{name}")
         if change is not None:
             moved = change.now - change.before
-            row += (decimal_text(change.before, n_decimals), _signed(moved, n_decimals))
+            row += (decimal_text(change.before, n_decimals), signed_text(moved, n_decimals))
         elif changes:
             row += ("", "")
         rows.append(row)
@@ -160,7 +169,7 @@ def _picture_rows(outcome: SensorOutcome, fit: CameraFit) -> list[Row]:
         is_out = view.is_outlier or (shot is not None and shot.is_outlier)
         row: Row = (view.image, decimal_text(view.rms_px, 3), decimal_text(distance_m, 2), tilt)
         if shots:
-            row += ("" if shot is None else _signed(_depth_error_mm(shot), 1),)
+            row += ("" if shot is None else signed_text(_depth_error_mm(shot), 1),)
         rows.append((*row, _("left out: it contradicts the others") if is_out else ""))
     return rows
 
@@ -175,14 +184,6 @@ def _decimals(half_width: float) -> int:
     if not 0 < half_width < math.inf:
         return USUAL_DECIMALS
     return min(max(1 - math.floor(math.log10(half_width)), 0), MOST_DECIMALS)
-
-
-def _signed(value: float, n_decimals: int) -> str:
-    """Return a change; one that is rounded away has no sign."""
-    text = decimal_text(abs(value), n_decimals)
-    if round(value, n_decimals) == 0:
-        return text
-    return ("+" if value > 0 else "\N{MINUS SIGN}") + text
 
 
 def _list(sentences: Sequence[str]) -> str:
