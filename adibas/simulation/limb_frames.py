@@ -10,6 +10,7 @@ column of the sensor's.
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,7 +43,7 @@ from adibas.simulation.limb_people import (
     random_shape,
     wide_pose,
 )
-from adibas.simulation.looks import materials, surface_fields
+from adibas.simulation.looks import MATERIALS, Materials, materials, surface_fields
 from adibas.simulation.poses import Pose
 from adibas.simulation.raster import draw, lens_vector
 from adibas.simulation.rotations import about
@@ -91,6 +92,8 @@ class LimbFrame:
         As measured; 0 = no reading.
     labels : (240, 320) uint8 array
         Of the mask: index in `BODY_PART_NAMES` + 1, `CLUTTER`, or 0.
+    color_rgb : (240, 320, 3) uint8 array
+        Of skin, hair and cloth, without light and shade; black elsewhere.
     joints_m : (15, 3) array
         In camera axes.
     person : int
@@ -100,12 +103,13 @@ class LimbFrame:
 
     depth_mm: UInt16Array
     labels: UInt8Array
+    color_rgb: UInt8Array
     joints_m: FloatArray
     person: int
     kind: str
 
     def __post_init__(self) -> None:
-        for array in (self.depth_mm, self.labels, self.joints_m):
+        for array in (self.depth_mm, self.labels, self.color_rgb, self.joints_m):
             read_only(array)
 
 
@@ -118,15 +122,15 @@ class Dressed:
     body : ShapedBody
     covers : (V, 6) float32 array
         See `looks.surface_fields`.
-    infrared : (7,) float32 array
-        Reflectances of the materials.
+    looks : Materials
+        Colours and reflectances of what is seen.
     thickness_m : (V,) array
         Of hair, cloth and shoes on the skin, folds and all.
     """
 
     body: ShapedBody
     covers: Float32Array
-    infrared: Float32Array
+    looks: Materials
     thickness_m: FloatArray
 
     def surface_m(self, posed: PosedBody) -> FloatArray:
@@ -179,15 +183,17 @@ class LimbFrames:
         posed = dressed.body.posed(_turned(pose, heading))
         from_world = _camera_pose(rng, posed, settings.distance_m)
         things = random_things(rng, posed, what[1]) if settings.has_clutter else ()
-        inverse_depth, labels, reflectance = self._drawn(dressed, posed, from_world, things, rng)
+        scene = self._drawn(dressed, posed, from_world, things, rng)
         sensor = self._sensors[int(rng.integers(len(self._sensors)))]
-        depth_mm = sensor.measure(inverse_depth, reflectance, index)[::STEP, ::STEP]
-        labels = _believed(depth_mm, inverse_depth[::STEP, ::STEP], labels[::STEP, ::STEP])
+        depth_mm = sensor.measure(scene.inverse_depth, scene.reflectance, index)[::STEP, ::STEP]
+        true_mm = 1000.0 / scene.inverse_depth[::STEP, ::STEP]
+        labels = _believed(depth_mm, true_mm, scene.labels[::STEP, ::STEP])
         if settings.has_damage:
             labels = damaged_mask(rng, labels, depth_mm, CLUTTER)
         return LimbFrame(
             np.ascontiguousarray(depth_mm),
             np.ascontiguousarray(labels),
+            _painted(dressed.looks, scene.material[::STEP, ::STEP]),
             from_world.apply(posed.joints_m),
             *what,
         )
@@ -199,8 +205,8 @@ class LimbFrames:
         from_world: RigidTransform,
         things: tuple[Thing, ...],
         rng: np.random.Generator,
-    ) -> tuple[Float32Array, UInt8Array, Float32Array]:
-        """Return true 1/z, labels and reflectance of the sensor's image."""
+    ) -> "_Scene":
+        """Return what is there, as large as the sensor's image."""
         camera = self._device.depth
         size, lens = (camera.height, camera.width), lens_vector(camera.intrinsics, ())
         vertices = np.ascontiguousarray(from_world.apply(dressed.surface_m(posed)))
@@ -208,6 +214,7 @@ class LimbFrames:
         inverse_depth, seen = draw(vertices, triangles, lens, size, hides_back_faces=True)
         labels = np.zeros(size, np.uint8)
         reflectance = np.full(size, rng.uniform(0.3, 0.8), np.float32)
+        material = np.zeros(size, np.float32)
         for thing in things:
             _cover(thing, from_world, lens, (inverse_depth, seen, labels, reflectance))
         mesh = Mesh(
@@ -220,12 +227,25 @@ class LimbFrames:
         label_person(
             mesh,
             dressed.body.model.part_weights,
-            dressed.infrared,
+            np.arange(1, len(MATERIALS) + 1, dtype=np.float32),
             (seen, self._rays),
-            (labels, reflectance),
+            (labels, material),
         )
+        numbers = material.astype(np.uint8)
+        is_person = numbers > 0
+        reflectance[is_person] = dressed.looks.infrared[numbers[is_person] - 1]
         wall_m = float(vertices[:, 2].max()) + rng.uniform(0.2, 2.0)
-        return np.maximum(inverse_depth, np.float32(1.0 / wall_m)), labels, reflectance
+        behind = np.maximum(inverse_depth, np.float32(1.0 / wall_m))
+        return _Scene(behind, labels, reflectance, numbers)
+
+
+class _Scene(NamedTuple):
+    """True 1/z, label, reflectance, and material (`MATERIALS` + 1) of each pixel, all (H, W)."""
+
+    inverse_depth: Float32Array
+    labels: UInt8Array
+    reflectance: Float32Array
+    material: UInt8Array
 
 
 def halved(device: Device) -> CameraCalibration:
@@ -245,9 +265,7 @@ def dressed_person(seed: int, number: int) -> Dressed:
     rng = np.random.default_rng([seed, 0x33, number])
     body = _shaped(rng)
     covers = surface_fields(body, random_outfit(rng))
-    return Dressed(
-        body, covers, materials(random_look(rng)).infrared, _thickness_m(body, covers, rng)
-    )
+    return Dressed(body, covers, materials(random_look(rng)), _thickness_m(body, covers, rng))
 
 
 def _shaped(rng: np.random.Generator) -> ShapedBody:
@@ -319,8 +337,14 @@ def _cover(
     reflectance[is_nearer] = thing.infrared
 
 
-def _believed(depth_mm: AnyArray, inverse_depth: AnyArray, labels: AnyArray) -> UInt8Array:
+def _painted(looks: Materials, material: AnyArray) -> UInt8Array:
+    """Return (H, W, 3) colours; the square root is near sRGB."""
+    colors = np.concatenate([np.zeros((1, 3)), 255.0 * np.sqrt(looks.albedo)])
+    painted: UInt8Array = colors.astype(np.uint8)[material]
+    return painted
+
+
+def _believed(depth_mm: AnyArray, true_mm: AnyArray, labels: AnyArray) -> UInt8Array:
     """Return the labels but where the sensor saw something far from what is there."""
-    true_mm = 1000.0 / inverse_depth
     is_other: BoolArray = (depth_mm > 0) & (np.abs(depth_mm - true_mm) > 1000.0 * _BODY_BAND_M)
     return np.where(is_other, 0, labels).astype(np.uint8)
