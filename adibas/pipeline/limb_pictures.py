@@ -10,7 +10,7 @@ _GOLDEN = 0.618
 
 
 def limb_colors(n_labels: int) -> UInt8Array:
-    """Return (n_labels + 1, 3) RGB colours that differ; black for 0."""
+    """Return (n_labels + 1, 3) RGB colours that differ, at least two; the first is black."""
     hues = (np.arange(n_labels) * _GOLDEN % 1.0 * _HUES).astype(np.uint8)
     bright = np.where(np.arange(n_labels) % 2 == 0, 255, 190).astype(np.uint8)
     hsv = np.stack([hues, np.full(n_labels, 210, np.uint8), bright], axis=1)
@@ -36,6 +36,6 @@ def limb_picture(depth: AnyArray, labels: UInt8Array) -> UInt8Array:
         grey[known] = 255 - 200 * np.clip((depth[known] - near) / max(far - near, 1e-6), 0, 1)
     picture = np.repeat(grey[..., None], 3, axis=2)
     is_limb = labels > 0
-    colors = limb_colors(int(labels.max(initial=0)))
+    colors = limb_colors(int(labels.max(initial=1)))
     picture[is_limb] = 0.3 * picture[is_limb] + 0.7 * colors[labels[is_limb]]
     return picture.astype(np.uint8)

@@ -1,0 +1,189 @@
+"""Folders of labelled images, training that broke off, and the command line."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from adibas.cli import main
+from adibas.errors import LimbError
+from adibas.forests.params import ForestParams
+from adibas.limbs.model import load_model
+from adibas.limbs.training_set import (
+    DEPTH,
+    HEADER,
+    LABELS,
+    Chosen,
+    FolderHeader,
+    LimbFolder,
+    write_header,
+    write_image,
+)
+from adibas.pipeline import limb_training
+from adibas.pipeline.limb_evaluation import EvaluationParams, groups_of
+from adibas.pipeline.limb_pictures import limb_colors, limb_picture
+from adibas.pipeline.limb_training import TrainingRequest, train_model
+
+PARAMS = ForestParams(n_trees=2, max_depth=4, n_images=None, n_pixels=40, n_candidates=12)
+NAMES = ("torso", "left_hand")
+
+
+def fill(folder, n_images=10, names=NAMES):
+    """Trunks with one hand each, of two people in turn."""
+    people = {f"{i:04d}": f"p{i % 2}" for i in range(n_images)}
+    write_header(folder, FolderHeader(names, 0.001, 100.0, 100.0, 40.0, 30.0, people))
+    for i in range(n_images):
+        rng = np.random.default_rng(i)
+        labels = np.zeros((60, 80), np.uint8)
+        left = int(rng.integers(10, 50))
+        labels[10:50, left : left + 14] = 1
+        labels[20:28, left + 14 : left + 22] = 2
+        depth = np.where(labels > 0, 2000 + rng.integers(-3, 4, labels.shape), 0)
+        depth[labels == 2] -= 120
+        write_image(folder, f"{i:04d}", depth.astype(np.uint16), labels)
+    return folder
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return fill(tmp_path / "set")
+
+
+def test_images_come_back_in_metres(folder):
+    images = LimbFolder(folder)
+    depth_m, labels, focal_px = images.read(3)
+    assert (len(images), images.labels, focal_px) == (10, NAMES, 100.0)
+    assert images.people[:3] == ("p0", "p1", "p0")
+    assert np.isnan(depth_m[labels == 0]).all()
+    assert abs(float(depth_m[labels == 1].mean()) - 2.0) < 0.001
+    chosen = Chosen(images, [3])
+    assert len(chosen) == 1
+    np.testing.assert_array_equal(chosen.read(0)[1], labels)
+
+
+def test_a_folder_that_is_none_is_told_so(tmp_path):
+    with pytest.raises(LimbError, match=r"no labels\.json"):
+        LimbFolder(tmp_path)
+    for content in ("[]", "{", '{"labels": []}', '{"labels": ["a"], "fx": "b"}'):
+        (tmp_path / HEADER).write_text(content, "utf-8")
+        with pytest.raises(LimbError, match="cannot be used"):
+            LimbFolder(tmp_path)
+    write_header(tmp_path, FolderHeader((), 0.001, 1.0, 1.0, 0.0, 0.0))
+    with pytest.raises(LimbError, match="no labels, or fx"):
+        LimbFolder(tmp_path)
+    write_header(tmp_path, FolderHeader(NAMES, 0.001, 1.0, 1.0, 0.0, 0.0))
+    with pytest.raises(LimbError, match="holds no"):
+        LimbFolder(tmp_path)
+
+
+def test_images_that_do_not_fit_are_named(folder):
+    images = LimbFolder(folder)
+    (folder / f"0000{DEPTH}").unlink()
+    (folder / f"0001{DEPTH}").write_bytes(b"no picture")
+    cv2.imwrite(str(folder / f"0002{DEPTH}"), np.zeros((60, 80), np.uint8))
+    cv2.imwrite(str(folder / f"0003{LABELS}"), np.full((60, 80), 7, np.uint8))
+    wanted = ("0000.depth.png is missing", "damaged", "Image 0002.*does not fit", "has label 7")
+    for index, sentence in enumerate(wanted):
+        with pytest.raises(LimbError, match=sentence):
+            images.read(index)
+
+
+def test_training_that_broke_off_goes_on_to_the_same_model(folder, tmp_path, monkeypatch):
+    whole = TrainingRequest(tmp_path / "whole.npz", folder, seed=4, params=PARAMS)
+    wanted = train_model(whole, lambda *_told: None)
+    broken = TrainingRequest(tmp_path / "broken.npz", folder, seed=4, params=PARAMS)
+
+    def stop(_step, done, _total):
+        if done > PARAMS.max_depth:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train_model(broken, stop)
+    assert not broken.out.exists()
+    grown = []
+    grow = limb_training.train_tree
+
+    def counted(images, params, seed, number, *others):
+        grown.append(number)
+        return grow(images, params, seed, number, *others)
+
+    monkeypatch.setattr(limb_training, "train_tree", counted)
+    found = train_model(broken, lambda *_told: None)
+    assert grown == [1]
+    np.testing.assert_array_equal(found.forest.nodes, wanted.forest.nodes)
+    np.testing.assert_array_equal(found.forest.leaves, wanted.forest.leaves)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["broken.npz", "set", "whole.npz"]
+
+
+def test_other_settings_do_not_go_on_with_a_training_that_broke_off(folder, tmp_path):
+    def stop(_step, done, _total):
+        if done > 0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train_model(TrainingRequest(tmp_path / "m.npz", folder, seed=1, params=PARAMS), stop)
+    with pytest.raises(LimbError, match="other settings"):
+        train_model(TrainingRequest(tmp_path / "m.npz", folder, seed=2, params=PARAMS), stop)
+
+
+def test_labels_that_the_images_do_not_have_are_refused(folder, tmp_path):
+    request = TrainingRequest(tmp_path / "m.npz", folder, "hand-6", params=PARAMS)
+    with pytest.raises(LimbError, match="hand-6"):
+        train_model(request, lambda *_told: None)
+
+
+def test_groups_are_folds_or_people(folder):
+    images = LimbFolder(folder)
+    folds = groups_of(images, EvaluationParams("folds"))
+    assert sorted(np.bincount(folds)) == [2, 2, 2, 2, 2]
+    np.testing.assert_array_equal(groups_of(images, EvaluationParams("people")), [0, 1] * 5)
+
+
+def test_the_command_trains_and_evaluates(folder, tmp_path, capsys):
+    model = tmp_path / "model.npz"
+    forest = ["--trees", "1", "--depth", "4", "--pixels", "40"]
+    assert main(["limbs", "train", str(folder), "--out", str(model), "--json", *forest]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["labels"] == list(NAMES)
+    assert document["provenance"]["n_images"] == 10
+    assert load_model(model).forest.n_trees == 1
+    pictures = tmp_path / "pictures"
+    told = ["--model", str(model), "--pictures", str(pictures), "--json"]
+    assert main(["limbs", "evaluate", str(folder), *told]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["protocol"] == "model"
+    assert document["cut"]["mean_per_class"] > 0.9
+    assert np.sum(document["cut"]["confusion"]) == 10 * (40 * 14 + 8 * 8)
+    assert len(list(pictures.iterdir())) == 10
+
+
+def test_the_command_leaves_people_out(folder, capsys):
+    forest = ["--trees", "1", "--depth", "4", "--pixels", "40"]
+    assert main(["limbs", "evaluate", str(folder), "--leave-out", "people", *forest]) == 0
+    told = capsys.readouterr().out
+    assert "leave-one-person-out, 2 groups, 10 images" in told
+    assert "left_hand" in told
+
+
+def test_a_model_of_other_labels_is_not_merged_nor_evaluated(folder, tmp_path, capsys):
+    model = tmp_path / "model.npz"
+    train_model(TrainingRequest(model, folder, params=PARAMS), lambda *_told: None)
+    merge = ["limbs", "train", "--merge", str(model), "--out", str(tmp_path / "7.npz")]
+    assert main(merge) == 1
+    assert "full-body-15" in capsys.readouterr().err
+    other = fill(tmp_path / "other", 2, ("torso", "right_hand"))
+    assert main(["limbs", "evaluate", str(other), "--model", str(model)]) == 1
+    assert "other labels" in capsys.readouterr().err
+
+
+def test_limbs_are_drawn_in_colours_that_differ():
+    colors = limb_colors(16)
+    assert len({tuple(color) for color in colors}) == 17
+    depth = np.array([[np.nan, 1.0], [2.0, 3.0]])
+    picture = limb_picture(depth, np.array([[0, 0], [0, 2]], np.uint8))
+    assert picture.shape == (2, 2, 3)
+    assert not picture[0, 0].any()
+    assert picture[0, 1, 0] > picture[1, 0, 0]
+    assert len(set(picture[1, 1])) > 1
+    assert not limb_picture(np.full((2, 2), np.nan), np.zeros((2, 2), np.uint8)).any()
