@@ -28,6 +28,9 @@ from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
 
 TOP_PERCENTILE = 99.5
+LEAST_SPAN_M2 = 1e-3
+N_WITNESSES, N_PLANES = 300, 100
+"""Points of a surface that are looked at, and planes that are tried, when it may be a box."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,11 @@ class PeopleParams:
         The head is at most so wide as this share of the shoulders: 0.8.
     known_m : float
         Whoever was so near a moment ago is there still: 0.2.
+    flat_share : float
+        Furniture has more than this share of its surface on one plane: 0.7. Of
+        somebody who walks by, seen from the side, up to 0.67.
+    flat_band_m : float
+        Half thickness of that plane: 0.01, and the floor's noise.
     table_heights_m : (float, float)
         Where tops of tables are looked for: 0.3 to 1.2.
     table_area_m2 : float
@@ -68,6 +76,8 @@ class PeopleParams:
     shoulders_width_m: tuple[float, float] = (0.18, 0.75)
     head_share: float = 0.8
     known_m: float = 0.2
+    flat_share: float = 0.7
+    flat_band_m: float = 0.01
     table_heights_m: tuple[float, float] = (0.3, 1.2)
     table_area_m2: float = 0.15
     table_band_m: float = 0.025
@@ -108,11 +118,17 @@ def find_people(
     pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
     surfaces = Surfaces(labels, moments, inverse_depth, heights_m, pixel_rad)
 
-    def is_seated(label: int) -> bool:
-        middle_m = moments[label, 1:4] / moments[label, 0]
-        return _is_known(middle_m, known_m, params) or has_head(surfaces, label, params)
+    def is_known(label: int) -> bool:
+        return _is_known(moments[label, 1:4] / moments[label, 0], known_m, params)
 
-    bodies = find_persons(surfaces, params.body, is_seated)
+    def is_seated(label: int) -> bool:
+        return is_known(label) or has_head(surfaces, label, params)
+
+    bodies = [
+        label
+        for label in find_persons(surfaces, params.body, is_seated)
+        if is_known(label) or not is_boxy(surfaces, label, rays, params)
+    ]
     bodies = sorted(bodies, key=lambda label: moments[label, 3] / moments[label, 0])
     return _masks(surfaces, bodies[: params.most_people], depth_m, params.body)
 
@@ -155,6 +171,27 @@ def _is_known(middle_m: FloatArray, known_m: FloatArray | None, params: PeoplePa
     if known_m is None or not len(known_m):
         return False
     return bool(np.linalg.norm(known_m - middle_m, axis=1).min() < params.known_m)
+
+
+def is_boxy(surfaces: Surfaces, label: int, rays: Float32Array, params: PeopleParams) -> bool:
+    """Say whether most of a surface lies on one plane, as that of a cupboard or a screen does.
+
+    The plane is the one of many through three points of the surface that holds most of it.
+    """
+    rows, columns = np.nonzero(surfaces.labels == label)
+    chosen = np.linspace(0, len(rows) - 1, N_WITNESSES).astype(np.int64)
+    rows, columns = rows[chosen], columns[chosen]
+    points_m = rays[rows, columns] / surfaces.inverse_depth[rows, columns][:, None]
+    corners = np.random.default_rng(0).integers(0, N_WITNESSES, (N_PLANES, 3))
+    a, b, c = (points_m[corners[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    # Three points on a line span no plane: NaN lies near nothing.
+    normals /= np.where(lengths > LEAST_SPAN_M2, lengths, np.nan)
+    off_m = np.abs(points_m @ normals.T - (a * normals).sum(axis=1))
+    band_m = params.flat_band_m + params.body.floor_band_per_m * points_m[:, 2] ** 2
+    share = (off_m < band_m[:, None]).mean(axis=0)
+    return bool(share.max() > params.flat_share)
 
 
 def has_head(surfaces: Surfaces, label: int, params: PeopleParams) -> bool:
