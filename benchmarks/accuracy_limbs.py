@@ -27,6 +27,7 @@ from adibas.limbs.training_set import TO_TORSO, Chosen, Relabelled
 from adibas.pipeline.limb_evaluation import N_FOLDS, evaluate_model
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.simulation.limb_frames import FrameSettings
+from benchmarks import accuracy_pose
 from benchmarks.limb_sets import (
     CLEAN,
     LIVE,
@@ -115,6 +116,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _shipped_rows(effort, kept)
     yield from _table_rows(effort, kept)
     yield from _hand_rows(effort, kept)
+    yield from accuracy_pose.rows(quick=quick)
 
 
 class _Kept:

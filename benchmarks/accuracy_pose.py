@@ -1,0 +1,15 @@
+"""Markerless joints beside references: real depth of people never seen, and hard simulated scenes.
+
+Printed by ``adibas benchmark accuracy limbs`` as well.
+"""
+
+from collections.abc import Iterable
+
+from benchmarks import pose_real, pose_scenes
+from benchmarks.table import Row
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` a part of each."""
+    yield from pose_real.rows(quick=quick)
+    yield from pose_scenes.rows(quick=quick)
