@@ -54,6 +54,14 @@ def assert_each_letter_is_one_control(window):
     counts = Counter(keys for keys, _text in found)
     twice = sorted(text for keys, text in found if counts[keys] > 1)
     assert not twice, twice
+    idle = [one.text() for one in window.findChildren(QAbstractButton) if is_idle(one)]
+    assert not idle, f"letters that are underlined and do nothing: {idle}"
+
+
+def is_idle(button):
+    """Say whether a letter is underlined and another key took its place."""
+    meant = QKeySequence.mnemonic(button.text())
+    return not meant.isEmpty() and meant != button.shortcut()
 
 
 @pytest.fixture

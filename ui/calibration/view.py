@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QKeySequence
+from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
     QFileDialog,
@@ -62,6 +62,9 @@ class CalibrationScreen(Screen):
         self._buttons = {name: QPushButton(self) for name in _BUTTONS}
         for name in ("compute", "accept"):
             self._buttons[name].setProperty("main", "true")
+        keys = QKeySequence(TAKE_KEYS)  # beside its underlined letter
+        QShortcut(keys, self).activated.connect(self._buttons["take"].click)
+        self._buttons["take"].setToolTip(keys.toString(QKeySequence.SequenceFormat.NativeText))
         self._shown: Shown | None = None
         self._outcome: SensorOutcome | None = None
         self._is_accepted = False
@@ -126,11 +129,8 @@ class CalibrationScreen(Screen):
         self._picture.setAccessibleName(_("Live picture of the board"))
         self._picture.set_placeholder(_("No picture yet"))
         self._still.setAccessibleName(_("How long the board is still"))
-        for name, (text, keys) in _texts().items():
-            button = self._buttons[name]
-            button.setText(text)
-            button.setShortcut(QKeySequence(keys))
-            button.setToolTip(keys)
+        for name, text in _texts().items():
+            self._buttons[name].setText(text)
         for part in (self._board, self._pictures, self._result):
             part.retranslate()
         if self._shown is not None:
@@ -296,19 +296,20 @@ class CalibrationScreen(Screen):
         _open(dialog)
 
 
+TAKE_KEYS = "Ctrl+Return"
 _BUTTONS = ("take", "compute", "more", "report", "save", "discard", "accept")
 
 
-def _texts() -> dict[str, tuple[str, str]]:
-    """Return the texts of the buttons, and their keys."""
+def _texts() -> dict[str, str]:
+    """Return the texts of the buttons."""
     return {
-        "take": (_("&Take a picture now"), "Ctrl+Return"),
-        "compute": (_("Cal&culate the calibration"), ""),
-        "accept": (_("&Use this calibration"), ""),
-        "save": (_("Save to a &file..."), ""),
-        "report": (_("&Write a report..."), ""),
-        "more": (_("Take &more pictures"), ""),
-        "discard": (_("&Discard everything..."), ""),
+        "take": _("&Take a picture now"),
+        "compute": _("Cal&culate the calibration"),
+        "accept": _("&Use this calibration"),
+        "save": _("Save to a &file..."),
+        "report": _("&Write a report..."),
+        "more": _("Take &more pictures"),
+        "discard": _("&Discard everything..."),
     }
 
 

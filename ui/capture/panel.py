@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QImage, QKeySequence, QPixmap
+from PySide6.QtGui import QIcon, QImage, QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QButtonGroup,
     QCheckBox,
@@ -27,6 +27,7 @@ from adibas.texts import translate as _
 from ui.capture.sources import SIZES, SourceChoice, view_title
 
 THUMBNAIL = QSize(45, 36)
+CAPTURE_KEYS = "Ctrl+Return"
 
 
 class SourcePanel(QGroupBox):
@@ -231,7 +232,9 @@ class ShutterPanel(QWidget):
         self._readiness.setProperty("kind", "warning")
         self._learn, self._capture, self._wand = (QPushButton(self) for _number in range(3))
         self._capture.setProperty("main", "true")
-        self._capture.setShortcut(QKeySequence("Ctrl+Return"))
+        keys = QKeySequence(CAPTURE_KEYS)  # beside its underlined letter
+        QShortcut(keys, self).activated.connect(self._capture.click)
+        self._capture.setToolTip(keys.toString(QKeySequence.SequenceFormat.NativeText))
         self._capture.clicked.connect(self.capture_asked)
         self._learn.clicked.connect(self.learn_asked)
         self._wand.clicked.connect(self.wand_asked)
@@ -250,10 +253,7 @@ class ShutterPanel(QWidget):
         self._learn.setText(_("&Learn the marker colour"))
         self._wand.setText(_("Wan&d..."))
         self._wand.setToolTip(_("Check with a wand of known length that the sensor measures well"))
-        shortcut = self._capture.shortcut()
         self._capture.setText(_("Stop") if self._can_stop else _("&Capture this view"))
-        self._capture.setShortcut(shortcut)
-        self._capture.setToolTip(shortcut.toString(QKeySequence.SequenceFormat.NativeText))
 
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
         """Say what lacks."""
