@@ -83,15 +83,14 @@ def colors_are_seen(environment, *colors):
 def test_a_window_is_seen_and_a_signal_ends_it_in_good_order(screen, tmp_path, number):
     from ui.theme import LIGHT
 
-    program = subprocess.Popen(
-        [PROGRAM], env=screen, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    try:
-        assert colors_are_seen(screen, LIGHT.ground, LIGHT.accent, LIGHT.text)
-        program.send_signal(number)
-        said = program.communicate(timeout=SECONDS)
-    finally:
-        program.kill()
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([PROGRAM], env=screen, **pipes) as program:
+        try:
+            assert colors_are_seen(screen, LIGHT.ground, LIGHT.accent, LIGHT.text)
+            program.send_signal(number)
+            said = program.communicate(timeout=SECONDS)
+        finally:
+            program.kill()  # or the end of this block would wait for it, and another test fail
     assert (program.returncode, *said) == (0, "", "")
     assert (tmp_path / "config" / "adibas" / "preferences.json").exists()
     assert (tmp_path / "state" / "adibas" / "log" / "adibas.log").read_text() == ""
@@ -105,9 +104,12 @@ def test_the_program_speaks_the_language_of_the_desktop(screen, tmp_path):
         with subprocess.Popen(
             [PROGRAM], env=screen | {"LANGUAGE": language}, stderr=subprocess.PIPE
         ) as program:
-            assert colors_are_seen(screen, LIGHT.accent)
-            program.terminate()
-            assert program.communicate(timeout=SECONDS)[1] == b""
+            try:
+                assert colors_are_seen(screen, LIGHT.accent)
+                program.terminate()
+                assert program.communicate(timeout=SECONDS)[1] == b""
+            finally:
+                program.kill()
         preferences = tmp_path / "config" / "adibas" / "preferences.json"
         assert f'"language": "{language}"' in preferences.read_text()
         preferences.unlink()
