@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, Int32Array, UInt8Array
+from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.data.joints import BODY_PART_NAMES
 from adibas.forests.candidates import draw_candidates
 from adibas.forests.forest import Forest
@@ -26,11 +26,12 @@ from adibas.graphcut.energy import (
     LabelEnergy,
     equal_penalties,
     label_energy,
-    penalty_table,
 )
 from adibas.graphcut.minimising import cheapest_labels, expand, start_labels, swap
 from adibas.graphcut.neighbors import connect_pixels
+from adibas.limbs.penalties import omega_2
 from benchmarks.graph_cut_peer import pairs_of, peer_expand, peer_swap, plain_energy
+from benchmarks.limb_chain import chain_rows
 from benchmarks.limb_frames import FOCAL_PX, UPPER_BODY, LimbFrames
 from benchmarks.table import Row
 
@@ -50,10 +51,11 @@ class Effort:
     n_rounds: int
     n_trees: int
     set_sizes: tuple[int, ...]
+    n_chain_frames: int
 
 
-QUICK = Effort(n_images=12, n_rounds=1, n_trees=1, set_sizes=(50, 200))
-WHOLE = Effort(n_images=60, n_rounds=3, n_trees=3, set_sizes=(500, 2000, 8000))
+QUICK = Effort(n_images=12, n_rounds=1, n_trees=1, set_sizes=(50, 200), n_chain_frames=5)
+WHOLE = Effort(n_images=60, n_rounds=3, n_trees=3, set_sizes=(500, 2000, 8000), n_chain_frames=60)
 
 
 def rows(*, quick: bool) -> Iterable[Row]:
@@ -66,6 +68,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
         yield from _cut_rows(forest, effort)
         if labels == BODY_PART_NAMES:
             yield from _forest_rows(images, forest, params, effort)
+    yield from chain_rows(effort.n_chain_frames)
     yield from _memory_rows(effort)
 
 
@@ -75,7 +78,10 @@ def _cut_rows(forest: Forest, effort: Effort) -> Iterator[Row]:
     depth_m, mask = frames.person(0)
     probabilities = forest.probabilities(depth_m, mask, FOCAL_PX)
     n_labels = len(forest.labels)
-    tables = {"Omega_1, expansion": equal_penalties(n_labels), "Omega_2, swap": _omega_2(forest)}
+    tables = {
+        "Omega_1, expansion": equal_penalties(n_labels),
+        "Omega_2, swap": omega_2(forest.labels),
+    }
     for smoothness in SMOOTHNESS:
         for name, table in tables.items():
             graph = connect_pixels(mask)
@@ -115,23 +121,6 @@ def _whole_cut(
     (spent_ms,) = _medians_ms([work], n_rounds)
     name = f"graph, energy, start and cut, {probabilities.shape[1]} labels"
     return Row(f"{name}, lambda {SMOOTHNESS[0]:g}", spent_ms, "ms CPU")
-
-
-def _omega_2(forest: Forest) -> Int32Array:
-    """Return the table of equation 6.25 for whatever labels the forest has."""
-    prices = {}
-    for part in ("upper_arm", "hand", "lower_arm", "upper_leg", "lower_leg", "foot"):
-        for other, price in ((part, 10), *_other_side(part)):
-            pairs = ((f"left_{part}", f"right_{other}"), (f"right_{part}", f"left_{other}"))
-            for pair in pairs:
-                if set(pair) <= set(forest.labels):
-                    prices[forest.labels.index(pair[0]), forest.labels.index(pair[1])] = price
-    return penalty_table(len(forest.labels), prices)
-
-
-def _other_side(part: str) -> tuple[tuple[str, int], ...]:
-    neighbor = {"hand": "lower_arm", "foot": "lower_leg"}.get(part)
-    return ((neighbor, 5),) if neighbor else ()
 
 
 def _forest_rows(

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -177,18 +178,17 @@ def _limb_params(arguments: argparse.Namespace, step: int) -> "LimbParams":
 
 def _train(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.files import check_place
-    from adibas.forests.params import ForestParams
-    from adibas.pipeline.limb_training import TrainingRequest, merge_model, train_model
+    from adibas.pipeline.limb_training import SHIPPED, TrainingRequest, merge_model, train_model
 
     check_place(arguments.out)
     if arguments.merge is not None:
         model = merge_model(arguments.merge, arguments.out)
     else:
-        params = ForestParams(
+        params = replace(
+            SHIPPED,
             n_trees=arguments.trees,
             max_depth=arguments.depth,
             n_pixels=arguments.pixels,
-            n_images=None,
         )
         request = TrainingRequest(
             arguments.out,

@@ -4,7 +4,7 @@ import json
 import shutil
 import zipfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,11 @@ Progress = Callable[[str, int, int], None]
 _UNFINISHED = ".training"
 _SETTINGS = "settings.json"
 _FRAMES = "frames"
+
+
+SHIPPED = ForestParams(n_images=None, n_pixels=300, min_pixels=8)
+"""Many images with few pixels each: they differ more than pixels of one image."""
+SHIPPED_FRAMES, SHIPPED_SEED = 3000, 6215
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +53,9 @@ class TrainingRequest:
     out: Path
     folder: Path | None = None
     labels: str = ""
-    n_frames: int = 2000
+    n_frames: int = SHIPPED_FRAMES
     seed: int = 0
-    params: ForestParams = field(default_factory=lambda: ForestParams(n_images=None))
+    params: ForestParams = SHIPPED
 
 
 def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc_now) -> LimbModel:
