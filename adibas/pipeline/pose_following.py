@@ -13,6 +13,7 @@ from adibas.data.calibration import CameraCalibration
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.sentence import Sentence
 from adibas.geometry.planes import Plane
+from adibas.limbs.facing import FacingParams, front_evidence
 from adibas.limbs.judging import judge_mask, judge_parts
 from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
@@ -39,13 +40,14 @@ class PoseParams:
     ----------
     view : str
         ``anterior`` or ``posterior`` where it is known which side is shown, else empty.
-    people, limbs, proposals, follow, identities : parameters of the stages
+    people, limbs, proposals, facing, follow, identities : parameters of the stages
     """
 
     view: str = ""
     people: PeopleParams = field(default_factory=PeopleParams)
     limbs: LimbParams = field(default_factory=LimbParams)
     proposals: ProposalParams = field(default_factory=ProposalParams)
+    facing: FacingParams = field(default_factory=FacingParams)
     follow: FollowParams = field(default_factory=FollowParams)
     identities: IdentityParams = field(default_factory=IdentityParams)
 
@@ -189,7 +191,8 @@ class PoseEstimator:
                 self._followers[person] = PersonFollower(
                     self._joints.proportions, self._params.view, self._params.follow
                 )
-            chosen = self._followers[person].follow(proposals, time_s)
+            facing = front_evidence(points, self._params.facing)
+            chosen = self._followers[person].follow(proposals, time_s, facing)
             people.append(PersonNow(person, pixels, parts, chosen))
         return people
 

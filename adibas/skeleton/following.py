@@ -104,9 +104,14 @@ class PersonFollower:
         self._speeds_m_s = np.zeros((len(JOINT_NAMES), 3))
         self._seen_s = np.full(len(JOINT_NAMES), -math.inf)
 
-    def follow(self, proposals: JointProposals, time_s: float) -> ChosenJoints:
-        """Return the joints of the next frame."""
-        proposals = self.sides.kept(proposals, time_s)
+    def follow(
+        self, proposals: JointProposals, time_s: float, front_evidence: float = 0.0
+    ) -> ChosenJoints:
+        """Return the joints of the next frame.
+
+        `front_evidence` are the log odds of front against back that the shape tells.
+        """
+        proposals = self.sides.kept(proposals, time_s, front_evidence)
         places_m = np.ascontiguousarray(proposals.positions_m)
         lengths_m, spreads_m = self.size.bones_m(self.size.guess_m(places_m[:, 0]))
         spreads_m = np.sqrt(spreads_m**2 + 2.0 * self._params.place_error_m**2)

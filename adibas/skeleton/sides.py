@@ -41,8 +41,12 @@ class SideParams:
         Where the labels say for so long that the sides are exchanged, they are believed: 2.
     keep : float
         Share of what was known of front and back that stays from one frame to the next: 0.97.
+    label_weight : float
+        What the labels' own word counts in a frame, log odds: 0.05; forests expect fronts.
     most_odds : float
         Limit of the log odds of front against back: 5 (99.3 %).
+    sure_odds : float
+        Where they are beyond this, they decide which side is left: 3 (95 %).
     wide_share : float
         Shoulders and hips that lie so far apart sideways, of their distance, tell front from
         back: 0.35.
@@ -53,6 +57,8 @@ class SideParams:
     memory_s: float = 0.7
     patience_s: float = 2.0
     keep: float = 0.97
+    label_weight: float = 0.05
+    sure_odds: float = 3.0
     most_odds: float = 5.0
     wide_share: float = 0.35
 
@@ -83,8 +89,17 @@ class SideKeeper:
             return float(self._view == FRONT)
         return 1.0 / (1.0 + math.exp(-self._odds))
 
-    def kept(self, proposals: JointProposals, time_s: float) -> JointProposals:
-        """Return the proposals with the sides as they were before, or as the view says."""
+    def kept(
+        self, proposals: JointProposals, time_s: float, evidence: float = 0.0
+    ) -> JointProposals:
+        """Return the proposals with the sides as they were before, or as the view says.
+
+        `evidence` are the log odds of front against back that the shape tells in this frame.
+        """
+        params = self._params
+        shown = sideways(proposals.positions_m[:, 0], params.wide_share)
+        odds = params.keep * self._odds + evidence + params.label_weight * shown
+        self._odds = float(np.clip(odds, -params.most_odds, params.most_odds))
         exchanged = self._is_exchanged(proposals, time_s)
         if not exchanged:
             return proposals
@@ -99,20 +114,13 @@ class SideKeeper:
         seen = np.isfinite(joints_m).all(axis=1)
         self._latest_m[seen] = joints_m[seen]
         self._latest_s[seen] = time_s
-        shown = sideways(joints_m, self._params.wide_share)
-        self._odds = float(
-            np.clip(
-                self._params.keep * self._odds + shown,
-                -self._params.most_odds,
-                self._params.most_odds,
-            )
-        )
 
     def _is_exchanged(self, proposals: JointProposals, time_s: float) -> bool:
         best_m = proposals.positions_m[:, 0]
         shown = sideways(best_m, self._params.wide_share)
-        if self._view and shown:
-            return bool(shown < 0) == (self._view == FRONT)
+        is_sure = bool(self._view) or abs(self._odds) >= self._params.sure_odds
+        if is_sure and shown:
+            return (shown > 0) != (self.front_probability > 0.5)  # noqa: PLR2004  (even odds)
         says = self._says_exchanged(best_m, time_s)
         if not says:
             self._doubted_since_s = math.inf

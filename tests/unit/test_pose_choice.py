@@ -157,6 +157,14 @@ def test_front_is_inferred_with_growing_confidence(adult_m, proportions):
     assert 0.5 < first < last < 1.0
 
 
+def test_toes_that_point_away_exchange_the_sides(adult_m, proportions):
+    follower = PersonFollower(proportions)
+    for frame in range(60):
+        found = follower.follow(only(adult_m), frame / RATE_HZ, front_evidence=-0.4)
+    assert found.front_probability < 0.05
+    np.testing.assert_allclose(found.joints_m, adult_m[list(MIRRORED)])
+
+
 def test_labels_that_insist_are_believed_in_the_end(adult_m, proportions):
     follower = PersonFollower(proportions)
     follower.follow(only(adult_m), 0.0)
