@@ -341,8 +341,10 @@ class CalibrationSession:
             created_utc=color.created_utc,
             valid_region=color.valid_region,
             corner_method=color.corner_method,
-            gravity=None,  # the sensor may stand elsewhere tomorrow
-            floor=None,
+            gravity=known.gravity,  # not that of before: the sensor stands elsewhere
+            floor=known.floor,
+            gravity_sd_rad=known.gravity_sd_rad,
+            floor_flatness_m=known.floor_flatness_m,
         )
         if depth is None:
             return joined

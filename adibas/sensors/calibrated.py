@@ -56,12 +56,18 @@ class CalibratedOpener:
 
 
 def _as_it_stands(kept: RgbdCalibration, opened: RgbdCalibration | None) -> RgbdCalibration:
-    """Return a kept calibration, with the vertical of today where the sensor itself tells it."""
-    if opened is None:
-        return kept
-    gravity = kept.gravity if opened.gravity is None else opened.gravity
-    floor = kept.floor if opened.floor is None else opened.floor
-    return replace(kept, gravity=gravity, floor=floor)
+    """Return a kept calibration with the vertical that the sensor itself tells, or with none.
+
+    The one that was kept is of where the sensor stood then: it may stand elsewhere today.
+    """
+    today = opened or RgbdCalibration()
+    return replace(
+        kept,
+        gravity=today.gravity,
+        floor=today.floor,
+        gravity_sd_rad=today.gravity_sd_rad,
+        floor_flatness_m=today.floor_flatness_m,
+    )
 
 
 class CalibratedCamera(DepthCamera):

@@ -8,6 +8,8 @@ import pytest
 from adibas.data.board import Board
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.frames import SourceInfo
+from adibas.geometry.planes import Plane
+from adibas.pipeline import calibration_session
 from adibas.pipeline.calibrating_depth import DepthOutcome
 from adibas.pipeline.calibrating_pictures import NO_DEPTH, calibrate_depth_of, check_scales, joined
 from tests.unit.board_pictures import (
@@ -74,8 +76,25 @@ def test_what_the_depth_lacks_stands_in_the_verdict(outcome):
     assert {one.reason for one in outcome.depth.verdict.findings} == {Reason.DEPTH}
 
 
-def test_where_the_sensor_stands_is_not_kept(outcome):
+def test_without_a_floor_in_view_nothing_is_said_of_the_vertical(outcome):
     assert (outcome.calibration.gravity, outcome.calibration.floor) == (None, None)
+
+
+def test_the_vertical_by_a_floor_in_view_stands_in_the_calibration(session, outcome, monkeypatch):
+    down = np.array([0.0, 1.0, 0.0])
+    seen = replace(
+        outcome.depth.calibration,
+        gravity=down,
+        floor=Plane(-down, 1.1),
+        gravity_sd_rad=0.002,
+        floor_flatness_m=0.003,
+    )
+    depth = replace(outcome.depth, calibration=seen)
+    monkeypatch.setattr(calibration_session, "calibrate_depth_of", lambda *_: depth)
+    found = session.outcome().calibration
+    np.testing.assert_array_equal(found.gravity, down)
+    assert found.floor.offset_m == 1.1
+    assert (found.gravity_sd_rad, found.floor_flatness_m) == (0.002, 0.003)
 
 
 @pytest.mark.parametrize("factor", [0.75, 0.94, 1.06])

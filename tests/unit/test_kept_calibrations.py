@@ -1,5 +1,6 @@
 """Calibrations are kept sensor by sensor, and sensors bring the newest of theirs."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -121,6 +122,25 @@ def test_a_sensor_that_tells_its_vertical_is_believed(kept):
         calibration = camera.info.calibration
     assert calibration.floor.offset_m == factory.floor.offset_m
     np.testing.assert_array_equal(calibration.gravity, factory.gravity)
+
+
+def test_a_vertical_that_was_kept_is_not_that_of_today(kept, monkeypatch):
+    factory = kept_of_simulator(kept)
+    down = np.array([0.0, 1.0, 0.0])
+    moved = replace(
+        kept.newest(factory.sensor_serial).calibration,
+        gravity=down,
+        gravity_sd_rad=0.001,
+        created_utc=(MADE + timedelta(hours=1)).isoformat(),
+    )
+    kept.keep(moved)
+    assert kept.newest(factory.sensor_serial).calibration.gravity_sd_rad == 0.001
+    silent = replace(factory, calibration=replace(factory.calibration, gravity=None, floor=None))
+    monkeypatch.setattr(SimulatorCamera, "info", silent)
+    with CalibratedOpener(kept)("simulator:anterior") as camera:
+        assert camera.info.calibration.rms_px == 0.25
+        assert camera.info.calibration.gravity is None
+        assert camera.info.calibration.gravity_sd_rad is None
 
 
 def test_a_sensor_without_one_is_as_it_was(kept):
