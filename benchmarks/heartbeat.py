@@ -16,7 +16,8 @@ class Heartbeat:
         self._app = app
         self._late_ms: dict[str, float] = {}
         self._where = ""
-        self._last_s = time.perf_counter()
+        self._busy_ms: dict[str, float] = {}
+        self._last_s, self._last_cpu_s = time.perf_counter(), time.thread_time()
         self._timer = QTimer()
         self._timer.setInterval(BEAT_MS)
         self._timer.timeout.connect(self._beat)
@@ -38,8 +39,19 @@ class Heartbeat:
         where = max(self._late_ms, key=lambda name: self._late_ms[name])
         return where, self._late_ms[where]
 
+    def busiest(self) -> tuple[str, float]:
+        """Return where the thread itself worked longest between two beats, and the milliseconds.
+
+        Other programs on a shared computer do not count.
+        """
+        where = max(self._busy_ms, key=lambda name: self._busy_ms[name])
+        return where, self._busy_ms[where]
+
     def _beat(self) -> None:
-        now_s = time.perf_counter()
+        now_s, cpu_s = time.perf_counter(), time.thread_time()
+        busy_ms = 1e3 * (cpu_s - self._last_cpu_s)
+        self._busy_ms[self._where] = max(self._busy_ms.get(self._where, 0.0), busy_ms)
+        self._last_cpu_s = cpu_s
         late_ms = 1e3 * (now_s - self._last_s) - BEAT_MS
         self._late_ms[self._where] = max(self._late_ms.get(self._where, 0.0), late_ms)
         self._last_s = now_s
