@@ -19,7 +19,7 @@ TRAIN = message("learn gestures from a folder of examples")
 DETECT = message("find the gestures of a model in a table of joints")
 EVALUATE = message("measure on people who were left out of the training")
 CHECK = message("compare a patient's exercise with the therapist's, repetition by repetition")
-METHODS = ("likeness", "hmm", "dtw", "weighted-dtw", "table-7.1")
+METHODS = ("likeness", "hmm", "dtw", "weighted-dtw", "gmm-dtw", "table-7.1")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -13,9 +13,10 @@ from adibas.gestures.likeness import Likeness
 from adibas.gestures.proposals import ClassAligner, ProposalParams
 from adibas.gestures.segments import Segment, at_one_length
 from adibas.gestures.weighting import spread
+from adibas.timeseries.mixture_stream import MixtureModel
 
-Method: TypeAlias = Literal["likeness", "hmm", "dtw", "weighted-dtw", "table-7.1"]
-METHODS: tuple[Method, ...] = ("likeness", "hmm", "dtw", "weighted-dtw", "table-7.1")
+Method: TypeAlias = Literal["likeness", "hmm", "dtw", "weighted-dtw", "gmm-dtw", "table-7.1"]
+METHODS: tuple[Method, ...] = get_args(Method)
 Judge: TypeAlias = Likeness | HiddenMarkov
 MOST_SHARED = 0.3
 """Of the shorter of two reports: more is the same movement reported twice."""
@@ -30,7 +31,8 @@ class GestureModel:
     method : str
         ``likeness``: proposals by alignment, judged by `Likeness` (the default); ``hmm``: judged
         by `HiddenMarkov`; ``dtw`` and
-        ``weighted-dtw``: the alignment's cost against a threshold; ``table-7.1``: the thesis'
+        ``weighted-dtw``: the alignment's cost against a threshold; ``gmm-dtw``: the same with
+        mixtures in place of examples; ``table-7.1``: the thesis'
         algorithm literally.
     labels : tuple of str
     descriptor : DescriptorParams
@@ -48,6 +50,8 @@ class GestureModel:
         What rates proposals.
     provenance : dict
         What it was trained on, and how.
+    mixtures : tuple of MixtureModel
+        Of ``gmm-dtw``, one for each label.
     """
 
     method: Method
@@ -60,12 +64,17 @@ class GestureModel:
     gates: FloatArray
     judge: Judge | None = None
     provenance: dict[str, object] = field(default_factory=dict)
+    mixtures: tuple[MixtureModel, ...] = ()
 
     def aligner(self) -> ClassAligner:
         """Return what aligns a stream with the examples."""
         params = ProposalParams()
         if self.method == "table-7.1":
             params = ProposalParams(n_best=1, steps="free")
+        if self.mixtures:
+            owners = np.unique(self.owners)
+            params = ProposalParams(n_best=1)
+            return ClassAligner((), owners, len(self.labels), None, params, self.mixtures)
         factors = spread(self.weights, self.descriptor.n_numbers)
         return ClassAligner(self.examples, self.owners, len(self.labels), factors, params)
 

@@ -14,6 +14,7 @@ from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams
 from adibas.gestures.hidden_markov import Chain, HiddenMarkov
 from adibas.gestures.likeness import Likeness
 from adibas.gestures.model import GestureModel, Judge, Method
+from adibas.timeseries.mixture_stream import MixtureModel
 
 FORMAT, VERSION = "adibas-gestures", 1
 DECIMALS = 4
@@ -92,6 +93,14 @@ def _document(model: GestureModel) -> dict[str, object]:
             for owner, frames in zip(model.owners, model.examples, strict=True)
         ],
         "judge": _described_judge(model.judge),
+        "mixtures": [
+            {
+                "shares": one.shares.tolist(),
+                "means": one.means.tolist(),
+                "variances": one.variances.tolist(),
+            }
+            for one in model.mixtures
+        ],
         "provenance": model.provenance,
     }
 
@@ -158,7 +167,21 @@ def _model(document: dict[str, Any]) -> GestureModel:
         _per_label(gates, labels),
         None if stored is None else _judge(stored, labels),
         dict(document["provenance"]),
+        _mixtures(document.get("mixtures", ()), owners, method, descriptor),
     )
+
+
+def _mixtures(
+    stored: Any, owners: list[int], method: Method, descriptor: DescriptorParams
+) -> tuple[MixtureModel, ...]:
+    found = tuple(
+        MixtureModel(_array(one["shares"], 2), _array(one["means"], 3), _array(one["variances"], 3))
+        for one in stored
+    )
+    wanted = len(set(owners)) if method == "gmm-dtw" else 0
+    if len(found) != wanted or any(one.means.shape[2] != descriptor.n_numbers for one in found):
+        raise ValueError("a mixture for each label, of the descriptor's numbers")
+    return found
 
 
 def _per_label(values: Any, labels: tuple[str, ...]) -> AnyArray:

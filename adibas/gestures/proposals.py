@@ -12,6 +12,7 @@ from scipy.ndimage import minimum_filter1d
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.gestures.segments import Segment
+from adibas.timeseries.mixture_stream import MixtureModel, MixtureStream
 from adibas.timeseries.stream import Steps, StreamAligner
 
 CHUNK = 2048
@@ -51,6 +52,8 @@ class ClassAligner:
     n_labels : int
     weights : (d,) array, optional
     params : ProposalParams
+    mixtures : sequence of MixtureModel, optional
+        What is aligned in place of the examples, one for each owner.
     """
 
     def __init__(
@@ -60,9 +63,14 @@ class ClassAligner:
         n_labels: int,
         weights: FloatArray | None = None,
         params: ProposalParams | None = None,
+        mixtures: Sequence[MixtureModel] = (),
     ) -> None:
         self._params = params or ProposalParams()
-        self._aligner = StreamAligner(examples, weights, self._params.steps)
+        self._aligner: StreamAligner | MixtureStream = (
+            MixtureStream(mixtures)
+            if mixtures
+            else StreamAligner(examples, weights, self._params.steps)
+        )
         self._columns = [np.flatnonzero(owners == label) for label in range(n_labels)]
 
     def reset(self) -> None:

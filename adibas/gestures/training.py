@@ -16,10 +16,12 @@ from adibas.errors import GestureError
 from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.hidden_markov import MarkovTraining
 from adibas.gestures.likeness import LikenessParams, LikenessTraining
+from adibas.gestures.mixtures import mixtures_of
 from adibas.gestures.model import GestureModel, Method
 from adibas.gestures.proposals import SHORTEST, chosen_examples
 from adibas.gestures.segments import Examples, Segment, at_one_length
 from adibas.gestures.weighting import N_JOINTS, joint_weights
+from adibas.timeseries.mixture_stream import MixtureModel
 
 Progress = Callable[[int, int], None]
 RIGHT_OVERLAP = 0.5
@@ -148,17 +150,20 @@ def _draft(
     weights = np.full(N_JOINTS, 1.0 / N_JOINTS)
     if params.method == "weighted-dtw":
         weights = joint_weights([at_one_length(one) for one in frames], labels[chosen])
+    mixtures: tuple[MixtureModel, ...] = ()
+    if params.method == "gmm-dtw":
+        mixtures = mixtures_of(frames, labels[chosen], len(examples.labels), rng)
     anything = np.full(len(examples.labels), np.inf)
     return GestureModel(
         params.method, examples.labels, descriptor, tuple(frames), labels[chosen], weights,
-        anything, anything,
+        anything, anything, mixtures=mixtures,
     )  # fmt: skip
 
 
 def _finished(model: GestureModel, thresholds: FloatArray, gates: FloatArray) -> GestureModel:
     return GestureModel(
         model.method, model.labels, model.descriptor, model.examples, model.owners, model.weights,
-        thresholds, gates,
+        thresholds, gates, mixtures=model.mixtures,
     )  # fmt: skip
 
 

@@ -34,33 +34,45 @@ def feed_sloped(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interf
     seen = memory[8]
     for t in range(len(stream)):
         now = first + t
-        cost, cost_before = memory[now % 2], memory[(now + 1) % 2]
-        sums, sums_1, sums_2 = (
-            memory[2 + now % 3],
-            memory[2 + (now + 2) % 3],
-            memory[2 + (now + 1) % 3],
-        )
-        began = memory[5 + now % 3]
-        began_1, began_2 = memory[5 + (now + 2) % 3], memory[5 + (now + 1) % 3]
-        local_costs(stream[t], columns, squared_weights, least_share, seen, cost)
-        _steps_of_starts(
-            cost[2:], cost[1:-1], cost_before[2:], sums_1[1:-1], sums_2[1:-1], sums_1[:-2],
-            began_1[1:-1], began_2[1:-1], began_1[:-2], began[2:],
-        )  # fmt: skip
-        _steps_of_sums(
-            cost[2:], cost[1:-1], cost_before[2:], sums_1[1:-1], sums_2[1:-1], sums_1[:-2],
-            sums[2:],
-        )  # fmt: skip
-        for k in range(len(offsets) - 1):
-            at, end = offsets[k], offsets[k + 1] - 1
-            slow = 0.5 * (cost_before[at] + cost[at])
-            sums[at], began[at] = cost[at], now
-            if slow < cost[at]:
-                sums[at], began[at] = slow, now - 1
-            _second(at + 1, now, cost, cost_before, sums_1[at], sums_2[at],
-                    began_1[at], began_2[at], sums, began)  # fmt: skip
-            costs_out[t, k] = sums[end]
-            starts_out[t, k] = began[end]
+        local_costs(stream[t], columns, squared_weights, least_share, seen, memory[now % 2])
+        advance(now, offsets, memory, costs_out[t], starts_out[t])
+
+
+@compiled
+def advance(
+    now: int,
+    offsets: IntArray,
+    memory: FloatArray,
+    costs_out: FloatArray,
+    starts_out: FloatArray,
+) -> None:
+    """Take the frame of number `now`, whose costs stand in ``memory[now % 2]``."""
+    cost, cost_before = memory[now % 2], memory[(now + 1) % 2]
+    sums, sums_1, sums_2 = (
+        memory[2 + now % 3],
+        memory[2 + (now + 2) % 3],
+        memory[2 + (now + 1) % 3],
+    )
+    began = memory[5 + now % 3]
+    began_1, began_2 = memory[5 + (now + 2) % 3], memory[5 + (now + 1) % 3]
+    _steps_of_starts(
+        cost[2:], cost[1:-1], cost_before[2:], sums_1[1:-1], sums_2[1:-1], sums_1[:-2],
+        began_1[1:-1], began_2[1:-1], began_1[:-2], began[2:],
+    )  # fmt: skip
+    _steps_of_sums(
+        cost[2:], cost[1:-1], cost_before[2:], sums_1[1:-1], sums_2[1:-1], sums_1[:-2],
+        sums[2:],
+    )  # fmt: skip
+    for k in range(len(offsets) - 1):
+        at, end = offsets[k], offsets[k + 1] - 1
+        slow = 0.5 * (cost_before[at] + cost[at])
+        sums[at], began[at] = cost[at], now
+        if slow < cost[at]:
+            sums[at], began[at] = slow, now - 1
+        _second(at + 1, now, cost, cost_before, sums_1[at], sums_2[at],
+                began_1[at], began_2[at], sums, began)  # fmt: skip
+        costs_out[k] = sums[end]
+        starts_out[k] = began[end]
 
 
 @compiled
