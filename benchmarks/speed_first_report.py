@@ -22,13 +22,14 @@ def rows(*, quick: bool) -> Iterable[Row]:
     for way, told in WAYS.items():
         if quick and way != "mouse":
             continue
-        total_s, n_actions, waited_s, n_distances = _trial(way, stickers)
+        total_s, n_actions, waited_s, cpu_s, n_distances = _trial(way, stickers)
         name = f"first start to report, {told}"
         yield Row(
             f"{name}, 1 s before each action and 0.2 s a letter", total_s, "s", GOAL_S, "goal <"
         )
         yield Row(f"{name}: clicks, keys and fields", n_actions, "")
         yield Row(f"{name}: of this the program was waited for", waited_s, "s")
+        yield Row(f"{name}: CPU time of program and simulated sensor", cpu_s, "s")
         yield Row(f"{name}: distances read back from the Excel file", n_distances, "")
 
 
