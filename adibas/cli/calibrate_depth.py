@@ -68,8 +68,6 @@ def missing(arguments: argparse.Namespace) -> str | None:
             "Give the board's inner corners and the side of its squares, such as --board 9x6 "
             "--square-mm 25. A wall alone needs --wall and the --calibration of the sensor."
         )
-    if board is None and arguments.report:
-        return _("A wall alone has no report. Leave --report out, or record a board as well.")
     return None
 
 
@@ -99,7 +97,7 @@ def run_depth(arguments: argparse.Namespace, console: Console, params: "Calibrat
     for line in (*describe_depth(outcome), *verdict.sentences()):
         console.say(line)
     say_where(arguments, console, is_written=is_written)
-    _write_reports(arguments, console, outcome, color)
+    _write_reports(arguments, console, outcome, color, calibration if color is None else None)
     found = depth_document(outcome, verdict, arguments.out if is_written else None)
     console.give(found if color is None else found | {"color": document(color, None)})
     return REPEAT if is_bad else 0
@@ -191,14 +189,14 @@ def _write_reports(
     console: Console,
     outcome: "DepthOutcome",
     color: "CameraOutcome | None",
+    previous: "RgbdCalibration | None",
 ) -> None:
     from adibas.pipeline.calibration_report import report_of_sensor
     from adibas.reports.calibration import write_calibration_report
 
-    board = board_of(arguments)
-    if board is None:  # without a board no report was asked for
-        return
     for path in arguments.report:
-        report = report_of_sensor(outcome, color, board, arguments.language)
+        report = report_of_sensor(
+            outcome, color, board_of(arguments), arguments.language, previous=previous
+        )
         write_calibration_report(report, path)
         console.say(_("{file} is written.").format(file=path))

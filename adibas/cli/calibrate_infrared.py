@@ -41,14 +41,16 @@ def run_infrared(
     from adibas.calibration.files import read_calibration, write_calibration
     from adibas.data.calibration_verdict import Grade
     from adibas.pipeline.calibrating_infrared import calibrate_infrared, in_pairs
+    from adibas.pipeline.calibration_report import report_of_infrared
+    from adibas.reports.calibration import write_calibration_report
 
     board = board_of(arguments)
-    if board is None or not arguments.images or arguments.report:
+    if board is None or not arguments.images:
         console.warn(
             _(
                 "To pair colour and infrared images, give both kinds, the board's inner corners "
-                "and the side of its squares, and no --report, such as: adibas calibrate c*.png "
-                "--infrared i*.png --board 9x6 --square-mm 25 --out C.json"
+                "and the side of its squares, such as: adibas calibrate c*.png --infrared i*.png "
+                "--board 9x6 --square-mm 25 --out C.json"
             )
         )
         return WRONG_USAGE
@@ -62,6 +64,10 @@ def run_infrared(
         write_calibration(arguments.out, outcome.calibration)
     _tell(outcome, console)
     say_where(arguments, console, is_written=is_written)
+    for path in arguments.report:
+        report = report_of_infrared(outcome, arguments.language, previous=given)
+        write_calibration_report(report, path)
+        console.say(_("{file} is written.").format(file=path))
     console.give(_document(outcome, arguments.out if is_written else None))
     return REPEAT if is_bad else 0
 

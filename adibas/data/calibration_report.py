@@ -187,8 +187,8 @@ class CalibrationReport:
 
     Attributes
     ----------
-    board : Board
-        That was said to be shown.
+    board : Board or None
+        That was said to be shown; None: a wall alone.
     images : tuple of ReportedImage
         In the order given.
     verdict : Verdict
@@ -211,7 +211,7 @@ class CalibrationReport:
         Of the program that writes the report.
     """
 
-    board: Board
+    board: Board | None
     images: tuple[ReportedImage, ...]
     verdict: Verdict
     fit: CameraFit | None

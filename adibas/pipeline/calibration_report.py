@@ -22,9 +22,9 @@ from adibas.data.calibration_report import (
     ReportedShot,
     ReportedVertical,
 )
-from adibas.data.calibration_verdict import Verdict
 from adibas.pipeline.calibrating import CameraOutcome, SearchedImage
 from adibas.pipeline.calibrating_depth_types import DepthOutcome
+from adibas.pipeline.calibrating_infrared import InfraredOutcome
 from adibas.pipeline.calibrating_pictures import joined
 
 
@@ -91,8 +91,10 @@ def report_of_depth_outcome(outcome: DepthOutcome) -> DepthReport:
 def report_of_sensor(
     outcome: DepthOutcome,
     color: CameraOutcome | None,
-    board: Board,
+    board: Board | None,
     language: str,
+    *,
+    previous: RgbdCalibration | None = None,
     clock: Clock = utc_now,
 ) -> CalibrationReport:
     """Return the report of a whole sensor, with one verdict.
@@ -103,19 +105,77 @@ def report_of_sensor(
         Of the depth camera.
     color : CameraOutcome or None
         Of the colour camera; None where it was calibrated before.
-    board : Board
-        That was shown.
+    board : Board or None
+        That was shown; None: a wall alone.
     language : str
         Two letters.
+    previous : RgbdCalibration or None
+        The one before of the same sensor.
     """
-    color = color or CameraOutcome(board, (), None, Verdict())
+    depth = report_of_depth_outcome(outcome)
+    if color is None:
+        return CalibrationReport(
+            board=board,
+            images=(),
+            verdict=outcome.verdict,
+            fit=None,
+            calibration=outcome.calibration,
+            written_utc=clock(),
+            depth=depth,
+            previous=previous,
+            sensor=outcome.calibration.sensor_serial,
+            language=language,
+            version=__version__,
+        )
     return report_of_calibration(
         replace(color, verdict=joined(color.verdict, outcome.verdict)),
         outcome.calibration,
         language,
-        depth=report_of_depth_outcome(outcome),
+        depth=depth,
+        previous=previous,
         clock=clock,
     )
+
+
+def report_of_infrared(
+    outcome: InfraredOutcome,
+    language: str,
+    *,
+    previous: RgbdCalibration | None = None,
+    clock: Clock = utc_now,
+) -> CalibrationReport:
+    """Return the report of pairs of colour and infrared images: both cameras and their pose.
+
+    Parameters
+    ----------
+    outcome : InfraredOutcome
+        Of the pairs.
+    language : str
+        Two letters.
+    previous : RgbdCalibration or None
+        That was given for the colour camera.
+    """
+    calibration = outcome.calibration
+    if calibration.depth is None or calibration.covariance is None:
+        raise ValueError("pairs give a depth camera with its covariance")
+    depth = DepthReport(
+        color_from_depth=calibration.color_from_depth,
+        bias=calibration.depth_bias,
+        camera=calibration.depth,
+        parameter_names=calibration.parameter_names,
+        covariance=np.array(calibration.covariance),
+    )
+    # A camera that was given is not the one that these images alone would give.
+    fit = outcome.color.fit if previous is None else None
+    whole = report_of_calibration(
+        replace(outcome.color, verdict=outcome.verdict, fit=fit),
+        calibration,
+        language,
+        depth=depth,
+        previous=previous,
+        clock=clock,
+    )
+    return replace(whole, images=(*whole.images, *map(_image, outcome.infrared.images)))
 
 
 def _vertical(vertical: Vertical) -> ReportedVertical:

@@ -104,8 +104,9 @@ def uncertainty_blocks(fit: CameraFit) -> Iterator[Block]:
 def depth_blocks(depth: DepthReport) -> Iterator[Block]:
     """Yield pose and error of the depth camera, its shots, and what was checked."""
     yield _depth_parameters(depth)
-    yield _bias(depth)
-    yield _shots(depth)
+    if depth.shots:
+        yield _bias(depth)
+        yield _shots(depth)
     checks = depth_facts(depth)
     if checks:
         yield Block(_("Checks"), [Column(_("Check"), 30), Column(_("Result"), 16)], checks)

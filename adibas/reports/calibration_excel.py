@@ -47,8 +47,8 @@ PARAMETER = "0.000000"
 def write_calibration_workbook(report: CalibrationReport, path: Path) -> None:
     """Write the sheets Summary, Parameters, Images, Corners, Coverage, Uncertainty (, Depth).
 
-    Without a camera that the images gave there are Summary and Images alone. Every number is a
-    value with a number format; no cell holds a formula.
+    Without a camera that the images gave there are Summary, Images and Depth, each where known.
+    Every number is a value with a number format; no cell holds a formula.
 
     Raises
     ------
@@ -64,7 +64,8 @@ def _add_sheets(workbook: Workbook, report: CalibrationReport) -> None:
     fit = report.fit
     if fit is not None:
         add_table(workbook, _("Parameters"), *_parameters(report), footer)
-    add_table(workbook, _("Images"), _image_columns(), list(_images(report)), footer)
+    if report.images:
+        add_table(workbook, _("Images"), _image_columns(), list(_images(report)), footer)
     if fit is not None:
         add_table(workbook, _("Corners"), _corner_columns(), list(_corners(report)), footer)
         coverage, uncertainty = list(coverage_blocks(report, fit)), list(uncertainty_blocks(fit))

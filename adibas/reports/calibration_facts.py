@@ -92,15 +92,14 @@ def camera_facts(report: CalibrationReport) -> Pairs:
             if age is None
             else translate_plural("{n} day", "{n} days", age).format(n=age),
         ),
-        (
-            _("Board"),
-            _("{columns} x {rows} inner corners, squares of {side} mm").format(
-                columns=board.columns,
-                rows=board.rows,
-                side=plain_number(MM_PER_M * board.square_m),
-            ),
-        ),
     ]
+    if board is not None:
+        told = _("{columns} x {rows} inner corners, squares of {side} mm").format(
+            columns=board.columns,
+            rows=board.rows,
+            side=plain_number(MM_PER_M * board.square_m),
+        )
+        facts.append((_("Board"), told))
     fit = report.fit
     if fit is not None:
         size = _("{width} x {height} pixels").format(
@@ -132,9 +131,10 @@ def general_facts(report: CalibrationReport) -> Pairs:
 
 def figures(report: CalibrationReport) -> Iterator[Figure]:
     """Yield the numbers that sum the calibration up."""
-    yield Figure(_("Images given"), len(report.images), 0)
-    with_board = sum(image.n_corners > 0 for image in report.images)
-    yield Figure(_("Images with the board"), with_board, 0)
+    if report.images:
+        yield Figure(_("Images given"), len(report.images), 0)
+        with_board = sum(image.n_corners > 0 for image in report.images)
+        yield Figure(_("Images with the board"), with_board, 0)
     if report.fit is not None:
         yield from _fit_figures(report.fit)
     change_mm = largest_change_mm(report)
@@ -248,6 +248,8 @@ def _fit_figures(fit: CameraFit) -> Iterator[Figure]:
 
 
 def _depth_figures(depth: DepthReport) -> Iterator[Figure]:
+    if not depth.shots:
+        return
     n_shots = sum(not shot.is_outlier for shot in depth.shots)
     yield Figure(_("Boards and walls seen in depth that took part"), n_shots, 0)
     left_mm = rms_of_shots_mm(depth)

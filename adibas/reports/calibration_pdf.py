@@ -83,10 +83,11 @@ def _story(report: CalibrationReport) -> Iterator[Flowable]:
     if report.depth is not None:
         yield PageBreak()
         yield from depth_tables(report, report.depth)
-        yield _row(
-            bias_figure(report.depth, HALF, MAP_HEIGHT),
-            shots_figure(report.depth, HALF, MAP_HEIGHT),
-        )
+        if report.depth.shots:
+            yield _row(
+                bias_figure(report.depth, HALF, MAP_HEIGHT),
+                shots_figure(report.depth, HALF, MAP_HEIGHT),
+            )
 
 
 def _verdict(report: CalibrationReport) -> Flowable:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from openpyxl import load_workbook
 
 from adibas.calibration.files import read_calibration, write_calibration
 from adibas.cli import main
@@ -55,7 +56,9 @@ def told(paths, out, *more):
 
 
 def test_the_command_finds_both_cameras_and_their_pose(paths, tmp_path, capsys):
-    assert main(told(paths, tmp_path / "whole.json", "--json")) == 0
+    book, page = tmp_path / "pairs.xlsx", tmp_path / "pairs.pdf"
+    reports = ["--report", str(book), "--report", str(page), "--language", "en"]
+    assert main(told(paths, tmp_path / "whole.json", "--json", *reports)) == 0
     document = json.loads(capsys.readouterr().out)
     found = read_calibration(tmp_path / "whole.json")
     assert document["outliers"] == ["c09.png, i09.png"]
@@ -67,6 +70,14 @@ def test_the_command_finds_both_cameras_and_their_pose(paths, tmp_path, capsys):
     assert (np.abs(np.concatenate([turn, away_m])) < 4.0 * sds).all()
     assert sds[3:].max() < 0.003
     assert {"color.fx", "depth.fx", "color_from_depth.tx"} <= set(found.parameter_names)
+    assert page.read_bytes().startswith(b"%PDF")
+    sheets = load_workbook(book)
+    assert sheets["Images"].max_row == 1 + 20
+    rows = {row[0]: row[1] for row in sheets["Depth"].iter_rows(values_only=True)}
+    assert rows["depth.fx"] == pytest.approx(found.depth.intrinsics.fx)
+    assert rows["color_from_depth.tx"] == pytest.approx(
+        1000.0 * found.color_from_depth.translation_m[0]
+    )
 
 
 def test_a_known_colour_camera_stays_as_it_is(paths):
