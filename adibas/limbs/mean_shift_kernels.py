@@ -16,6 +16,7 @@ from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntAr
 from adibas.kernels import compiled
 
 N_STEPS = 12
+MOST_STARTS = 64
 STILL_M2 = 1e-8
 """A step of a tenth of a millimetre, squared: the mode is reached."""
 X, Y, Z, WEIGHT = 0, 1, 2, 3
@@ -187,27 +188,29 @@ def find_modes(first: FloatArray, second: FloatArray, width_m: float, modes: Flo
     """
     modes[:, :3] = np.nan
     modes[:, 3] = 0.0
-    n_first, n_points = first.shape[0], first.shape[0] + second.shape[0]
-    heights = np.empty(n_points)
-    for i in range(n_points):
-        p = first[i] if i < n_first else second[i - n_first]
+    # Starts in the first part alone: a mode of two parts is within reach of both.
+    stride = max(1, first.shape[0] // MOST_STARTS)
+    n_starts = (first.shape[0] + stride - 1) // stride
+    heights = np.empty(n_starts)
+    for i in range(n_starts):
+        p = first[i * stride]
         heights[i] = _density(first, p[0], p[1], p[2], width_m)
         if second.shape[0] > 0 and heights[i] > 0.0:
             heights[i] = math.sqrt(heights[i] * _density(second, p[0], p[1], p[2], width_m))
     at = np.empty(3)
     for k in range(modes.shape[0]):
-        if n_points == 0:
+        if n_starts == 0:
             return
         best = int(np.argmax(heights))
         if heights[best] <= 0.0:
             return
-        p = first[best] if best < n_first else second[best - n_first]
+        p = first[best * stride]
         at[:] = p[:3]
         height = _shifted(first, second, width_m, at)
         modes[k, :3] = at
         modes[k, 3] = height
-        for i in range(n_points):
-            q = first[i] if i < n_first else second[i - n_first]
+        for i in range(n_starts):
+            q = first[i * stride]
             d2 = (q[0] - at[0]) ** 2 + (q[1] - at[1]) ** 2 + (q[2] - at[2]) ** 2
             own = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
             if min(d2, own) < 1.44 * width_m * width_m:  # beyond its slope

@@ -1,7 +1,7 @@
 """From depth images of one camera to the joints of everybody in view, frame by frame."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,6 +28,8 @@ UP = (0.0, -1.0, 0.0)
 TOP_PERCENTILE = 98.0
 PLACE_STEP = 4
 """Of how many rows and columns one is looked at for where somebody stands."""
+COARSEST_FOCAL_PX = 250.0
+"""Of the pixels that are looked at: a hand of 8 cm is 10 of them wide at 2 m."""
 FLOOR_TRIALS = 30
 """Frames in which a floor is looked for where the calibration has none."""
 
@@ -86,12 +88,18 @@ def forest_segmenter(
 ) -> Segmenter:
     """Return what finds limbs with a trained model.
 
+    Of an image so coarse that a pixel is a whole step already, every pixel is looked at: the cut
+    would smooth hands away.
+
     Raises
     ------
     LimbError
         The model is for other limbs than those of the whole body.
     """
     model.require(FULL_BODY)
+    params = params or LimbParams()
+    if camera.intrinsics.fx / params.step < COARSEST_FOCAL_PX:
+        params = replace(params, step=1)
 
     def segmented(depth_m: Float32Array, pixels: BoolArray) -> LimbParts:
         return segment(depth_m, pixels, camera.intrinsics.fx, model, params)
