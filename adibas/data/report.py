@@ -8,6 +8,7 @@ from adibas.data.corrections import FreeMeasure
 from adibas.data.posture import PostureAnalysis
 from adibas.data.reliability import Comparison
 from adibas.data.sessions import ROTATIONS_DEG
+from adibas.data.trends import Trend
 
 
 class PictureChoice(Enum):
@@ -39,12 +40,29 @@ class CaptureReport:
     measures: tuple[FreeMeasure, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SessionComparison:
-    """What changed since an earlier session, and when that began."""
+    """What changed since an earlier session.
+
+    Attributes
+    ----------
+    since_utc : datetime
+        When that began.
+    comparison : Comparison
+        Measure by measure.
+    trends : tuple of Trend
+        Every measure over the patient's sessions until the reported one.
+    earlier : tuple of CaptureReport
+        The captures of the earlier session.
+    earlier_rotation_deg : int
+        How far its pictures are turned clockwise to be upright.
+    """
 
     since_utc: datetime
     comparison: Comparison
+    trends: tuple[Trend, ...] = ()
+    earlier: tuple[CaptureReport, ...] = ()
+    earlier_rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from adibas.data.protocol_measures import ProtocolMeasures
-from adibas.data.reliability import Comparison, Reliability, Repeat
+from adibas.data.reliability import Reliability, Repeat
 from adibas.data.sessions import Capture, Session
-from adibas.measures.comparison import compare_sessions
 from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.reliability import LEAST_REPEATS, reliability_of
 from adibas.measures.sight_plane import vertical_of
@@ -74,26 +73,6 @@ def reliability_in_clinic(
             repeats.setdefault(key, []).extend(values)
     found = {key: reliability_of(values) for key, values in repeats.items()}
     return ClinicReliability(operator, wish, found)
-
-
-def compare_stored(
-    store: SessionStore, before_id: str, after_id: str, wish: ProtocolWish
-) -> Comparison:
-    """Return the change of every measure between two sessions of the store.
-
-    Changes are marked with what repeats of the later session's operator say.
-
-    Raises
-    ------
-    ProtocolError
-        A session has no measure of the protocol.
-    StoreError
-        A session is gone.
-    """
-    operator = store.sessions.get(after_id).operator
-    before = measured_captures(store, before_id, wish)
-    after = measured_captures(store, after_id, wish)
-    return compare_sessions(before, after, reliability_in_clinic(store, wish, operator).mdc95())
 
 
 def _known(store: SessionStore, session_id: str, wish: ProtocolWish) -> tuple[Capture, ...]:

@@ -106,7 +106,7 @@ def patient_trends(
     like: Session,
     wish: ProtocolWish,
     mdc95: dict[Key, float],
-    progress: Progress,
+    progress: Progress | None = None,
 ) -> PatientTrends:
     """Return every measure of a patient over the sessions that may be compared with one of them.
 
@@ -119,7 +119,8 @@ def patient_trends(
     alike = [one for one in sessions if _is_alike(one, like)]
     visits = []
     for number, session in enumerate(alike):
-        progress(number, len(alike))
+        if progress is not None:
+            progress(number, len(alike))
         captures = measured_captures(store, session.session_id, wish)
         if any(result.main is not None for one in captures for result in one.results):
             visits.append(Visit(session.session_id, session.started_utc, captures))

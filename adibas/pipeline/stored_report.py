@@ -1,14 +1,20 @@
 """Reports of sessions that the store keeps."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 
-from adibas.data.report import PictureChoice, SessionComparison, SessionReport
-from adibas.data.sessions import Session
+from adibas.data.report import CaptureReport, PictureChoice, SessionComparison, SessionReport
+from adibas.data.sessions import Capture, Session
+from adibas.data.trends import Trend
 from adibas.errors import ReportError
-from adibas.pipeline.clinic_repeats import compare_stored
+from adibas.pipeline.clinic_repeats import reliability_in_clinic
 from adibas.pipeline.protocol_measuring import ProtocolWish, wish_of_session
-from adibas.pipeline.session_comparison import check_comparable
+from adibas.pipeline.session_comparison import (
+    check_comparable,
+    compare_by_protocol,
+    patient_trends,
+)
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.sessions import SessionStore
 
@@ -52,18 +58,27 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
     if not captures:
         raise ReportError("The session has no capture to report. Capture a view first.")
     protocol, notices = wish_of_session(session) if wish.protocol is None else (wish.protocol, ())
-    reports = []
+    reports = tuple(_with_notices(shown, notices) for shown in _measured(store, captures, protocol))
+    report = report_of_session(session, reports, wish.language, wish.pictures)
+    if not wish.compared_with:
+        return report
+    return replace(report, comparison=_compared(store, wish.compared_with, session, protocol))
+
+
+def _measured(
+    store: SessionStore, captures: Iterable[Capture], protocol: ProtocolWish | None
+) -> Iterator[CaptureReport]:
+    """Yield each capture as it was corrected."""
     for capture in captures:
         surface = store.captures.surface(capture.capture_id)
         picture_rgb = store.captures.picture(capture.capture_id)
         surface_per_m = None if surface is None else surface.mean_per_m
-        shown = capture_report(capture, picture_rgb, surface_per_m, protocol)
-        told = (*shown.analysis.notices, *notices)
-        reports.append(replace(shown, analysis=replace(shown.analysis, notices=told)))
-    report = report_of_session(session, tuple(reports), wish.language, wish.pictures)
-    if not wish.compared_with:
-        return report
-    return replace(report, comparison=_compared(store, wish.compared_with, session, protocol))
+        yield capture_report(capture, picture_rgb, surface_per_m, protocol)
+
+
+def _with_notices(shown: CaptureReport, notices: tuple[str, ...]) -> CaptureReport:
+    told = (*shown.analysis.notices, *notices)
+    return replace(shown, analysis=replace(shown.analysis, notices=told))
 
 
 def _compared(
@@ -76,8 +91,27 @@ def _compared(
         raise ReportError(
             "Sessions are compared by the measures of a protocol, and none is told. Choose one."
         )
-    found = compare_stored(store, earlier_id, session.session_id, protocol)
-    return SessionComparison(earlier.started_utc, found)
+    mdc95 = reliability_in_clinic(store, protocol, session.operator).mdc95()
+    found = compare_by_protocol(store, earlier, session, protocol, mdc95)
+    trends = patient_trends(store, session, protocol, mdc95).trends
+    captures = store.captures.of_session(earlier_id)
+    return SessionComparison(
+        since_utc=earlier.started_utc,
+        comparison=found,
+        trends=tuple(_until(one, session.started_utc) for one in trends if _began(one, session)),
+        earlier=tuple(_measured(store, captures, protocol)),
+        earlier_rotation_deg=earlier.setup.rotation_deg,
+    )
+
+
+def _began(trend: Trend, session: Session) -> bool:
+    return trend.points[0].taken_utc <= session.started_utc
+
+
+def _until(trend: Trend, time_utc: datetime) -> Trend:
+    """Return what was known then."""
+    points = tuple(point for point in trend.points if point.taken_utc <= time_utc)
+    return replace(trend, points=points)
 
 
 class StoredReports(Collection[SessionReport]):

@@ -7,8 +7,8 @@ from typing import TypeAlias
 from openpyxl import Workbook
 
 from adibas.arrays import UInt8Array
-from adibas.data.reliability import Comparison
 from adibas.data.report import CaptureReport, SessionReport
+from adibas.reports.excel_changes import add_changes
 from adibas.reports.facts import (
     capture_facts,
     capture_names,
@@ -17,8 +17,6 @@ from adibas.reports.facts import (
     notices,
     protocol_facts,
     session_facts,
-    verdict_text,
-    view_name,
 )
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.pictures import draw_markers, picture_of
@@ -73,9 +71,7 @@ def _add_sheets(workbook: Workbook, report: SessionReport) -> None:
         tables.append((_("Free measures"), _free_columns(), free))
     for title, columns, rows in tables:
         add_table(workbook, title, *_with_view(report, columns, rows), footer)
-    if report.comparison is not None:
-        changes = list(_changes(report.comparison.comparison))
-        add_table(workbook, _("Changes"), _change_columns(), changes, footer)
+    add_changes(workbook, report, footer)
     add_parts(workbook, _("Provenance"), _("Provenance"), _provenance(report), footer)
 
 
@@ -194,32 +190,6 @@ def _measures(capture: CaptureReport) -> Rows:
             *_numbers(row.projected),
             *_numbers(row.spatial),
             *(row.reference or None, row.remark or None),
-        )
-
-
-def _change_columns() -> tuple[Column, ...]:
-    return (
-        Column(_("View"), 16),
-        Column(_("Measure"), 16),
-        Column(_("Name"), 44),
-        Column(_("Unit"), 7),
-        *(Column(name, 12, DECIMALS) for name in (_("Before"), _("Now"), _("Difference"))),
-        *(
-            Column(name, 17, DECIMALS)
-            for name in (_("95 % from, instrument only"), _("95 % to, instrument only"))
-        ),
-        Column("MDC95", 10, DECIMALS),
-        Column(_("Change"), 16),
-    )
-
-
-def _changes(comparison: Comparison) -> Rows:
-    for one in comparison.changes:
-        low, high = one.interval or (None, None)
-        yield (
-            *(view_name(one.view), one.measure_id, one.name, _(one.unit)),
-            *(one.before, one.after, one.difference, low, high, one.mdc95),
-            verdict_text(one.verdict),
         )
 
 

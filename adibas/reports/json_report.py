@@ -8,6 +8,7 @@ from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.data.report import CaptureReport, SessionReport
+from adibas.data.trends import Trend
 from adibas.files import written_whole
 from adibas.reports.cells import printable
 from adibas.reports.rows import (
@@ -70,6 +71,26 @@ def _comparison(report: SessionReport) -> dict[str, Any] | None:
                 "verdict": change.verdict.value,
             }
             for change in found.changes
+        ],
+        "trends": [_trend(trend) for trend in report.comparison.trends],
+    }
+
+
+def _trend(trend: Trend) -> dict[str, Any]:
+    return {
+        "id": trend.definition.measure_id,
+        "view": trend.view,
+        "unit": trend.definition.unit,
+        "mdc95": trend.mdc95,
+        "points": [
+            {
+                "taken_utc": point.taken_utc.isoformat(),
+                "value": point.value,
+                "ci95": list(point.interval),
+                "since_first": trend.change_of(index),
+                "verdict": trend.verdict_of(index).value,
+            }
+            for index, point in enumerate(trend.points)
         ],
     }
 

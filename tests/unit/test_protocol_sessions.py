@@ -231,6 +231,12 @@ def clinic(tmp_path, monkeypatch):
         yield store, early, late
 
 
+def first_of(store):
+    """Return the first session of the first patient of the clinic."""
+    patient = store.patients.search("Somebody 0")[0].pseudonym
+    return min(store.sessions.of_patient(patient), key=lambda one: one.started_utc).session_id
+
+
 def test_the_report_of_a_session_follows_its_protocol_and_tells_what_changed(clinic, tmp_path):
     store, early, late = clinic
     report = stored_report(store, late, ReportWish("en", protocol=SAPO, compared_with=early))
@@ -244,11 +250,25 @@ def test_the_report_of_a_session_follows_its_protocol_and_tells_what_changed(cli
     rows = openpyxl.load_workbook(tmp_path / "report.xlsx")["Changes"].iter_rows(values_only=True)
     told = {row[1]: row for row in rows}
     assert told["ANT.ACR.H"][-1] == "beyond MDC95"
+    workbook = openpyxl.load_workbook(tmp_path / "report.xlsx")
+    assert len(workbook["Comparison"]._images) == 2, "the view before and now, and the plots"
+    trend = [row for row in workbook["Trends"].values if row[1] == "ANT.ACR.H"]
+    assert len(trend) == 3, "two visits on one day, and the reported one"
+    assert (trend[0][8], trend[0][10], trend[2][10]) == (None, None, "beyond MDC95")
     document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["comparison"]
+    line = next(one for one in document["trends"] if one["id"] == "ANT.ACR.H")
+    assert [one["value"] for one in line["points"]] == pytest.approx([row[5] for row in trend])
     changes = {one["id"]: one for one in document["changes"]}
     assert changes["ANT.ACR.H"]["difference"] == pytest.approx(told["ANT.ACR.H"][6])
     text = "".join(page.extract_text() for page in PdfReader(tmp_path / "report.pdf").pages)
     assert "if nothing had changed" in " ".join(text.split())
+    assert "anterior, before (2026-11-02)" in " ".join(text.split())
+    assert "Measures over the sessions" in text
+    old = stored_report(
+        store, early, ReportWish("en", protocol=SAPO, compared_with=first_of(store))
+    )
+    times = {point.taken_utc for one in old.comparison.trends for point in one.points}
+    assert max(times) == store.sessions.get(early).started_utc, "nothing of what came later"
 
 
 def test_sessions_of_other_patients_or_protocols_are_not_compared(clinic):
