@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QGridLayout,
     QGroupBox,
-    QHBoxLayout,
     QLabel,
     QPushButton,
     QSizePolicy,
@@ -25,6 +24,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
 from ui.capture.sources import SIZES, SourceChoice, view_title
+from ui.widgets.flow import in_a_flow
 
 THUMBNAIL = QSize(45, 36)
 CAPTURE_KEYS = "Ctrl+Return"
@@ -45,7 +45,7 @@ class SourcePanel(QGroupBox):
         self._sources.setSizeAdjustPolicy(
             QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         )
-        self._sources.setMinimumContentsLength(22)
+        self._sources.setMinimumContentsLength(24)
         self._source_label, self._size_label = QLabel(self), QLabel(self)
         self._source_label.setBuddy(self._sources)
         self._size_label.setBuddy(self._sizes)
@@ -241,11 +241,8 @@ class ShutterPanel(QWidget):
         self._can_stop = self._is_ready = False
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        row = QHBoxLayout()
-        row.addWidget(self._learn, 1)
-        row.addWidget(self._wand)
         layout.addWidget(self._readiness)
-        layout.addLayout(row)
+        layout.addLayout(in_a_flow(self._learn, self._wand))
         layout.addWidget(self._capture)
 
     def retranslate(self) -> None:
