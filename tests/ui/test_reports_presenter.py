@@ -10,6 +10,7 @@ from adibas.data.report import PictureChoice
 from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError
 from adibas.texts import use_language
+from tests.ui.comparison_scene import add_patient, add_session
 from tests.ui.conftest import NoSensor
 from tests.ui.review_scene import saved_session
 from ui.reports import presenter as reports
@@ -250,3 +251,25 @@ def test_somebody_whose_row_is_missing_is_named_by_the_pseudonym(
     monkeypatch.setattr(reports, "MOST_PATIENTS", 1)
     presenter.enter()
     assert lines(view)[0].who in ("Somebody", saved[0].pseudonym)
+
+
+def test_a_report_tells_what_changed_since_an_earlier_session(presenter, view, workspace, store):
+    patient = add_patient(store)
+    visits = [add_session(store, patient.pseudonym, 0.01 * number) for number in range(3)]
+    workspace.choose_patient(patient)
+    workspace.choose_session(visits[2])
+    presenter.enter()
+    offered, chosen = view.show_earlier.call_args.args
+    assert {one.session_id for one in offered} == {one.session_id for one in visits[:2]}
+    assert chosen == ""
+    presenter.choose_earlier(visits[0].session_id)
+    head, _pages = view.show_preview.call_args.args
+    assert "Compared with the session of (UTC)" in dict(head)
+    presenter.choose_sessions((visits[1].session_id,))
+    assert view.show_earlier.call_args.args[1] == visits[0].session_id
+    presenter.choose_sessions((visits[0].session_id,))
+    assert view.show_earlier.call_args.args == ((), "")
+    head, _pages = view.show_preview.call_args.args
+    assert "Compared with the session of (UTC)" not in dict(head)
+    presenter.choose_sessions(tuple(one.session_id for one in visits))
+    assert view.show_earlier.call_args.args == ((), "")

@@ -10,7 +10,14 @@ from adibas.data.sessions import Session
 from adibas.errors import AdibasError
 from adibas.pipeline.stored_report import ReportWish, StoredReports, stored_report
 from adibas.reports.batch import write_session_reports
-from adibas.reports.facts import Pairs, capture_facts, capture_names, general_facts, session_facts
+from adibas.reports.facts import (
+    Pairs,
+    capture_facts,
+    capture_names,
+    comparison_facts,
+    general_facts,
+    session_facts,
+)
 from adibas.reports.pictures import draw_markers, picture_of
 from adibas.sessions import SessionStore
 from adibas.texts import describe, speaking, translate_plural
@@ -48,6 +55,9 @@ class ReportsView(Protocol):
 
     def show_sessions(self, lines: tuple[SessionLine, ...]) -> None:
         """Offer sessions; those chosen are reported."""
+
+    def show_earlier(self, sessions: tuple[Session, ...], chosen: str) -> None:
+        """Offer what the report can be compared with; none chosen: with nothing."""
 
     def show_wish(self, wish: ReportWish) -> None:
         """Show language and pictures in use."""
@@ -93,6 +103,7 @@ class ReportsPresenter:
         if session is not None and session.session_id != self._seen_session:
             self._chosen = (session.session_id,)
             self._seen_session = session.session_id
+        self._offer_earlier()
         self._preview()
         self._show_sessions()
 
@@ -109,7 +120,12 @@ class ReportsPresenter:
         """Report these."""
         if session_ids != self._chosen:
             self._chosen = session_ids
+            self._offer_earlier()
             self._preview()
+
+    def choose_earlier(self, session_id: str) -> None:
+        """Tell what changed since this session; empty: nothing of that."""
+        self._change(replace(self._wish, compared_with=session_id))
 
     def choose_language(self, language: str) -> None:
         """Write in this language, whatever the window speaks."""
@@ -145,6 +161,17 @@ class ReportsPresenter:
         ).format(n=len(written), names=names)
         self._view.show_written(folder)
         self._workspace.tell("good", told)
+
+    def _offer_earlier(self) -> None:
+        """Offer the earlier sessions of the patient, where one session alone is reported."""
+        found: list[Session] = []
+        if len(self._chosen) == 1:
+            self._workspace.attempt(
+                lambda: found.extend(earlier_sessions(self._workspace.store, self._chosen[0]))
+            )
+        if self._wish.compared_with not in {one.session_id for one in found}:
+            self._wish = replace(self._wish, compared_with="")
+        self._view.show_earlier(tuple(found), self._wish.compared_with)
 
     def _on_session(self) -> None:
         if self._is_seen:
@@ -204,6 +231,16 @@ class ReportsPresenter:
         )
 
 
+def earlier_sessions(store: SessionStore, session_id: str) -> tuple[Session, ...]:
+    """Return what a session can be compared with, newest first."""
+    session = store.sessions.get(session_id)
+    return tuple(
+        one
+        for one in store.sessions.of_patient(session.patient)
+        if one.capture_ids and one.started_utc < session.started_utc
+    )
+
+
 def _sessions_and_names(
     store: SessionStore, current: Session | None
 ) -> tuple[tuple[Session, str], ...]:
@@ -219,7 +256,7 @@ def _sessions_and_names(
 def preview(report: SessionReport) -> tuple[Pairs, tuple[PreviewPage, ...]]:
     """Return what a report will say first, and its pictures, in the report's language."""
     with speaking(report.language):
-        head = [*session_facts(report), *general_facts(report)]
+        head = [*session_facts(report), *comparison_facts(report), *general_facts(report)]
         titles = capture_names(report)
         pages = tuple(
             PreviewPage(

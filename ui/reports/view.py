@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.data.report import PictureChoice
+from adibas.data.sessions import Session
 from adibas.pipeline.stored_report import ReportWish
 from adibas.reports.facts import Pairs
 from adibas.texts import LANGUAGES, message, translate_plural
@@ -59,12 +60,13 @@ class ReportsScreen(Screen):
         self._sessions.setWordWrap(True)
         self._sessions.setResizeMode(QListWidget.ResizeMode.Adjust)
         self._sessions.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._language, self._pictures = QComboBox(self), QComboBox(self)
+        self._language, self._pictures, self._earlier = (QComboBox(self) for _number in range(3))
+        self._earlier_sessions: tuple[Session, ...] = ()
         self._kinds = {kind: QCheckBox(self) for kind in KINDS}
         self._kinds[".xlsx"].setChecked(True)
         self._write, self._open = QPushButton(self), QPushButton(self)
         self._write.setProperty("main", "true")
-        self._labels = [QLabel(self) for _ in range(4)]
+        self._labels = [QLabel(self) for _ in range(5)]
         self._pages_bar = PagesBar(self)
         self._picture, self._facts = ImageView(self), QTextBrowser(self)
         self._facts.setMaximumHeight(FACTS_HEIGHT_PX)
@@ -79,13 +81,17 @@ class ReportsScreen(Screen):
         self.retranslate()
 
     def _lay_out(self) -> None:
-        sessions, language, pictures, files = self._labels
+        sessions, language, pictures, earlier, files = self._labels
         panel = SidePanel(self)
         panel.column.addWidget(sessions)
         panel.column.addWidget(self._sessions, 1)
         form = QFormLayout()
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapAllRows)
-        for label, widget in ((language, self._language), (pictures, self._pictures)):
+        for label, widget in (
+            (language, self._language),
+            (pictures, self._pictures),
+            (earlier, self._earlier),
+        ):
             label.setBuddy(widget)
             form.addRow(label, widget)
         sessions.setBuddy(self._sessions)
@@ -118,18 +124,23 @@ class ReportsScreen(Screen):
         )
         self._write.clicked.connect(self._ask_folder)
         self._open.clicked.connect(self._open_folder)
+        self._earlier.activated.connect(
+            lambda _i: presenter.choose_earlier(self._earlier.currentData())
+        )
         self._pages_bar.currentChanged.connect(self._show_page)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._title.setText(_("Report"))
-        texts = (_("&Sessions to report"), _("&Language"), _("&Pictures"), _("Files"))
+        names = (_("&Sessions to report"), _("&Language"), _("&Pictures"))
+        texts = (*names, _("Co&mpared with"), _("Files"))
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
         for kind, box in self._kinds.items():
             box.setText(_(KINDS[kind]))
         for index, choice in enumerate(PictureChoice):
             self._pictures.setItemText(index, _(PICTURES[choice]))
+        self._word_earlier()
         self._write.setText(_("&Write the report..."))
         self._open.setText(_("&Open the folder"))
         self._picture.setAccessibleName(_("Preview of the picture"))
@@ -161,6 +172,11 @@ class ReportsScreen(Screen):
             self._sessions.addItem(item)
         self._sessions.blockSignals(False)
 
+    def show_earlier(self, sessions: tuple[Session, ...], chosen: str) -> None:
+        self._earlier_sessions = sessions
+        self._word_earlier()
+        self._earlier.setCurrentIndex(self._earlier.findData(chosen))
+
     def show_wish(self, wish: ReportWish) -> None:
         self._language.setCurrentIndex(self._language.findData(wish.language))
         self._pictures.setCurrentIndex(list(PictureChoice).index(wish.pictures))
@@ -180,6 +196,15 @@ class ReportsScreen(Screen):
     def show_written(self, folder: Path | None) -> None:
         self._folder = folder
         self._open.setVisible(folder is not None)
+
+    def _word_earlier(self) -> None:
+        chosen = self._earlier.currentData() or ""
+        self._earlier.clear()
+        self._earlier.addItem(_("Nothing"), "")
+        for session in self._earlier_sessions:
+            self._earlier.addItem(moment_text(session.started_utc), session.session_id)
+        self._earlier.setCurrentIndex(max(self._earlier.findData(chosen), 0))
+        self._earlier.setEnabled(bool(self._earlier_sessions))
 
     def _show_page(self, index: int) -> None:
         if not 0 <= index < len(self._pages):
