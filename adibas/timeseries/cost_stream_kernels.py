@@ -5,7 +5,7 @@ The steps are those of `sloped_kernels`.
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.kernels import compiled
-from adibas.timeseries.sloped_kernels import advance
+from adibas.timeseries.sloped_kernels import N_COSTS, advance
 
 
 @compiled
@@ -20,5 +20,7 @@ def feed_costs(
     """Take `local` (n, M) costs of n frames, as `feed_sloped` takes frames; `memory` goes on."""
     for t in range(len(local)):
         now = first + t
-        memory[now % 2] = local[t]
-        advance(now, offsets, memory, costs_out[t], starts_out[t])
+        row = now % N_COSTS
+        for i in range(local.shape[1]):
+            memory[row, i] = local[t, i]
+        advance(now, t, offsets, memory, costs_out, starts_out)

@@ -89,7 +89,8 @@ def warping_path(
     path = [(i - 1, j - 1)]
     while (i, j) != (1, 1):
         steps = [(i - 1, j - 1), (i - 1, j), (i, j - 1)]
-        i, j = min(steps, key=lambda at: sums[at])
+        # Where nothing can be compared all sums are infinite: the path still stays inside.
+        i, j = min((at for at in steps if min(at) > 0), key=lambda at: sums[at])
         path.append((i - 1, j - 1))
     return float(sums[m, n]) / (m + n), np.array(path[::-1], np.int64)
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape
 from adibas.timeseries.cost_stream_kernels import feed_costs
+from adibas.timeseries.sloped_kernels import N_ROWS
 from adibas.timeseries.stacking import LEAST_SEEN
 
 FARTHEST = 700.0
@@ -49,15 +50,16 @@ class MixtureStream:
     Raises
     ------
     ValueError
-        A model has less than 2 frames, or they differ in numbers a frame or in components.
+        A model has less than 2 frames, or they differ in numbers a frame.
     """
 
     def __init__(self, models: Sequence[MixtureModel]) -> None:
         if not models or min(len(model.shares) for model in models) < 2:  # noqa: PLR2004
             raise ValueError("there must be models, each of two frames at least")
-        shares = np.concatenate([model.shares for model in models])
-        means = np.concatenate([model.means for model in models])
-        variances = np.concatenate([model.variances for model in models])
+        n_most = max(model.shares.shape[1] for model in models)
+        shares = _joined([model.shares for model in models], n_most, 0.0)
+        means = _joined([model.means for model in models], n_most, 0.0)
+        variances = _joined([model.variances for model in models], n_most, 1.0)
         self.lengths = np.array([len(model.shares) for model in models])
         self._offsets = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
         self._dimension = means.shape[2]
@@ -71,7 +73,7 @@ class MixtureStream:
 
     def reset(self) -> None:
         """Forget the stream so far."""
-        self._memory = np.full((9, int(self._offsets[-1])), np.inf)
+        self._memory = np.full((N_ROWS, int(self._offsets[-1])), np.inf)
         self._n_seen = 0
 
     def feed(self, frames: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -103,3 +105,17 @@ class MixtureStream:
         found = np.sqrt(np.maximum(-2.0 * (best + np.log(near)), 0.0) / self._dimension)
         found[n_seen < LEAST_SEEN * self._dimension] = np.inf
         return np.asarray(found)
+
+
+def _joined(arrays: Sequence[FloatArray], n_components: int, filling: float) -> FloatArray:
+    """Return arrays (m_k, g_k, ...) one behind the other, all with as many components."""
+    return np.concatenate(
+        [
+            np.pad(
+                array,
+                [(0, 0), (0, n_components - array.shape[1]), *[(0, 0)] * (array.ndim - 2)],
+                constant_values=filling,
+            )
+            for array in arrays
+        ]
+    )

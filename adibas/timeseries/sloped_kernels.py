@@ -8,9 +8,22 @@ Source: Sakoe & Chiba, Dynamic programming algorithm optimization for spoken wor
 1978 (slope constraint P = 1, asymmetric weights).
 """
 
+from typing import TypeAlias
+
+import numpy as np
+
 from adibas.arrays import FloatArray, IntArray
 from adibas.kernels import compiled
 from adibas.timeseries.frame_cost_kernels import local_costs
+
+N_COSTS, N_ROWS = 8, 15
+"""Of the memory: costs of the latest frames, sums of three, starts of three, and scratch."""
+SUMS, STARTS, SCRATCH = 8, 11, 14
+AT_ONCE = 4
+"""Frames whose costs are computed before they are used: what was just written is slow to read."""
+
+Rows: TypeAlias = tuple[np.uint64, np.uint64, np.uint64, np.uint64, np.uint64]
+"""Of costs now and before, and of sums now, one frame ago and two frames ago."""
 
 
 @compiled
@@ -25,116 +38,99 @@ def feed_sloped(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interf
     costs_out: FloatArray,
     starts_out: FloatArray,
 ) -> None:
-    """Take `stream` (n, d), whose first frame has number `first`; `memory` (9, M) goes on.
+    """Take `stream` (n, d), whose first frame has number `first`; `memory` (N_ROWS, M) goes on.
 
     `columns` (d, M) holds all models one behind the other, `offsets` (k + 1,) where they begin.
     The sum of the best path that ends with each frame, and where it began, go to `costs_out` and
     `starts_out` (n, k).
     """
-    seen = memory[8]
-    for t in range(len(stream)):
-        now = first + t
-        local_costs(stream[t], columns, squared_weights, least_share, seen, memory[now % 2])
-        advance(now, offsets, memory, costs_out[t], starts_out[t])
+    for block in range(0, len(stream), AT_ONCE):
+        end = min(block + AT_ONCE, len(stream))
+        for t in range(block, end):
+            local_costs(
+                stream[t], columns, squared_weights, least_share, memory[SCRATCH],
+                memory[(first + t) % N_COSTS],
+            )  # fmt: skip
+        for t in range(block, end):
+            advance(first + t, t, offsets, memory, costs_out, starts_out)
 
 
 @compiled
 def advance(
     now: int,
+    row: int,
     offsets: IntArray,
     memory: FloatArray,
     costs_out: FloatArray,
     starts_out: FloatArray,
 ) -> None:
-    """Take the frame of number `now`, whose costs stand in ``memory[now % 2]``."""
-    cost, cost_before = memory[now % 2], memory[(now + 1) % 2]
-    sums, sums_1, sums_2 = (
-        memory[2 + now % 3],
-        memory[2 + (now + 2) % 3],
-        memory[2 + (now + 1) % 3],
+    """Take the frame of number `now`, whose costs stand in ``memory[now % N_COSTS]``.
+
+    Rows are told by number: views of them would be counted in and out at every frame, which costs
+    more than the steps.
+    """
+    cost, before = np.uint64(now % N_COSTS), np.uint64((now + N_COSTS - 1) % N_COSTS)
+    this, one, two = (
+        np.uint64(SUMS + now % 3),
+        np.uint64(SUMS + (now + 2) % 3),
+        np.uint64(SUMS + (now + 1) % 3),
     )
-    began = memory[5 + now % 3]
-    began_1, began_2 = memory[5 + (now + 2) % 3], memory[5 + (now + 1) % 3]
-    _steps_of_starts(
-        cost[2:], cost[1:-1], cost_before[2:], sums_1[1:-1], sums_2[1:-1], sums_1[:-2],
-        began_1[1:-1], began_2[1:-1], began_1[:-2], began[2:],
-    )  # fmt: skip
-    _steps_of_sums(
-        cost[2:], cost[1:-1], cost_before[2:], sums_1[1:-1], sums_2[1:-1], sums_1[:-2],
-        sums[2:],
-    )  # fmt: skip
+    rows = (cost, before, this, one, two)
+    _steps_of_starts(memory, rows)
+    _steps_of_sums(memory, rows)
+    began = np.uint64(this + np.uint64(STARTS - SUMS))
     for k in range(len(offsets) - 1):
         at, end = offsets[k], offsets[k + 1] - 1
-        slow = 0.5 * (cost_before[at] + cost[at])
-        sums[at], began[at] = cost[at], now
-        if slow < cost[at]:
-            sums[at], began[at] = slow, now - 1
-        _second(at + 1, now, cost, cost_before, sums_1[at], sums_2[at],
-                began_1[at], began_2[at], sums, began)  # fmt: skip
-        costs_out[k] = sums[end]
-        starts_out[k] = began[end]
+        slow = 0.5 * (memory[before, at] + memory[cost, at])
+        memory[this, at], memory[began, at] = memory[cost, at], now
+        if slow < memory[cost, at]:
+            memory[this, at], memory[began, at] = slow, now - 1
+        _second(memory, rows, at + 1, now)
+        costs_out[row, k] = memory[this, end]
+        starts_out[row, k] = memory[began, end]
 
 
 @compiled
-def _second(  # noqa: PLR0913, PLR0917
-    i: int,
-    now: float,
-    cost: FloatArray,
-    cost_before: FloatArray,
-    sum_1: float,
-    sum_2: float,
-    began_1: float,
-    began_2: float,
-    sums: FloatArray,
-    began: FloatArray,
-) -> None:
+def _second(memory: FloatArray, rows: Rows, i: int, now: int) -> None:
     """Reach the second frame of a model: its (2, 1) step comes from before the model."""
-    sums[i], began[i] = sum_1 + cost[i], began_1
-    slow = sum_2 + 0.5 * (cost_before[i] + cost[i])
-    if slow < sums[i]:
-        sums[i], began[i] = slow, began_2
-    fast = cost[i - 1] + cost[i]
-    if fast < sums[i]:
-        sums[i], began[i] = fast, now
+    cost, before, this, one, two = rows
+    apart = np.uint64(STARTS - SUMS)
+    total, start = memory[one, i - 1] + memory[cost, i], memory[one + apart, i - 1]
+    slow = memory[two, i - 1] + 0.5 * (memory[before, i] + memory[cost, i])
+    if slow < total:
+        total, start = slow, memory[two + apart, i - 1]
+    fast = memory[cost, i - 1] + memory[cost, i]
+    if fast < total:
+        total, start = fast, now
+    memory[this, i], memory[this + apart, i] = total, start
 
 
 @compiled
-def _steps_of_sums(  # noqa: PLR0913, PLR0917
-    cost: FloatArray,
-    cost_of_last: FloatArray,
-    cost_before: FloatArray,
-    even: FloatArray,
-    slow: FloatArray,
-    fast: FloatArray,
-    out: FloatArray,
-) -> None:
-    # Slices in place of i - 1 and i - 2: only so are neighbours computed side by side.
-    for i in range(len(out)):
-        a = even[i] + cost[i]
-        b = slow[i] + 0.5 * (cost_before[i] + cost[i])
-        c = fast[i] + cost_of_last[i] + cost[i]
+def _steps_of_sums(memory: FloatArray, rows: Rows) -> None:
+    # Unsigned places and rows of one array: only so are neighbours computed side by side.
+    cost, before, out, one, two = rows
+    for i in range(np.uint64(2), np.uint64(memory.shape[1])):
+        last, last_but_one = i - np.uint64(1), i - np.uint64(2)
+        a = memory[one, last] + memory[cost, i]
+        b = memory[two, last] + 0.5 * (memory[before, i] + memory[cost, i])
+        c = memory[one, last_but_one] + memory[cost, last] + memory[cost, i]
         a = min(a, b)
-        out[i] = min(a, c)
+        memory[out, i] = min(a, c)
 
 
 @compiled
-def _steps_of_starts(  # noqa: PLR0913, PLR0917
-    cost: FloatArray,
-    cost_of_last: FloatArray,
-    cost_before: FloatArray,
-    even: FloatArray,
-    slow: FloatArray,
-    fast: FloatArray,
-    even_start: FloatArray,
-    slow_start: FloatArray,
-    fast_start: FloatArray,
-    out: FloatArray,
-) -> None:
-    for i in range(len(out)):
-        a = even[i] + cost[i]
-        b = slow[i] + 0.5 * (cost_before[i] + cost[i])
-        c = fast[i] + cost_of_last[i] + cost[i]
-        start, of_slow, of_fast = even_start[i], slow_start[i], fast_start[i]
+def _steps_of_starts(memory: FloatArray, rows: Rows) -> None:
+    cost, before, this, one, two = rows
+    apart = np.uint64(STARTS - SUMS)
+    out = this + apart
+    for i in range(np.uint64(2), np.uint64(memory.shape[1])):
+        last, last_but_one = i - np.uint64(1), i - np.uint64(2)
+        a = memory[one, last] + memory[cost, i]
+        b = memory[two, last] + 0.5 * (memory[before, i] + memory[cost, i])
+        c = memory[one, last_but_one] + memory[cost, last] + memory[cost, i]
+        # All of them are read first: a choice of what to read would be a jump.
+        start, of_slow = memory[one + apart, last], memory[two + apart, last]
+        of_fast = memory[one + apart, last_but_one]
         start = of_slow if b < a else start
         a = min(a, b)
-        out[i] = of_fast if c < a else start
+        memory[out, i] = of_fast if c < a else start

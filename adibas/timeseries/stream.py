@@ -10,7 +10,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape
 from adibas.timeseries.free_kernels import PAD, feed_free
-from adibas.timeseries.sloped_kernels import feed_sloped
+from adibas.timeseries.sloped_kernels import N_ROWS, feed_sloped
 from adibas.timeseries.stacking import LEAST_SEEN, NOTHING_MISSING, stacked, weights_of
 
 Steps: TypeAlias = Literal["sloped", "free"]
@@ -57,7 +57,7 @@ class StreamAligner:
     def reset(self) -> None:
         """Forget the stream so far: no path crosses this moment. The next frame has number 0."""
         width = self._columns.shape[1] + (0 if self._is_sloped else 2 * PAD)
-        self._memory = np.full((9, width), np.inf)
+        self._memory = np.full((N_ROWS, width), np.inf)
         self._n_seen = 0
 
     def feed(self, frames: FloatArray) -> tuple[FloatArray, IntArray]:

@@ -194,3 +194,11 @@ def test_wrong_input_is_refused():
         StreamAligner([np.zeros((3, 3)), np.zeros((3, 4))])
     with pytest.raises(ValueError, match="without gaps"):
         pairwise_costs([np.full((3, 1), np.nan), np.zeros((2, 1))], is_squared=True)
+
+
+def test_a_path_stays_inside_where_nothing_can_be_compared():
+    cost, path = warping_path(np.full((4, 2), np.nan), np.zeros((6, 2)))
+    assert cost == np.inf
+    assert path.min() == 0
+    assert path[-1].tolist() == [3, 5]
+    assert (np.diff(path, axis=0) >= 0).all()

@@ -107,3 +107,20 @@ def test_models_that_cannot_be_are_refused():
         MixtureStream([model_of(walk(1, 1))])
     with pytest.raises(ValueError, match="two frames"):
         MixtureStream([])
+
+
+def test_models_may_have_different_numbers_of_components():
+    one = model_of(walk(1, 5))
+    two = MixtureModel(
+        np.full((6, 2), 0.5), np.repeat(walk(2, 6)[:, None], 2, axis=1), np.ones((6, 2, 6))
+    )
+    stream = walk(3, 40)
+    together = MixtureStream([one, two]).feed(stream)[0]
+    np.testing.assert_allclose(together[:, 0], MixtureStream([one]).feed(stream)[0][:, 0])
+    np.testing.assert_allclose(together[:, 1], MixtureStream([two]).feed(stream)[0][:, 0])
+
+
+def test_an_example_that_was_hardly_seen_is_aligned():
+    hidden = walk(4, 9)
+    hidden[:, :5] = np.nan
+    assert np.isfinite(aligned_examples([walk(5, 8), hidden, walk(6, 8)])[0]).all()
