@@ -11,7 +11,6 @@ from adibas.calibration.quality import map_residuals
 from adibas.data.calibration_report import CalibrationReport, DepthReport
 from adibas.data.camera_fit import CameraFit
 from adibas.reports.calibration_depth_rows import bias_rows, depth_parameter_rows, shot_rows
-from adibas.reports.calibration_facts import depth_facts
 from adibas.reports.calibration_rows import (
     DISTANCES_M,
     LENGTH_M,
@@ -102,14 +101,11 @@ def uncertainty_blocks(fit: CameraFit) -> Iterator[Block]:
 
 
 def depth_blocks(depth: DepthReport) -> Iterator[Block]:
-    """Yield pose and error of the depth camera, its shots, and what was checked."""
+    """Yield pose and error of the depth camera, and its shots; the checks are in the summary."""
     yield _depth_parameters(depth)
     if depth.shots:
         yield _bias(depth)
         yield _shots(depth)
-    checks = depth_facts(depth)
-    if checks:
-        yield Block(_("Checks"), [Column(_("Check"), 30), Column(_("Result"), 16)], checks)
 
 
 def _depth_parameters(depth: DepthReport) -> Block:

@@ -84,10 +84,10 @@ def _story(report: CalibrationReport) -> Iterator[Flowable]:
         yield PageBreak()
         yield from depth_tables(report, report.depth)
         if report.depth.shots:
-            yield _row(
-                bias_figure(report.depth, HALF, MAP_HEIGHT),
-                shots_figure(report.depth, HALF, MAP_HEIGHT),
-            )
+            drawn = [bias_figure(report.depth, HALF, MAP_HEIGHT)]
+            if any(not shot.is_wall for shot in report.depth.shots):
+                drawn.append(shots_figure(report.depth, HALF, MAP_HEIGHT))
+            yield _row(*drawn)
 
 
 def _verdict(report: CalibrationReport) -> Flowable:

@@ -32,6 +32,8 @@ GAP = 8.0
 HALF = (WIDTH - GAP) / 2
 DASH = "\N{EN DASH}"
 MOST_DECIMALS = 8
+UNSURE_DIGITS = 100.0
+"""A value without an interval has four digits: two more than the interval would have."""
 MOST_IMAGES = 60
 """That the table lists; all are in the Excel report."""
 
@@ -143,7 +145,7 @@ def depth_tables(report: CalibrationReport, depth: DepthReport) -> Iterator[Flow
     yield title(_("Depth"), level=2)
     cells = []
     for row in depth_parameter_rows(depth):
-        interval, n = DASH, 3
+        interval, n = DASH, n_decimals(abs(row.value) / UNSURE_DIGITS)
         if row.low is not None and row.high is not None:
             n = n_decimals(0.5 * (row.high - row.low))
             interval = f"{decimal_text(row.low, n)} {DASH} {decimal_text(row.high, n)}"

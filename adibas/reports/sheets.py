@@ -45,6 +45,8 @@ PAIR_WIDTHS = (44, 84)
 MOST_PORTRAIT_COLUMNS = 8
 MOST_ROWS = 1_048_575
 """Below the header of one sheet; Excel has one row more."""
+TEXT_FORMAT = "General"
+
 HEADER_HEIGHT = 32
 """Points: two lines."""
 LINE_HEIGHT = 15
@@ -62,7 +64,7 @@ class Column:
 
     title: str
     width: float
-    number_format: str = "General"
+    number_format: str = TEXT_FORMAT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,7 +111,7 @@ def add_table(
         sheet.freeze_panes = "A2"
         sheet.auto_filter.ref = f"A1:{get_column_letter(len(columns))}{len(some) + 1}"
         sheet.print_title_rows = "1:1"
-        sheet.append([_header_cell(sheet, column.title) for column in columns])
+        sheet.append([_header_cell(sheet, column) for column in columns])
         # A cell is written at once: one for each column serves all rows.
         cells = [WriteOnlyCell(sheet) for _column in columns]
         for cell, column in zip(cells, columns, strict=True):
@@ -171,7 +173,7 @@ def add_blocks(
         sheet.append([_styled(sheet, block.heading, PART_FONT)])
         if not block.is_map:
             sheet.row_dimensions[n_rows + 2].height = HEADER_HEIGHT
-        sheet.append([_header_cell(sheet, column.title) for column in block.columns])
+        sheet.append([_header_cell(sheet, column) for column in block.columns])
         for row in block.rows:
             sheet.append(_block_row(sheet, block, row))
         if block.is_map and block.rows:
@@ -255,10 +257,12 @@ def _styled(sheet: Sheet, value: Value, font: Font | None = None) -> Cell:
     return cell
 
 
-def _header_cell(sheet: Sheet, title: str) -> Cell:
-    cell = _styled(sheet, title, HEADER_FONT)
+def _header_cell(sheet: Sheet, column: Column) -> Cell:
+    """Return the title of a column, on the side on which its values stand."""
+    cell = _styled(sheet, column.title, HEADER_FONT)
     cell.fill = HEADER_FILL
-    cell.alignment = Alignment(wrap_text=True, vertical="center")
+    side = "left" if column.number_format == TEXT_FORMAT else "right"
+    cell.alignment = Alignment(wrap_text=True, horizontal=side, vertical="center")
     return cell
 
 
