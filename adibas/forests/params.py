@@ -36,6 +36,9 @@ class ForestParams:
         What is read where there is no body, metres. Ours: beyond any indoor sensor.
     smoothing_px : float
         Standard deviation of the Gaussian before gradients, pixels. Ours.
+    shrinkage : float
+        How many pixels the node above counts for in a leaf. 0 is the thesis'; with few images 50
+        are right more often (see ``docs/limbs.md``). Ours.
     """
 
     n_trees: int = 3
@@ -50,6 +53,7 @@ class ForestParams:
     min_pixels: int = 5
     far_m: float = 10.0
     smoothing_px: float = 2.0
+    shrinkage: float = 0.0
 
     def __post_init__(self) -> None:
         counts = (self.n_trees, self.n_pixels, self.n_thresholds, self.min_pixels)
@@ -59,5 +63,7 @@ class ForestParams:
             raise ValueError("trees, images, pixels, candidates and thresholds must be positive")
         if min(self.n_candidates, self.n_gradient_candidates, self.max_depth) < 0:
             raise ValueError("candidates and depth must not be negative")
-        if not min(self.max_offset_m, self.far_m, self.smoothing_px) > 0 or self.min_gain < 0:
-            raise ValueError("lengths must be positive, and the least gain not negative")
+        if not min(self.max_offset_m, self.far_m, self.smoothing_px) > 0:
+            raise ValueError("lengths must be positive")
+        if min(self.min_gain, self.shrinkage) < 0:
+            raise ValueError("the least gain and the shrinkage must not be negative")

@@ -121,7 +121,7 @@ def join_trees(
         child = tree.child + n_nodes
         child[is_leaf] = -1 - n_leaves - np.arange(np.count_nonzero(is_leaf))
         children.append(child.astype(np.int32))
-        leaves.append(leaf_probabilities(tree.counts[is_leaf], tree.counts[0]))
+        leaves.append(node_probabilities(tree, params.shrinkage)[is_leaf])
         roots.append(n_nodes)
         n_nodes += len(child)
         n_leaves += len(leaves[-1])
@@ -145,6 +145,28 @@ def leaf_probabilities(counts: IntArray, totals: IntArray) -> Float32Array:
     """Return the (F, L) share of each label at leaves, each label weighed by 1 / its total."""
     weighed = counts / np.maximum(totals, 1)
     shares: Float32Array = (weighed / weighed.sum(axis=1, keepdims=True)).astype(np.float32)
+    return shares
+
+
+def node_probabilities(tree: Tree, shrinkage: float) -> Float32Array:
+    """Return the (M, L) shares of each label at all nodes, each drawn to that of the node above.
+
+    A leaf of few pixels says little: the node above counts as `shrinkage` more pixels.
+
+    Source: Cestnik, Estimating probabilities: a crucial task in machine learning, ECAI 1990 (the
+    m-estimate; the prior is here the parent's).
+    """
+    shares = leaf_probabilities(tree.counts, tree.counts[0])
+    totals = np.maximum(tree.counts[0], 1)
+    weighed = tree.counts * (totals.sum() / len(totals) / totals)
+    parents = np.flatnonzero(tree.child[:1] != LEAF)
+    while shrinkage > 0 and len(parents):
+        for side in (0, 1):
+            below = tree.child[parents] + side
+            pulled = weighed[below] + shrinkage * shares[parents]
+            shares[below] = pulled / pulled.sum(axis=1, keepdims=True)
+        children = np.concatenate([tree.child[parents], tree.child[parents] + 1])
+        parents = children[tree.child[children] != LEAF]
     return shares
 
 

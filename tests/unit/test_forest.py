@@ -14,7 +14,14 @@ from adibas.forests.files import load_forest, save_forest
 from adibas.forests.forest import Forest
 from adibas.forests.images import join_images, prepare_image
 from adibas.forests.params import DEPTH, GRADIENT, ForestParams
-from adibas.forests.training import Memory, join_trees, train_forest, train_tree
+from adibas.forests.training import (
+    Memory,
+    Tree,
+    join_trees,
+    node_probabilities,
+    train_forest,
+    train_tree,
+)
 from adibas.forests.training_kernels import best_splits
 
 FOCAL_PX = 100.0
@@ -375,3 +382,16 @@ def test_nodes_that_lead_back_are_refused():
             FAR_M,
             1.0,
         )
+
+
+def test_leaves_are_drawn_to_the_node_above_by_as_many_pixels_as_asked():
+    """A root with two leaves, worked out by hand; both labels are as frequent."""
+    counts = np.array([[50, 50], [40, 10], [10, 40]], np.int64)
+    tree = Tree(np.array([1, -1, -1], np.int32), np.zeros((3, 6), np.float32), counts)
+    plain = node_probabilities(tree, 0.0)
+    np.testing.assert_allclose(plain, [[0.5, 0.5], [0.8, 0.2], [0.2, 0.8]])
+    drawn = node_probabilities(tree, 50.0)
+    np.testing.assert_allclose(drawn[1], [(40 + 25) / 100, (10 + 25) / 100], rtol=1e-6)
+    np.testing.assert_allclose(drawn.sum(axis=1), 1.0, rtol=1e-6)
+    with pytest.raises(ValueError, match="shrinkage"):
+        ForestParams(shrinkage=-1.0)
