@@ -17,8 +17,8 @@ import math
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
-from adibas.calibration.corner_normal_kernels import factorise, solve_factorised
 from adibas.data.board import MARK_RADIUS
+from adibas.geometry.cholesky_kernels import factorise, solve_factorised
 from adibas.kernels import compiled
 
 N_UNKNOWNS = 9

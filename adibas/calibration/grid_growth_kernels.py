@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from adibas.arrays import FloatArray, Int32Array
-from adibas.calibration.corner_normal_kernels import factorise, solve_factorised
 from adibas.calibration.corner_saddle_kernels import FIRST_RAD, SECOND_RAD, U, V
+from adibas.geometry.cholesky_kernels import factorise, solve_factorised
 from adibas.kernels import compiled
 
 REACH = 2

@@ -1,32 +1,10 @@
 """Small least squares without a library's threads: they cost more than the arithmetic."""
 
-import math
-
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.geometry.cholesky_kernels import factorise
 from adibas.kernels import compiled
-
-SINGULAR = 1e-12
-"""A pivot below this share of its diagonal is rounding: the terms are not independent."""
-
-
-@compiled
-def factorise(matrix: FloatArray) -> bool:
-    """Replace the lower triangle by its Cholesky factor; False where there is none."""
-    for j in range(matrix.shape[0]):
-        pivot = matrix[j, j]
-        for k in range(j):
-            pivot -= matrix[j, k] * matrix[j, k]
-        if not pivot > SINGULAR * matrix[j, j]:
-            return False
-        matrix[j, j] = math.sqrt(pivot)
-        for i in range(j + 1, matrix.shape[0]):
-            total = matrix[i, j]
-            for k in range(j):
-                total -= matrix[i, k] * matrix[j, k]
-            matrix[i, j] = total / matrix[j, j]
-    return True
 
 
 @compiled

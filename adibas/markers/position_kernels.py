@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
+from adibas.geometry.cholesky_kernels import factorise
 from adibas.geometry.distortion_kernels import distort_point
 from adibas.kernels import compiled
-from adibas.markers.least_squares_kernels import factorise, solve_forward, solve_normal
+from adibas.markers.least_squares_kernels import solve_forward, solve_normal
 
 N_TERMS = 6
 N_SECTORS = 24

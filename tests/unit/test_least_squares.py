@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from adibas.geometry import cholesky_kernels
 from adibas.markers import least_squares_kernels as kernels
 
 
@@ -29,16 +30,19 @@ def test_the_factor_is_cholesky_s_and_solves(is_compiled):
     square = rng.normal(size=(8, 8))
     matrix = square @ square.T
     factor, columns = matrix.copy(), rng.normal(size=(8, 2))
-    assert run_as(is_compiled)(kernels.factorise)(factor)
+    assert run_as(is_compiled)(cholesky_kernels.factorise)(factor)
     lower = np.tril(factor)
     np.testing.assert_allclose(lower @ lower.T, matrix, rtol=1e-9)
     solved = columns.copy()
     run_as(is_compiled)(kernels.solve_forward)(factor, solved)
     np.testing.assert_allclose(lower @ solved, columns, rtol=1e-9)
+    whole = columns[:, 0].copy()
+    run_as(is_compiled)(cholesky_kernels.solve_factorised)(factor, whole)
+    np.testing.assert_allclose(matrix @ whole, columns[:, 0], rtol=1e-7)
 
 
 @pytest.mark.parametrize("is_compiled", [True, False])
 def test_what_cannot_be_solved_is_told(is_compiled):
     rows = np.ones((10, 7))
     assert not run_as(is_compiled)(kernels.solve_normal)(rows, np.empty((6, 7)))
-    assert not run_as(is_compiled)(kernels.factorise)(-np.eye(3))
+    assert not run_as(is_compiled)(cholesky_kernels.factorise)(-np.eye(3))
