@@ -29,6 +29,7 @@ from adibas.pipeline.learning import read_target
 from adibas.sessions import open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.texts import LANGUAGES
+from installers.screenshot_sessions import add_sessions_to_compare
 from ui.application import Application
 from ui.navigation import TITLES
 from ui.preferences import PreferencesFile
@@ -40,6 +41,8 @@ PASSPHRASE = "four words are enough"  # noqa: S105  (of a store that is thrown a
 CHEAP = Argon2Params(iterations=1, lanes=1, memory_kib=8)
 SIZES = ((1280, 800), (1920, 1080))
 THEMES = ("light", "dark")
+PAGED = ("comparison", "settings")
+"""Screens whose pages are all drawn."""
 LARGEST_LETTERS = 2.0
 N_FRAMES = 10
 PATIENCE_S = 120.0
@@ -106,7 +109,9 @@ def _make_store(folder: Path) -> str:
     demo = run_demo(folder / "demo", _say_nothing)
     with open_store(folder / "store", PASSPHRASE, operator="M. Puig", key_params=CHEAP) as store:
         target = read_target(str(demo.colors))
-        return take_demo_session(store, target, N_FRAMES, _say_nothing).session_id
+        session_id = take_demo_session(store, target, N_FRAMES, _say_nothing).session_id
+    add_sessions_to_compare(folder / "store", session_id, PASSPHRASE, CHEAP)
+    return session_id
 
 
 class _Studio:
@@ -151,7 +156,7 @@ class _Studio:
         for name in TITLES:
             self._show(name)
             tabs = self._window.screen_named(name).findChild(QTabWidget)
-            if tabs is None or name != "settings":
+            if tabs is None or name not in PAGED:
                 yield self._save(folder / f"{name}{suffix}.png")
                 continue
             for index in range(tabs.count()):

@@ -1,0 +1,128 @@
+"""Sessions to compare for the screenshots: the demo patient as she stood some weeks ago and today.
+
+The simulator knows which landmark every marker is; earlier sessions have the demo's pictures, and
+markers that were placed anew and a little elsewhere.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+
+from adibas.arrays import FloatArray, UInt8Array
+from adibas.data.markers import Marker
+from adibas.data.patients import Identity
+from adibas.data.sessions import Capture, SessionSetup
+from adibas.sessions import NewCapture, SessionStore, open_store
+from adibas.sessions.key_wrapping import Argon2Params
+from adibas.simulation.scenes import open_scene
+
+PROTOCOL = "sapo-1"
+IN_PROTOCOL = {"shoulder": "acromion", "elbow": "lateral_epicondyle"}
+"""What the simulator calls otherwise."""
+FARTHEST_PX = 60.0
+"""Between a marker and the landmark that it is of: the patient sways."""
+PLACED_ANEW_M = 0.002
+DAYS_AGO = (84, 56, 28, 0)
+LOWER_M = (0.018, 0.012, 0.008, 0.0)
+"""The left side in each session."""
+N_OTHERS = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sample:
+    """A capture of the demo, its markers by name, and its picture."""
+
+    capture: Capture
+    markers: tuple[Marker, ...]
+    picture_rgb: UInt8Array
+
+
+def add_sessions_to_compare(
+    folder: Path, session_id: str, passphrase: str, params: Argon2Params
+) -> None:
+    """Add sessions of the demo patient, and repeats of others, to the store in a folder."""
+    rng = np.random.default_rng(5)
+    with _opened(folder, passphrase, params, 0) as store:
+        patient = store.sessions.get(session_id).patient
+        samples = [
+            _Sample(one, tuple(_named(one)), store.captures.picture(one.capture_id))
+            for one in store.captures.of_session(session_id)
+        ]
+    for days_ago, lower_m in zip(DAYS_AGO, LOWER_M, strict=True):
+        with _opened(folder, passphrase, params, days_ago) as store:
+            _add(store, patient, samples, lower_m, rng)
+    with _opened(folder, passphrase, params, max(DAYS_AGO) + 1) as store:
+        for number in range(N_OTHERS):
+            identity = Identity(f"Demo {number + 1:02d}", None, f"D-{number + 1:02d}")
+            other = store.patients.add(identity).pseudonym
+            for _visit in range(2):
+                _add(store, other, samples[:1], 0.002 * number, rng)
+
+
+def _opened(folder: Path, passphrase: str, params: Argon2Params, days_ago: int) -> SessionStore:
+    began = datetime.now(UTC) - timedelta(days=days_ago)
+
+    def clock() -> datetime:
+        return began
+
+    return open_store(folder, passphrase, operator="M. Puig", key_params=params, clock=clock)
+
+
+def _add(
+    store: SessionStore,
+    patient: str,
+    samples: Sequence[_Sample],
+    lower_m: float,
+    rng: np.random.Generator,
+) -> None:
+    session = store.sessions.start(patient, SessionSetup(protocol=PROTOCOL))
+    for sample in samples:
+        capture = sample.capture
+        new = NewCapture(
+            view=capture.view,
+            recording_id="",
+            first_frame=0,
+            n_frames=capture.n_frames,
+            calibration=capture.calibration,
+            detected=tuple(_placed(one, lower_m, rng, capture) for one in sample.markers),
+            rejected=(),
+            provenance=capture.provenance,
+        )
+        store.captures.add(session.session_id, new, sample.picture_rgb)
+
+
+def _named(capture: Capture) -> Iterator[Marker]:
+    """Yield the markers under the names of the landmarks that they are of."""
+    truth = open_scene(capture.view).frame(0).truth
+    places = {one.name: (one.u, one.v) for one in truth.markers if one.is_in_view}
+    for marker in capture.markers():
+        here = (marker.u, marker.v)
+        name = min(places, key=lambda one, here=here: math.dist(places[one], here))
+        if math.dist(places.pop(name), here) < FARTHEST_PX:
+            yield replace(marker, label=_in_protocol(name))
+
+
+def _in_protocol(name: str) -> str:
+    side, _underscore, place = name.partition("_")
+    return f"{side}_{IN_PROTOCOL[place]}" if place in IN_PROTOCOL else name
+
+
+def _placed(marker: Marker, lower_m: float, rng: np.random.Generator, capture: Capture) -> Marker:
+    """Return the marker as if it had been stuck on anew."""
+    camera = capture.calibration.color
+    if marker.position_m is None or camera is None:
+        return marker
+    step_m: FloatArray = rng.normal(0.0, PLACED_ANEW_M, 3)
+    if marker.label.startswith("left_"):
+        step_m = step_m + np.array([0.0, lower_m, 0.0])
+    px_per_m = camera.intrinsics.fx / marker.position_m[2]
+    return replace(
+        marker,
+        u=float(marker.u + px_per_m * step_m[0]),
+        v=float(marker.v + px_per_m * step_m[1]),
+        position_m=marker.position_m + step_m,
+    )
