@@ -101,7 +101,7 @@ def register_pixels(
     seen = project_pixels(
         np.ascontiguousarray(depth_m, np.float32),
         *_geometry(calibration),
-        _distortion(color_camera),
+        twelve_coefficients(color_camera),
     )
     spacing = np.array(
         [
@@ -151,7 +151,7 @@ def _geometry(calibration: RgbdCalibration) -> tuple[Float32Array, Float32Array,
     return table, shift_m, np.array([lens.fx, lens.fy, lens.cx, lens.cy], np.float32)
 
 
-def _distortion(camera: CameraCalibration) -> Coefficients:
+def twelve_coefficients(camera: CameraCalibration) -> Coefficients:
     """Return twelve coefficients, with zeros for those that are left out."""
     padded = np.zeros(N_COEFFICIENTS)
     padded[: len(camera.distortion)] = camera.distortion

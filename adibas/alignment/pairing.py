@@ -1,0 +1,170 @@
+"""Where one moment lies in another, or why that cannot be said.
+
+Source: thesis, figure 5.3 (RGBD-ICP). The result is checked by what both moments say of the space
+between camera and surface: a place that one saw through cannot hold a surface of the other.
+"""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from adibas.alignment.features import (
+    FeatureParams,
+    Features,
+    Pairs,
+    find_features,
+    follow_corners,
+    pair_features,
+)
+from adibas.alignment.joint_fit import JointFit, JointParams, fit_joint
+from adibas.alignment.sights import Sight
+from adibas.alignment.start_search import StartParams, search_start
+from adibas.arrays import FloatArray
+from adibas.geometry.rigid import RigidTransform
+from adibas.texts import message
+
+FEATURE_SD_PX = 0.7
+"""Of SIFT's places, about their scale's half (assumed)."""
+
+
+class Unaligned(Enum):
+    """Why two moments were not aligned; `TEXTS` has the sentences."""
+
+    TOO_FEW_FEATURES = "too few features"
+    TOO_LITTLE_OVERLAP = "too little overlap"
+    CONTRADICTION = "contradiction"
+    UNDETERMINED = "undetermined"
+
+
+TEXTS = {
+    Unaligned.TOO_FEW_FEATURES: message(
+        "Too little that can be recognised is seen in both frames."
+    ),
+    Unaligned.TOO_LITTLE_OVERLAP: message("The frames show too little of the same surface."),
+    Unaligned.CONTRADICTION: message("What one frame shows cannot be where the other saw through."),
+    Unaligned.UNDETERMINED: message(
+        "The surfaces leave the motion open, such as along a bare wall."
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class PairingParams:
+    """When two moments are said to be aligned.
+
+    Attributes
+    ----------
+    least_overlap : float
+        Share of each moment's pixels that lies on a surface of the other: 0.2.
+    most_before : float
+        Largest share that lies where the other saw through: 0.1.
+    most_turn_sd_rad, most_shift_sd_m : float
+        Of the motion in its least known direction: 0.002 and 0.004.
+    least_pairs : int
+        Features that must agree where there was no guess: 8.
+    least_followed : int
+        Patches that must be found there and back to be worth more than those: 40.
+    """
+
+    least_overlap: float = 0.2
+    most_before: float = 0.1
+    most_turn_sd_rad: float = 0.002
+    most_shift_sd_m: float = 0.004
+    least_pairs: int = 8
+    least_followed: int = 40
+    features: FeatureParams = field(default_factory=FeatureParams)
+    start: StartParams = field(default_factory=StartParams)
+    joint: JointParams = field(default_factory=JointParams)
+
+
+class Moment:
+    """A sight whose features are found when first wanted, and kept."""
+
+    def __init__(self, sight: Sight, params: FeatureParams | None = None) -> None:
+        self.sight = sight
+        self._params = params
+        self._features: Features | None = None
+
+    @property
+    def features(self) -> Features:
+        """Return its features."""
+        if self._features is None:
+            self._features = find_features(self.sight, self._params)
+        return self._features
+
+
+def align(
+    target: Moment, source: Moment, guess: RigidTransform, params: PairingParams | None = None
+) -> JointFit | Unaligned:
+    """Align from a guess that is right to a few centimetres and degrees.
+
+    Parameters
+    ----------
+    guess : RigidTransform
+        Target from source.
+    """
+    params = params or PairingParams()
+    rough = fit_joint(target.sight, source.sight, guess, params=params.joint)
+    start = guess if rough is None else rough.target_from_source
+    pairs = follow_corners(target.sight, source.sight, start, params.features)
+    if len(pairs.pixels) < params.least_pairs:
+        start = guess
+        pairs = follow_corners(target.sight, source.sight, guess, params.features)
+    return _judged(target, source, start, pairs, params)
+
+
+def align_anywhere(
+    target: Moment, source: Moment, params: PairingParams | None = None
+) -> JointFit | Unaligned:
+    """Align without a guess: by features first, then by all."""
+    params = params or PairingParams()
+    paired = pair_features(target.features, source.features, params.features)
+    start = search_start(target.sight, target.features, source.features, paired, params.start)
+    if start is None:
+        return Unaligned.TOO_FEW_FEATURES
+    found = Pairs(
+        source.features.points_m[paired[1][start.agree]],
+        target.features.pixels[paired[0][start.agree]],
+        FEATURE_SD_PX,
+    )
+    fit = _judged(target, source, start.target_from_source, found, params)
+    if isinstance(fit, Unaligned):
+        return fit
+    if fit.n_pairs_kept < params.least_pairs:
+        return Unaligned.TOO_FEW_FEATURES
+    nearer = align(target, source, fit.target_from_source, params)
+    is_finer = isinstance(nearer, JointFit) and nearer.n_pairs_kept >= params.least_followed
+    return nearer if is_finer else fit
+
+
+def _judged(
+    target: Moment,
+    source: Moment,
+    start: RigidTransform,
+    pairs: Pairs,
+    params: PairingParams,
+) -> JointFit | Unaligned:
+    """Fit, and check from both sides."""
+    fit = fit_joint(target.sight, source.sight, start, pairs, params.joint)
+    if fit is None:
+        return Unaligned.TOO_LITTLE_OVERLAP
+    back = fit_joint(source.sight, target.sight, fit.target_from_source.inverse(), None, LOOK_ONCE)
+    if back is None or min(fit.overlap, back.overlap) < params.least_overlap:
+        return Unaligned.TOO_LITTLE_OVERLAP
+    if max(fit.before, back.before) > params.most_before:
+        return Unaligned.CONTRADICTION
+    if not _is_determined(fit.information, params):
+        return Unaligned.UNDETERMINED
+    return fit
+
+
+LOOK_ONCE = JointParams(rounds=(1, 0, 0))
+"""One step at the finest level, for its counts."""
+
+
+def _is_determined(information: FloatArray, params: PairingParams) -> bool:
+    """Say whether no direction of the motion is less known than allowed."""
+    units = np.repeat([params.most_turn_sd_rad, params.most_shift_sd_m], 3)
+    least = np.linalg.eigvalsh(information * np.outer(units, units))[0]
+    return bool(least > 1.0)
