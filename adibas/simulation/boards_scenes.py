@@ -26,7 +26,7 @@ from adibas.simulation.boards_person import figure, holding_hands
 from adibas.simulation.boards_walk import Walk, WalkHabits
 from adibas.simulation.color_noise import ColorNoise, ColorSensor
 from adibas.simulation.depth_noise import DepthNoise, DepthSensor
-from adibas.simulation.frame_times import FIRST_FRAME_NS, frame_time_ns
+from adibas.simulation.frame_times import FIRST_FRAME_NS, check_index, frame_time_ns
 from adibas.simulation.light import Illumination, draw_illumination, lamp_position_m
 from adibas.simulation.looks import linear_from_srgb
 from adibas.simulation.patient import MarkerSettings
@@ -115,8 +115,7 @@ class BoardScene:
         IndexError
             The scene has no such frame.
         """
-        if index < 0 or (self.n_frames is not None and index >= self.n_frames):
-            raise IndexError(f"frame {index} of {self.n_frames}")
+        check_index(index, self.n_frames)
         time_ns = frame_time_ns(self.settings.seed, index)
         time_s = (time_ns - FIRST_FRAME_NS) * 1e-9
         view = self._view(time_s)

@@ -21,7 +21,7 @@ from adibas.simulation.boards_device import (
 )
 from adibas.simulation.color_noise import ColorNoise, ColorSensor
 from adibas.simulation.depth_noise import DepthNoise, DepthSensor
-from adibas.simulation.frame_times import frame_time_ns
+from adibas.simulation.frame_times import check_index, frame_time_ns
 from adibas.simulation.light import Illumination, draw_illumination
 from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.room import Room, draw_room
@@ -109,8 +109,7 @@ class WallScene:
         IndexError
             The scene has no such frame.
         """
-        if index < 0 or (self.n_frames is not None and index >= self.n_frames):
-            raise IndexError(f"frame {index} of {self.n_frames}")
+        check_index(index, self.n_frames)
         settings = self.settings
         n_moves = index // settings.frames_each
         station = self._station(n_moves % len(settings.distances_m))

@@ -12,3 +12,9 @@ def frame_time_ns(seed: int, index: int) -> int:
     rng = np.random.default_rng([seed, 0x71, index])
     jitter = int(rng.normal(0.0, CLOCK_JITTER_NS))
     return FIRST_FRAME_NS + round(index * 1e9 / FRAME_RATE_HZ) + jitter
+
+
+def check_index(index: int, n_frames: int | None) -> None:
+    """Raise IndexError where a scene of so many frames (None: without end) has no such one."""
+    if index < 0 or (n_frames is not None and index >= n_frames):
+        raise IndexError(f"frame {index} of {n_frames}")

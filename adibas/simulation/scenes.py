@@ -24,7 +24,7 @@ from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.color_noise import ColorNoise, ColorSensor
 from adibas.simulation.depth_noise import DepthNoise, DepthSensor
 from adibas.simulation.device import Device, draw_device
-from adibas.simulation.frame_times import FRAME_RATE_HZ, frame_time_ns
+from adibas.simulation.frame_times import FRAME_RATE_HZ, check_index, frame_time_ns
 from adibas.simulation.gestures import Gesture, gesture_names, perform
 from adibas.simulation.light import Illumination, draw_illumination
 from adibas.simulation.looks import Look, draw_look
@@ -217,8 +217,7 @@ class SimulatedScene:
         IndexError
             The scene has no such frame.
         """
-        if index < 0 or (self.n_frames is not None and index >= self.n_frames):
-            raise IndexError(f"frame {index} of {self.n_frames}")
+        check_index(index, self.n_frames)
         timestamp_ns = self._timestamp_ns(index)
         posed = self._posed(timestamp_ns)
         view = self._depth_studio.view(self._patient, posed, self.settings.markers)
