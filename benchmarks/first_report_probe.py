@@ -196,7 +196,7 @@ def _wait_for_rest(hand: "Hand") -> None:
 
 
 def _wait_for_report(hand: "Hand") -> None:
-    hand.wait("the report", lambda: "written" in hand.window.told)
+    hand.wait("the report", lambda: "written" in hand.window.told.lower())
 
 
 def _look(hand: "Hand") -> None:
