@@ -128,7 +128,7 @@ def _linear(
 ) -> Float32Array:
     """Return the (H, W, C) light that falls on the pixels, through the lens."""
     size = (camera.height, camera.width)
-    n = fineness(look.camera, camera.width)
+    n = fineness(look.camera, camera.width, in_color=n_channels > 1)
     canvas = paint_background(look.background, size, n_channels)
     if n > 1:
         canvas = np.repeat(np.repeat(canvas, n, axis=0), n, axis=1)

@@ -18,7 +18,8 @@ FINE_BLUR = 1.4
 """Standard deviation of a blur in the samples that it is drawn with. What the samples fold back
 into the picture (aliasing) is then under a hundredth of an edge; with 0.7 it moves corners by
 0.02 px where edges run along the pixels."""
-MOST_FINE = 6
+MOST_FINE, MOST_FINE_IN_COLOR = 6, 2
+"""Behind a colour filter the pixels between err more than what is folded back."""
 
 _BANK_SIZE = 1 << 21
 _BANK_SEED = 0xB0A2D
@@ -54,12 +55,13 @@ def take_gray(linear: Float32Array, camera: ColorNoise, rng: np.random.Generator
     return picture
 
 
-def fineness(camera: ColorNoise, width: int) -> int:
+def fineness(camera: ColorNoise, width: int, *, in_color: bool = False) -> int:
     """Return into how many parts each way a pixel is drawn, so that its lens blurs before it."""
+    most = MOST_FINE_IN_COLOR if in_color and camera.is_mosaic else MOST_FINE
     blur_px = _blur_px(camera, width)
     if blur_px <= 0.0:
         return 1
-    return min(max(math.ceil(FINE_BLUR / blur_px - 1e-9), 1), MOST_FINE)
+    return min(max(math.ceil(FINE_BLUR / blur_px - 1e-9), 1), most)
 
 
 def finer(camera: CameraCalibration, n: int) -> CameraCalibration:
