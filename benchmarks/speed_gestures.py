@@ -1,21 +1,30 @@
 """Time warping beside its peers, in turn in one run, and what a stream costs."""
 
 import importlib
+import json
+import subprocess
+import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.data.skeleton_track import track_of
+from adibas.recordings.joints_csv import SUFFIX, write_joints_csv
 from adibas.timeseries.dtw import pairwise_costs
 from adibas.timeseries.stream import StreamAligner
+from benchmarks.gesture_actors import streams
 from benchmarks.speed_registration import medians_ms
 from benchmarks.table import Row
 
 MODEL_FRAMES, N_NUMBERS, STREAM_FRAMES = 60, 42, 10_000
 N_SEQUENCES = 200
 N_LIVE = 100
+HOUR_HZ = 30
 SEED = 1
 
 
@@ -27,6 +36,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _live(rng)
     yield from _pairs(rng, 40 if quick else N_SEQUENCES, n_rounds)
     yield from _lengths((1, 10) if quick else (1, 10, 60, 600))
+    if not quick:
+        yield from _hour()
 
 
 def _peer(name: str) -> ModuleType | None:
@@ -120,3 +131,26 @@ def _lengths(minutes: Iterable[int]) -> Iterator[Row]:
             aligner.feed(chunk)
         spent_s = time.thread_time() - start
         yield Row(f"stream of {length} min at 15 frames/s, 120 examples", spent_s, "s")
+
+
+def _hour() -> Iterator[Row]:
+    """Yield what a whole analysis of 108,000 frames takes, from the file to the timeline."""
+    tracks, _events = streams(1, 6, SEED)
+    joints_m = next(iter(tracks.values())).joints_m
+    n_frames = HOUR_HZ * 3600
+    to_and_fro = np.concatenate([joints_m, joints_m[-2:0:-1]])
+    places = np.arange(n_frames) // 2 % len(to_and_fro)
+    track = track_of(np.arange(n_frames) / HOUR_HZ, to_and_fro[places])
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / f"hour{SUFFIX}"
+        write_joints_csv(path, [track])
+        done = subprocess.run(  # noqa: S603  (our own module)
+            [sys.executable, "-m", "benchmarks.behaviour_probe", str(path)],
+            capture_output=True,
+            check=True,
+            text=True,
+        )
+    found = json.loads(done.stdout)
+    told = f"an hour of joints ({n_frames} frames), five gestures, activity"
+    yield Row(f"{told}: processor time", found["seconds"], "s", 60.0, "goal <=")
+    yield Row(f"{told}: memory at most", found["mb"], "MB", 500.0, "goal <=")
