@@ -23,10 +23,13 @@ from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import BehaviourError
+from adibas.gestures.descriptor import NECK
 from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
 from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events
+from adibas.pipeline.movement import JOINT_FILE
+from adibas.pipeline.pose import PoseRequest, pose_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram
@@ -49,6 +52,14 @@ FEW_FRAMES = message(
 OTHER_SESSION = message(
     "{file} holds {n} sessions; the first one, {name}, is shown beside the joints."
 )
+NO_NECK = message(
+    "The neck of person {person} never appears, from which gestures are measured: none is looked "
+    "for."
+)
+ESTIMATED = message(
+    "The joints are estimated without markers: how far they wander while somebody is still looks "
+    "like movement. Tell a still time with --still."
+)
 SLOWEST_HZ = 20.0
 
 
@@ -59,7 +70,7 @@ class BehaviourRequest:
     Attributes
     ----------
     source : Path
-        A table of joints.
+        A table of joints (``.csv``), or a recording in which they are found without markers.
     model : Path or None
         Of gestures, to be found.
     ethogram : Path or None
@@ -137,35 +148,34 @@ class BehaviourAnalysis:
 def analyse_behaviour(
     request: BehaviourRequest, progress: Progress, clock: Clock = utc_now
 ) -> BehaviourAnalysis:
-    """Measure the behaviour in a table of joints.
+    """Measure the behaviour in a table of joints, or in a recording.
 
     Raises
     ------
-    RecordingError, GestureError, BehaviourError
+    RecordingError, CalibrationError, LimbError, GestureError, BehaviourError
         A file cannot be used.
     """
-    read = read_joints_csv(request.source)
-    notices = list(read.notices)
+    tracks, notices = _tracks(request, progress, clock)
     name = recording_name(request.source)
     ethogram = None if request.ethogram is None else read_ethogram(request.ethogram)
     observed, more = _observed(request, ethogram)
     notices += more
     model = None if request.model is None else read_model(request.model)
-    session_ms = _session_ms(read.tracks, observed)
+    session_ms = _session_ms(tracks, observed)
     sections = _sections(request, observed, session_ms)
     occurrences: list[Occurrence] = []
     people: list[PersonActivity] = []
-    total = len(read.tracks)
-    for number, track in enumerate(read.tracks):
+    total = len(tracks)
+    for number, track in enumerate(tracks):
         progress(number, total)
         if model is not None:
-            notices += unseen_joints(request.source.name, [track])
+            notices += _unseen(request.source.name, track)
         found = _occurrences(name, track, model, session_ms, request)
         occurrences += found
         notices += _notices(track, found, session_ms)
         people.append(_person(track, sections, session_ms, request))
     progress(total, total)
-    scheme = program_ethogram(model, [track.person for track in read.tracks], ethogram)
+    scheme = program_ethogram(model, [track.person for track in tracks], ethogram)
     detected = Coding(name, scheme, *session_ms, tuple(occurrences), PROGRAM, sections)
     return BehaviourAnalysis(
         *(name, request.patient, tuple(people), detected, observed),
@@ -173,6 +183,23 @@ def analyse_behaviour(
         _provenance(request, clock),
         _once(notices),
     )
+
+
+def _tracks(
+    request: BehaviourRequest, progress: Progress, clock: Clock
+) -> tuple[tuple[SkeletonTrack, ...], list[Sentence]]:
+    """Return the joints of everybody: of a table, or found in a recording without markers."""
+    if request.source.suffix.lower() == JOINT_FILE:
+        read = read_joints_csv(request.source)
+        return read.tracks, list(read.notices)
+    posed = pose_recording(PoseRequest(request.source), progress, clock)
+    return posed.tracks, [Sentence(ESTIMATED), *posed.notices]
+
+
+def _unseen(file: str, track: SkeletonTrack) -> list[Sentence]:
+    if track.seen[:, NECK].any():
+        return unseen_joints(file, [track])
+    return [Sentence(NO_NECK, {"person": track.person})]
 
 
 def program_ethogram(
@@ -267,7 +294,7 @@ def _occurrences(
 ) -> list[Occurrence]:
     subject = subject_of(track.person)
     found: list[Occurrence] = []
-    if model is not None:
+    if model is not None and track.seen[:, NECK].any():
         found += gesture_occurrences(detected_events(name, track, model), subject)
     session_s = (session_ms[0] / MS_PER_S, session_ms[1] / MS_PER_S)
     for begin, end in hidden_spans_s(track, session_s, request.posture):

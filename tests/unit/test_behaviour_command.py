@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from openpyxl import load_workbook
 
 from adibas.cli.command_line import main
 from adibas.data.events import TimedEvent
+from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
 from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour, gesture_occurrences
 from adibas.pipeline.behaviour_agreement import icc_of
@@ -78,6 +80,28 @@ def test_a_table_of_joints_becomes_a_timeline(joints, tmp_path, capsys):
     mine = [row[column] or 0.0 for row in bins if row[2] == "Person 1"]
     assert sum(mine) == pytest.approx(whole[7])
     book.close()
+
+
+def test_who_has_no_neck_does_no_gesture(tmp_path):
+    times_s, joints_m = still(100, 15.0)
+    joints_m[:, JOINT_NAMES.index("neck")] = np.nan
+    write_joints_csv(tmp_path / "a.csv", [track_of(times_s, joints_m)])
+    request = BehaviourRequest(tmp_path / "a.csv", resource_path("models", "gestures.json"))
+    found = analyse_behaviour(request, lambda _done, _total: None)
+    assert any("neck of person 1 never appears" in notice.text for notice in found.notices)
+
+
+def test_joints_of_a_recording_are_found_without_markers(tmp_path, monkeypatch):
+    """The chain of its own is tested elsewhere; here its people arrive in the timeline."""
+    track = track_of(*still(100, 15.0))
+    monkeypatch.setattr(
+        "adibas.pipeline.behaviour.pose_recording",
+        lambda *_told: SimpleNamespace(tracks=(track,), notices=()),
+    )
+    (tmp_path / "a.mcap").write_bytes(b"recording")
+    found = analyse_behaviour(BehaviourRequest(tmp_path / "a.mcap"), lambda _done, _total: None)
+    assert found.recording == "a"
+    assert "estimated without markers" in found.notices[0].text
 
 
 def test_an_observer_stands_beside_the_joints(joints, tmp_path, capsys):
