@@ -1,8 +1,9 @@
 """Alignment with models of which every frame is a mixture of Gaussians.
 
-Each component's density is taken relative to its peak, so that a frame in the middle of it costs
-nothing; the cost is the root of -2 log of the mixture, over the numbers that were seen. (The
-paper's exp(-P) orders frames alike, but is 1 for nearly all of them in 84 numbers.)
+Densities are taken relative to the highest peak of all models, so that the middle of the narrowest
+component costs nothing, and wide ones have no advantage; the cost is the root of -2 log of the
+mixture over the number of numbers. (The paper's exp(-P) orders frames alike, but is 1 for nearly
+all of them in 84 numbers.)
 
 Source: Bautista et al., A gesture recognition system for detecting behavioral patterns of ADHD,
 IEEE Transactions on Cybernetics 46 (2016), section III.
@@ -63,8 +64,10 @@ class MixtureStream:
         self.lengths = np.array([len(model.shares) for model in models])
         self._offsets = np.concatenate([[0], np.cumsum(self.lengths)]).astype(np.int64)
         self._dimension = means.shape[2]
+        spread = np.log(variances).sum(axis=2)
+        narrowest = spread[shares > 0].min()
         with np.errstate(divide="ignore"):
-            self._log_shares = np.log(shares)
+            self._log_shares = np.log(shares) - 0.5 * (spread - narrowest)
         flat = (shares.size, self._dimension)
         self._inverse = np.ascontiguousarray((1.0 / variances).reshape(flat).T)
         self._linear = np.ascontiguousarray((means / variances).reshape(flat).T)
