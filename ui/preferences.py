@@ -43,6 +43,8 @@ class Preferences:
         Of a capture.
     wand_length_mm : float
         Of the wand that was measured last.
+    protocol : str
+        Of sessions that begin; empty = none.
     recent_recordings : tuple of str
         Paths, newest first.
     store : str
@@ -64,6 +66,7 @@ class Preferences:
     countdown_s: int = 3
     burst_frames: int = 30
     wand_length_mm: float = 500.0
+    protocol: str = ""
     recent_recordings: tuple[str, ...] = ()
     store: str = ""
     report_folder: str = ""

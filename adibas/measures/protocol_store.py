@@ -1,10 +1,11 @@
 """Where protocols are found: those that come with the program, the user's own, and any file."""
 
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
 
-from adibas.data.protocols import Protocol
+from adibas.data.protocols import Protocol, Wording
 from adibas.errors import ProtocolError
 from adibas.measures.protocol_file import load_protocol
 from adibas.resources import resource_path
@@ -26,6 +27,15 @@ def protocol_files() -> dict[str, Path]:
         if folder.is_dir()
         for path in sorted(folder.glob(f"*{ENDING}"))
     }
+
+
+def protocol_titles() -> tuple[tuple[str, Wording], ...]:
+    """Return name and title of every protocol that can be read, by name."""
+    titles = []
+    for name, path in sorted(protocol_files().items()):
+        with suppress(ProtocolError):
+            titles.append((name, load_protocol(path).title))
+    return tuple(titles)
 
 
 def find_protocol(name: str) -> Protocol:

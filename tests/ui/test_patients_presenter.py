@@ -267,6 +267,41 @@ def test_a_session_starts_at_once_and_goes_on_to_the_capture(screen, ana):
     assert screen.told == [("warning", "The session has begun without a consent on record.")]
 
 
+def test_a_session_follows_the_protocol_that_is_chosen_for_new_ones(screen, ana, bernat):
+    screen.patients.choose(ana.pseudonym)
+    (protocols, chosen) = screen.history.show_protocols.call_args.args
+    assert {"sapo-1", "upper-quadrant"} <= {name for name, _title in protocols}
+    assert chosen == ""
+    screen.sessions.choose_protocol("sapo-1")
+    screen.sessions.start()
+    assert screen.workspace.session.setup == SessionSetup(protocol="sapo-1")
+    screen.patients.choose(bernat.pseudonym)
+    assert screen.history.show_protocols.call_count == 1, "they were read before"
+
+
+def test_a_protocol_that_is_gone_is_not_followed(screen, ana):
+    screen.workspace.preferences.change(protocol="gone")
+    screen.patients.choose(ana.pseudonym)
+    assert screen.history.show_protocols.call_args.args[1] == ""
+    screen.sessions.start()
+    assert screen.workspace.session.setup.protocol == ""
+
+
+def test_sessions_are_compared_until_the_one_that_is_chosen(screen, store, ana):
+    first = store.sessions.start(ana.pseudonym, SessionSetup())
+    second = store.sessions.start(ana.pseudonym, SessionSetup())
+    screen.patients.choose(ana.pseudonym)
+    screen.sessions.compare(second.session_id)
+    assert screen.workspace.session == second
+    screen.sessions.compare("")
+    assert screen.workspace.session == second
+    store.sessions.delete(first.session_id)
+    screen.sessions.show_deleted(is_wanted=True)
+    screen.sessions.compare(first.session_id)
+    assert screen.workspace.session == second
+    assert screen.wanted == ["comparison"] * 3
+
+
 def test_with_a_consent_no_warning_is_told(screen, store, ana):
     store.patients.give_consent(ana.pseudonym, Consent(("treatment",), "Eva Ruiz", True, NOW))
     screen.patients.choose(ana.pseudonym)

@@ -379,3 +379,18 @@ def test_every_control_can_be_named_aloud(screen, store, ana):
     assert screen.list.search.accessibleName()
     assert screen.list.table.accessibleName()
     assert screen.pages.history.list.accessibleName()
+
+
+def test_two_sessions_with_pictures_can_be_compared(screen, store, workspace, ana, wanted):
+    compare, protocol = screen.pages.history._compare, screen.pages.history._protocol
+    add_session(store, ana, "anterior")
+    workspace.choose_patient(ana)
+    assert compare.isHidden()
+    add_session(store, ana, "anterior")
+    workspace.choose_patient(ana)
+    QTest.mouseClick(compare, LEFT)
+    assert wanted == ["comparison"]
+    protocol.setCurrentIndex(protocol.findData("sapo-1"))
+    protocol.activated.emit(protocol.currentIndex())
+    assert workspace.preferences.now.protocol == "sapo-1"
+    assert protocol.currentText() == "SAPO-1"

@@ -1,13 +1,18 @@
 """What begins a session, and below it the sessions that there are."""
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
 from ui.patients.content import History, PurgeQuestion, Thumbnail
 from ui.patients.history_list import HistoryList
 from ui.patients.purge_dialog import PurgeDialog
 from ui.widgets.flow import in_a_flow
+
+if TYPE_CHECKING:  # the titles are read after the first patient is chosen
+    from adibas.data.protocols import Wording
 
 TWO = 2
 
@@ -17,6 +22,8 @@ class HistoryPanel(QWidget):
 
     start_asked = Signal()
     continue_asked = Signal()
+    protocol_chosen = Signal(str)
+    """Its name, of sessions that begin from now on; empty for none."""
     start_like_last_asked = Signal()
     compare_asked = Signal(str)
     """The id of the chosen session; empty for none."""
@@ -38,6 +45,10 @@ class HistoryPanel(QWidget):
             QPushButton(self) for _n in range(4)
         )
         self._compare = QPushButton(self)
+        self._protocol, self._protocol_label = QComboBox(self), QLabel(self)
+        self._protocol_label.setBuddy(self._protocol)
+        self._protocols: tuple[tuple[str, Wording], ...] = ()
+        self._chosen_protocol = ""
         self._title, self._empty = QLabel(self), QLabel(self)
         self.list = HistoryList(self)
         self.start.setProperty("main", "true")
@@ -51,6 +62,8 @@ class HistoryPanel(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(8)
+        column.addWidget(self._protocol_label)
+        column.addWidget(self._protocol)
         for button in (self.start, self._continue, self._like_last):
             button.setAutoDefault(True)  # Enter presses it
             column.addWidget(button)
@@ -66,6 +79,7 @@ class HistoryPanel(QWidget):
 
     def _connect(self) -> None:
         self.start.clicked.connect(self.start_asked)
+        self._protocol.activated.connect(self._on_protocol)
         self._continue.clicked.connect(self.continue_asked)
         self._like_last.clicked.connect(self.start_like_last_asked)
         self._compare.clicked.connect(
@@ -84,6 +98,11 @@ class HistoryPanel(QWidget):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
+        self._protocol_label.setText(_("Pro&tocol of a new session"))
+        self._protocol.setToolTip(
+            _("Which landmarks are marked, and what is measured between them")
+        )
+        self._word_protocols()
         self.start.setText(_("&Start a session"))
         self.start.setToolTip(_("Start a session with the usual set-up (Ctrl+Enter)"))
         self._continue.setText(_("&Continue the last session"))
@@ -112,6 +131,10 @@ class HistoryPanel(QWidget):
         self.list.setVisible(bool(history.sessions))
         self._show_actions()
 
+    def show_protocols(self, protocols: "tuple[tuple[str, Wording], ...]", chosen: str) -> None:
+        self._protocols, self._chosen_protocol = protocols, chosen
+        self._word_protocols()
+
     def show_current(self, session_id: str | None) -> None:
         self.list.shown_model.show_current(session_id)
 
@@ -131,6 +154,17 @@ class HistoryPanel(QWidget):
         """Press the button that hides the chosen session, where it is seen."""
         if self._delete.isVisible():
             self._delete.click()
+
+    def _word_protocols(self) -> None:
+        self._protocol.clear()
+        self._protocol.addItem(_("None: free measures"), "")
+        for name, title in self._protocols:
+            self._protocol.addItem(title.text, name)
+        self._protocol.setCurrentIndex(max(self._protocol.findData(self._chosen_protocol), 0))
+
+    def _on_protocol(self, index: int) -> None:
+        self._chosen_protocol = self._protocol.itemData(index)
+        self.protocol_chosen.emit(self._chosen_protocol)
 
     def _send(self, send: object) -> None:
         chosen = self.list.chosen_session()

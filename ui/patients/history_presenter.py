@@ -16,6 +16,7 @@ from ui.ports import JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:  # patients are listed before anything is known of their sessions
+    from adibas.data.protocols import Wording
     from adibas.data.sessions import Session, SessionSetup
     from adibas.sessions import SessionStore
 
@@ -28,6 +29,9 @@ class HistoryView(Protocol):
 
     def show_history(self, history: History) -> None:
         """Show these sessions, and what can be done."""
+
+    def show_protocols(self, protocols: "tuple[tuple[str, Wording], ...]", chosen: str) -> None:
+        """Offer protocols for new sessions; an empty name is none."""
 
     def show_current(self, session_id: str | None) -> None:
         """Mark the session that the other screens look at."""
@@ -49,6 +53,7 @@ class HistoryPresenter:
         self._has_deleted = False
         self._sessions: tuple[Session, ...] = ()
         self._is_seen = False
+        self._has_read_protocols = False
         self._ends = (
             workspace.patient_changed.subscribe(self._follow),
             workspace.session_changed.subscribe(self._follow),
@@ -75,6 +80,8 @@ class HistoryPresenter:
             self._sessions = ()
         patient, is_read_only = self._workspace.patient, self._workspace.store.is_read_only
         can_change = patient is not None and not patient.is_deleted and not is_read_only
+        if can_change and not self._has_read_protocols:
+            self._read_protocols()
         self._view.show_history(
             History(
                 self._sessions,
@@ -96,7 +103,11 @@ class HistoryPresenter:
         """Begin a session with the usual set-up."""
         from adibas.data.sessions import SessionSetup
 
-        self._start(SessionSetup())
+        self._start(SessionSetup(protocol=self._workspace.preferences.now.protocol))
+
+    def choose_protocol(self, name: str) -> None:
+        """Follow this protocol in sessions that begin from now on."""
+        self._workspace.preferences.change(protocol=name)
 
     def start_like_last(self) -> None:
         """Begin a session that is set up as the last one was."""
@@ -185,6 +196,23 @@ class HistoryPresenter:
             return found
 
         self._workspace.jobs.start(_("Reading pictures"), work, self._view.show_thumbnails)
+
+    def _read_protocols(self) -> None:
+        """Offer the protocols that there are; one that is gone is not followed any more."""
+        self._has_read_protocols = True
+        preferences = self._workspace.preferences
+
+        def work(_control: JobControl) -> "tuple[tuple[str, Wording], ...]":
+            from adibas.measures.protocol_store import protocol_titles
+
+            return protocol_titles()
+
+        def done(found: "tuple[tuple[str, Wording], ...]") -> None:
+            if preferences.now.protocol not in ("", *dict(found)):
+                preferences.change(protocol="")
+            self._view.show_protocols(found, preferences.now.protocol)
+
+        self._workspace.jobs.start(_("Reading the protocols"), work, done)
 
     def _start(self, setup: "SessionSetup") -> None:
         patient = self._workspace.patient

@@ -85,6 +85,7 @@ class PatientsScreen(Screen):
         panel.continue_asked.connect(presenter.continue_last)
         panel.start_like_last_asked.connect(presenter.start_like_last)
         panel.opened.connect(presenter.open)
+        panel.protocol_chosen.connect(presenter.choose_protocol)
         panel.compare_asked.connect(presenter.compare)
         panel.delete_asked.connect(presenter.delete)
         panel.restore_asked.connect(presenter.restore)
