@@ -28,9 +28,11 @@ check: setup
 translations: setup
 	$(BIN)/python -m installers.translations
 
-## Train the shipped model of the 15 joints again on simulated people (20 minutes).
+## Train the shipped models of the 15 joints and of the limbs again on simulated people (an hour).
 train: setup
 	$(BIN)/adibas skeleton train --simulator --out resources/models/skeleton.json
+	$(BIN)/adibas limbs train --simulator --seed 6215 --out resources/models/limbs-15.npz
+	$(BIN)/adibas limbs train --merge resources/models/limbs-15.npz --out resources/models/limbs-7.npz
 
 setup:
 	@installers/setup.sh

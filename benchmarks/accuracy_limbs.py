@@ -88,7 +88,7 @@ Cuts: TypeAlias = dict[str, tuple[LimbParams, bool]]
 """By name; whether colour counts."""
 CUTS: Cuts = {
     **{name: (limbs, is_rgb) for name, (limbs, is_rgb, _) in TABLE_6_3.items()},
-    "lambda 10": (LimbParams("omega_1", 10.0, step=1), False),
+    "lambda 4": (LimbParams("omega_1", 4.0, step=1), False),
 }
 Confusions: TypeAlias = dict[str, IntArray]
 Shares: TypeAlias = dict[str, float]
@@ -167,7 +167,7 @@ def _table_rows(effort: Effort, kept: _Kept) -> Iterator[Row]:
             yield from _compared(f"table 6.3, {cut}, lambda 50", found[cut], wanted)
             yield _gain(f"table 6.3, {cut}", found["forest"], found[cut])
         if cuts:
-            yield _gain("lambda 10, depth, Omega_1", found["forest"], found["lambda 10"])
+            yield _gain("lambda 4, depth, Omega_1", found["forest"], found["lambda 4"])
 
 
 def _compared(name: str, found: Shares, thesis: tuple[float, ...]) -> Iterator[Row]:

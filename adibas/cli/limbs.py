@@ -22,7 +22,8 @@ SEGMENT = message("find the limbs in every frame of a recording")
 EVALUATE = message("measure on labelled images that had no part in the training")
 SETS = ("full-body-15", "upper-body-7", "hand-6")
 CUTS = ("omega_1", "omega_2", "none")
-N_FRAMES, N_TREES, N_PIXELS, DEPTH = 3000, 3, 300, 20
+N_FRAMES, N_TREES, N_PIXELS, DEPTH = 3000, 2, 300, 20
+THESIS_TREES, THESIS_PIXELS = 3, 1000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,13 +67,13 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
         "--labels", choices=SETS, default="", help=_("those of the images if not given")
     )
     _add_count(parser, "--frames", N_FRAMES, _("how many images are simulated; {n} if not given"))
-    _add_forest(parser, N_PIXELS)
+    _add_forest(parser, N_TREES, N_PIXELS)
     add_out(parser, "model.npz", _("model to write; an older one is replaced"))
     parser.set_defaults(action=_train)
 
 
-def _add_forest(parser: argparse.ArgumentParser, n_pixels: int) -> None:
-    _add_count(parser, "--trees", N_TREES, _("of the forest; {n} if not given"))
+def _add_forest(parser: argparse.ArgumentParser, n_trees: int, n_pixels: int) -> None:
+    _add_count(parser, "--trees", n_trees, _("of the forest; {n} if not given"))
     _add_count(parser, "--depth", DEPTH, _("of each tree; {n} if not given"))
     _add_count(parser, "--pixels", n_pixels, _("drawn from each image; {n} if not given"))
     parser.add_argument(
@@ -96,9 +97,9 @@ def _add_cut(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--smoothness",
         type=positive,
-        default=10.0,
+        default=4.0,
         metavar="N",
-        help=_("lambda of the graph cut; 10 if not given"),
+        help=_("lambda of the graph cut; 4 if not given"),
     )
 
 
@@ -164,7 +165,7 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help=_("folder for a picture of each image: the truth, the forest, and after the cut"),
     )
-    _add_forest(parser, 1000)
+    _add_forest(parser, THESIS_TREES, THESIS_PIXELS)
     _add_cut(parser)
     parser.set_defaults(action=_evaluate)
 
