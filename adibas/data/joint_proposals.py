@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from adibas.arrays import FloatArray, check_shape, read_only
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, other_side
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,3 +27,8 @@ class JointProposals:
         check_shape("weights_m2", self.weights_m2, self.positions_m.shape[:2])
         read_only(self.positions_m)
         read_only(self.weights_m2)
+
+    def with_sides_swapped(self) -> "JointProposals":
+        """Return the proposals of which every left joint is a right one, and the other way."""
+        swapped = [JOINT_NAMES.index(other_side(name)) for name in JOINT_NAMES]
+        return JointProposals(self.positions_m[swapped].copy(), self.weights_m2[swapped].copy())

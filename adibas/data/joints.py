@@ -29,3 +29,11 @@ BODY_PART_NAMES = (
     ),
 )
 """The 15 limb labels of the full body; label k of the tuple is pixel value k + 1, 0 = none."""
+
+
+def other_side(name: str) -> str:
+    """Return the joint or part of the other side; the same one in the middle of the body."""
+    for side, other in (("left_", "right_"), ("right_", "left_")):
+        if name.startswith(side):
+            return other + name.removeprefix(side)
+    return name

@@ -23,32 +23,30 @@ X, Y, Z, WEIGHT = 0, 1, 2, 3
 
 
 @compiled
-def gather_points(
+def gather_cells(
     depth_m: Float32Array,
     mask: BoolArray,
     rays: Float32Array,
     probabilities: Float32Array,
     chosen: Int32Array,
     settings: FloatArray,
-) -> tuple[FloatArray, IntArray]:
+) -> FloatArray:
     """Sum the pixels of small squares of the image, label by label.
 
     `chosen` (H, W) are the labels after the cut, -1 where there is none; `settings` are the width
-    of a square in pixels, the share of the cut's word in a pixel's probability, the least
-    probability that counts, and for how many pixels each one of the mask stands.
+    of a square in pixels, the share of the cut's word in a pixel's probability, and for how many
+    pixels each one of the mask stands.
 
     Returns
     -------
-    points : (M, 4) array
-        x, y, z and weight, label after label.
-    starts : (L + 1,) array
-        Where the points of each label begin.
+    sums : (C, L, 4) array
+        Of each square and label: weighted x, y, z, and the weight.
     """
     cell_px = int(settings[0])
     number, n_cells = _numbered_cells(mask, cell_px)
     sums = np.zeros((n_cells, probabilities.shape[1], 4))
     pixel_area = abs((rays[0, 1, 0] - rays[0, 0, 0]) * (rays[1, 0, 1] - rays[0, 0, 1]))
-    pixel_area *= settings[3]
+    pixel_area *= settings[2]
     pixel = -1
     for row in range(mask.shape[0]):
         for column in range(mask.shape[1]):
@@ -61,7 +59,7 @@ def gather_points(
                 x, y = rays[row, column, 0] * z, rays[row, column, 1] * z
                 place = (x, y, z, pixel_area * z * z)
                 _add_pixel(cell, place, probabilities[pixel], chosen[row, column], settings)
-    return _listed(sums)
+    return sums
 
 
 @compiled
@@ -86,12 +84,12 @@ def _add_pixel(
     chosen: int,
     settings: FloatArray,
 ) -> None:
-    cut_share, least = settings[1], settings[2]
+    cut_share = settings[1]
     for label in range(probabilities.shape[0]):
         share = (1.0 - cut_share) * probabilities[label]
         if chosen == label:
             share += cut_share
-        if share >= least:
+        if share > 0.0:
             weight = share * place[WEIGHT]
             of = cell[label]
             of[X] += weight * place[X]
@@ -101,25 +99,30 @@ def _add_pixel(
 
 
 @compiled
-def _listed(sums: FloatArray) -> tuple[FloatArray, IntArray]:
+def list_points(sums: FloatArray, least: float) -> tuple[FloatArray, IntArray]:
+    """Return the points of each label: squares of which it has at least that share.
+
+    Returns
+    -------
+    points : (M, 4) array
+        x, y, z and weight, label after label.
+    starts : (L + 1,) array
+        Where the points of each label begin.
+    """
     n_cells, n_labels = sums.shape[:2]
     starts = np.zeros(n_labels + 1, np.int64)
-    for label in range(n_labels):
-        starts[label + 1] = starts[label]
-        for cell in range(n_cells):
-            if sums[cell, label, WEIGHT] > 0.0:
-                starts[label + 1] += 1
-    points = np.empty((starts[n_labels], 4))
+    points = np.empty((n_cells * n_labels, 4))
     at = 0
     for label in range(n_labels):
         for cell in range(n_cells):
             weight = sums[cell, label, WEIGHT]
-            if weight > 0.0:
+            if weight > 0.0 and weight >= least * sums[cell, :, WEIGHT].sum():
                 for axis in range(3):
                     points[at, axis] = sums[cell, label, axis] / weight
                 points[at, WEIGHT] = weight
                 at += 1
-    return points, starts
+        starts[label + 1] = at
+    return points[:at].copy(), starts
 
 
 @compiled

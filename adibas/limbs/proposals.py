@@ -17,12 +17,13 @@ import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, IntArray, check_shape
 from adibas.data.joint_proposals import JointProposals
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.data.limbs import LimbParts
+from adibas.data.part_cloud import PartCloud
 from adibas.errors import LimbError
 from adibas.limbs.joint_offsets import JointOffsets
 from adibas.limbs.joint_places import PLACES, JointPlace
-from adibas.limbs.mean_shift_kernels import find_modes, gather_points
+from adibas.limbs.mean_shift_kernels import find_modes, gather_cells, list_points
 
 N_PROPOSALS = 3
 NOTHING = np.empty((0, 4))
@@ -40,7 +41,8 @@ class ProposalParams:
     cut_share : float
         How much the label after the cut counts beside the forest's probabilities: 0.5.
     least_probability : float
-        A pixel counts for a part from this on: 0.14, as Shotton et al. have it (2011, 3.3).
+        A square counts for a part from this mean probability on: 0.14, as Shotton et al. have it
+        for pixels (2011, 3.3).
     least_density_m2 : float
         A mode needs this much surface about it: 0.0006, a quarter of a child's hand.
     least_share : float
@@ -65,16 +67,35 @@ class PartPoints:
         x, y, z (metres, camera axes) and weight (probable square metres), part after part.
     starts : (L + 1,) array
         Where the points of each part begin.
+    cells : (C, L, 4) array
+        Of each square and label: weighted x, y, z, and the weight.
     """
 
     names: tuple[str, ...]
     points: FloatArray
     starts: IntArray
+    cells: FloatArray
 
     def of(self, name: str) -> FloatArray:
         """Return the (m, 4) points of a part."""
         k = self.names.index(name)
         return self.points[self.starts[k] : self.starts[k + 1]]
+
+    def cloud(self) -> PartCloud:
+        """Return the squares with the weight of every part of the body.
+
+        Raises
+        ------
+        ValueError
+            The labels are not those of the whole body.
+        """
+        columns = [self.names.index(name) for name in BODY_PART_NAMES]
+        cells = self.cells[self.cells[..., 3].sum(axis=1) > 0]
+        total = cells[..., 3].sum(axis=1)
+        return PartCloud(
+            cells[..., :3].sum(axis=1) / total[:, None],
+            np.ascontiguousarray(cells[:, columns, 3]),
+        )
 
     def middles_m(self) -> dict[str, FloatArray]:
         """Return the middle of each part that is seen."""
@@ -113,16 +134,16 @@ def part_points(
     n_known = int(np.count_nonzero(is_part & parts.pixels))
     each = np.count_nonzero(is_part) / n_known if n_known else 1.0
     cell_px = max(1.0, round(params.cell_m / pixel_m))
-    settings = np.array([cell_px, params.cut_share, params.least_probability, each])
-    points, starts = gather_points(
+    cells = gather_cells(
         depth_m,
         parts.pixels,
         rays,
         np.ascontiguousarray(parts.probabilities, np.float32),
         np.ascontiguousarray(parts.chosen, np.int32),
-        settings,
+        np.array([cell_px, params.cut_share, each]),
     )
-    return PartPoints(parts.labels.names, points, starts)
+    points, starts = list_points(cells, params.least_probability)
+    return PartPoints(parts.labels.names, points, starts, cells)
 
 
 def propose_joints(

@@ -200,7 +200,7 @@ class PoseEstimator:
                     self._joints.proportions, self._params.view, self._params.follow
                 )
             facing = front_evidence(points, self._params.facing)
-            chosen = self._followers[person].follow(proposals, time_s, facing)
+            chosen = self._followers[person].follow(proposals, time_s, facing, points.cloud())
             people.append(PersonNow(person, pixels, parts, chosen))
         return people
 

@@ -8,7 +8,9 @@ import numpy as np
 from adibas.arrays import FloatArray
 from adibas.data.joint_proposals import JointProposals
 from adibas.data.joints import JOINT_NAMES
+from adibas.data.part_cloud import PartCloud
 from adibas.skeleton.choice_kernels import FAR, choose
+from adibas.skeleton.limb_fit import LimbFitParams, fit_limbs
 from adibas.skeleton.person_size import PersonSize, SizeParams
 from adibas.skeleton.proportions import ORDER, PARENTS, Proportions
 from adibas.skeleton.sides import SideKeeper, SideParams
@@ -41,7 +43,9 @@ class FollowParams:
     sure_cost, cost_scale : float
         A joint's confidence is 1 / (1 + exp((c - sure_cost) / cost_scale)) of the cost c of its
         place: 2.2 and 0.7.
-    size, sides : SizeParams, SideParams
+    fitted_confidence : float
+        Of a joint that had no place of its own and was found by its limb's surface: 0.5.
+    size, sides, limbs : SizeParams, SideParams, LimbFitParams
     """
 
     unseen_cost: float = 2.5
@@ -55,8 +59,10 @@ class FollowParams:
     reach: float = 1.25
     sure_cost: float = 2.2
     cost_scale: float = 0.7
+    fitted_confidence: float = 0.5
     size: SizeParams = field(default_factory=SizeParams)
     sides: SideParams = field(default_factory=SideParams)
+    limbs: LimbFitParams = field(default_factory=LimbFitParams)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,13 +111,24 @@ class PersonFollower:
         self._seen_s = np.full(len(JOINT_NAMES), -math.inf)
 
     def follow(
-        self, proposals: JointProposals, time_s: float, front_evidence: float = 0.0
+        self,
+        proposals: JointProposals,
+        time_s: float,
+        front_evidence: float = 0.0,
+        cloud: PartCloud | None = None,
     ) -> ChosenJoints:
         """Return the joints of the next frame.
 
-        `front_evidence` are the log odds of front against back that the shape tells.
+        Parameters
+        ----------
+        front_evidence : float
+            Log odds of front against back that the shape tells.
+        cloud : PartCloud or None
+            Surface that arms and legs are laid into; None: places stay as proposed.
         """
-        proposals = self.sides.kept(proposals, time_s, front_evidence)
+        if self.sides.is_exchanged(proposals, time_s, front_evidence):
+            proposals = proposals.with_sides_swapped()
+            cloud = None if cloud is None else cloud.with_sides_swapped()
         places_m = np.ascontiguousarray(proposals.positions_m)
         lengths_m, spreads_m = self.size.bones_m(self.size.guess_m(places_m[:, 0]))
         spreads_m = np.sqrt(spreads_m**2 + 2.0 * self._params.place_error_m**2)
@@ -129,9 +146,28 @@ class PersonFollower:
                 # What the whole would cost more without it, against the price of not seeing it.
                 confidence[joint] = self._confidence(self._params.unseen_cost - margins[joint])
         self._drop_unreachable(joints_m, lengths_m)
+        if cloud is not None:
+            joints_m, confidence = self._laid(cloud, joints_m, confidence, lengths_m, time_s)
         confidence[~np.isfinite(joints_m[:, 0])] = np.nan
         self._learn(joints_m, time_s)
         return ChosenJoints(joints_m, confidence, self.sides.front_probability)
+
+    def _laid(
+        self,
+        cloud: PartCloud,
+        joints_m: FloatArray,
+        confidence: FloatArray,
+        lengths_m: FloatArray,
+        time_s: float,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return joints and confidence after arms and legs were laid into their surface."""
+        recent = time_s - self._seen_s <= self._params.memory_s
+        latest_m = np.where(recent[:, None], self._places_m, np.nan)
+        fitted_m = fit_limbs(cloud, joints_m, latest_m, lengths_m, self._params.limbs)
+        found = np.isfinite(fitted_m[:, 0])
+        was_found = np.isfinite(joints_m[:, 0])
+        confidence = np.where(found & ~was_found, self._params.fitted_confidence, confidence)
+        return fitted_m, np.where(found, confidence, np.nan)
 
     def _costs(self, proposals: JointProposals, time_s: float) -> FloatArray:
         """Return (15, K + 1) costs of each place, and of "not seen"."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, other_side
 
 ROOT = JOINT_NAMES.index("torso")
 _PARENT_OF = {
@@ -44,12 +44,7 @@ ORDER: tuple[int, ...] = tuple(
     )
 )
 """Every joint after its parent."""
-MIRRORED: tuple[int, ...] = tuple(
-    JOINT_NAMES.index(
-        name.replace("left", "right") if name.startswith("left") else name.replace("right", "left")
-    )
-    for name in JOINT_NAMES
-)
+MIRRORED: tuple[int, ...] = tuple(JOINT_NAMES.index(other_side(name)) for name in JOINT_NAMES)
 """The joint of the other side; the same one in the middle of the body."""
 FORMAT, VERSION = "adibas-proportions", 1
 

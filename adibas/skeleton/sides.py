@@ -89,10 +89,8 @@ class SideKeeper:
             return float(self._view == FRONT)
         return 1.0 / (1.0 + math.exp(-self._odds))
 
-    def kept(
-        self, proposals: JointProposals, time_s: float, evidence: float = 0.0
-    ) -> JointProposals:
-        """Return the proposals with the sides as they were before, or as the view says.
+    def is_exchanged(self, proposals: JointProposals, time_s: float, evidence: float = 0.0) -> bool:
+        """Say whether left and right must be exchanged to be as before, or as the view says.
 
         `evidence` are the log odds of front against back that the shape tells in this frame.
         """
@@ -101,13 +99,8 @@ class SideKeeper:
         odds = params.keep * self._odds + evidence + params.label_weight * shown
         self._odds = float(np.clip(odds, -params.most_odds, params.most_odds))
         exchanged = self._is_exchanged(proposals, time_s)
-        if not exchanged:
-            return proposals
-        self.n_exchanged += 1
-        return JointProposals(
-            proposals.positions_m[list(MIRRORED)].copy(),
-            proposals.weights_m2[list(MIRRORED)].copy(),
-        )
+        self.n_exchanged += exchanged
+        return exchanged
 
     def learn(self, joints_m: FloatArray, time_s: float) -> None:
         """Take in the joints (15, 3) that were chosen."""

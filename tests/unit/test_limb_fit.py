@@ -1,0 +1,97 @@
+"""Limbs laid into surfaces whose bones are known, with parts that are told apart badly."""
+
+import numpy as np
+import pytest
+
+from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES, other_side
+from adibas.data.part_cloud import PartCloud
+from adibas.skeleton.limb_fit import LimbFitParams, fit_limbs
+
+RADIUS_M = LimbFitParams().arm_radius_m
+SHOULDER, ELBOW, HAND = (
+    JOINT_NAMES.index(f"left_{name}") for name in ("shoulder", "elbow", "hand")
+)
+PARTS = [BODY_PART_NAMES.index(f"left_{name}") for name in ("upper_arm", "lower_arm", "hand")]
+
+
+def arm(elbow_m, hand_m, shoulder_m=(0.0, 0.0, 2.0)):
+    joints_m = np.full((len(JOINT_NAMES), 3), np.nan)
+    joints_m[SHOULDER], joints_m[ELBOW], joints_m[HAND] = shoulder_m, elbow_m, hand_m
+    return joints_m
+
+
+def lengths_of(joints_m):
+    lengths_m = np.zeros(len(JOINT_NAMES))
+    lengths_m[ELBOW] = np.linalg.norm(joints_m[ELBOW] - joints_m[SHOULDER])
+    lengths_m[HAND] = np.linalg.norm(joints_m[HAND] - joints_m[ELBOW])
+    return lengths_m
+
+
+def cloud_of(joints_m, upper_share, rng, n_points=150):
+    """Points before the arm; `upper_share` (0 to 1) of each goes to the upper arm, wherever."""
+    t = rng.uniform(0, 2, n_points)[:, None]
+    upper = joints_m[SHOULDER] + t * (joints_m[ELBOW] - joints_m[SHOULDER])
+    lower = joints_m[ELBOW] + (t - 1) * (joints_m[HAND] - joints_m[ELBOW])
+    points_m = np.where(t < 1, upper, lower) + rng.normal(0, 0.012, (n_points, 3))
+    points_m *= 1 - RADIUS_M / np.linalg.norm(points_m, axis=1, keepdims=True)
+    weights = np.zeros((n_points, len(BODY_PART_NAMES)))
+    weights[:, PARTS[0]] = 4e-4 * upper_share
+    weights[:, PARTS[1]] = 4e-4 * (1 - upper_share)
+    return PartCloud(points_m, weights)
+
+
+NOWHERE = np.full((len(JOINT_NAMES), 3), np.nan)
+
+
+@pytest.mark.parametrize("upper_share", [0.5, 0.7])
+@pytest.mark.parametrize(
+    ("elbow_m", "hand_m"),
+    [
+        ((0.05, 0.28, 2.0), (0.08, 0.53, 1.98)),
+        ((0.25, 0.1, 2.0), (0.3, -0.15, 1.95)),
+        ((0.1, 0.26, 1.95), (-0.1, 0.2, 1.8)),
+    ],
+)
+def test_an_arm_is_found_though_its_parts_are_not_told_apart(elbow_m, hand_m, upper_share):
+    true_m = arm(elbow_m, hand_m)
+    cloud = cloud_of(true_m, upper_share, np.random.default_rng(0))
+    known_m = true_m.copy()
+    known_m[[ELBOW, HAND]] = np.nan
+    found_m = fit_limbs(cloud, known_m, NOWHERE, lengths_of(true_m))
+    assert np.linalg.norm(found_m[ELBOW] - true_m[ELBOW]) < 0.06
+    assert np.linalg.norm(found_m[HAND] - true_m[HAND]) < 0.06
+
+
+def test_a_hidden_forearm_is_not_invented():
+    true_m = arm((0.05, 0.28, 2.0), (0.08, 0.53, 1.98))
+    cloud = cloud_of(true_m, 1.0, np.random.default_rng(1))
+    upper = cloud.points_m[:, 1] < 0.26
+    cloud = PartCloud(cloud.points_m[upper].copy(), cloud.weights_m2[upper].copy())
+    known_m = true_m.copy()
+    known_m[[ELBOW, HAND]] = np.nan
+    found_m = fit_limbs(cloud, known_m, NOWHERE, lengths_of(true_m))
+    assert np.isnan(found_m[HAND]).all()
+
+
+def test_without_a_shoulder_or_surface_nothing_changes():
+    true_m = arm((0.05, 0.28, 2.0), (0.08, 0.53, 1.98))
+    cloud = cloud_of(true_m, 0.5, np.random.default_rng(2))
+    no_root_m = true_m.copy()
+    no_root_m[SHOULDER] = np.nan
+    np.testing.assert_array_equal(
+        fit_limbs(cloud, no_root_m, NOWHERE, lengths_of(true_m)), no_root_m
+    )
+    few = PartCloud(cloud.points_m[:5].copy(), cloud.weights_m2[:5].copy())
+    np.testing.assert_array_equal(fit_limbs(few, true_m, NOWHERE, lengths_of(true_m)), true_m)
+
+
+def test_a_cloud_changes_sides_and_back():
+    cloud = cloud_of(arm((0, 0.3, 2), (0, 0.5, 2)), 0.3, np.random.default_rng(3))
+    swapped = cloud.with_sides_swapped()
+    right = BODY_PART_NAMES.index(other_side("left_upper_arm"))
+    np.testing.assert_array_equal(swapped.weights_m2[:, right], cloud.weights_m2[:, PARTS[0]])
+    again = swapped.with_sides_swapped()
+    np.testing.assert_array_equal(again.weights_m2, cloud.weights_m2)
+    assert other_side("head") == "head"
+    with pytest.raises(ValueError, match="weights_m2 must have shape"):
+        PartCloud(np.zeros((2, 3)), np.zeros((3, 15)))
