@@ -139,7 +139,7 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--behind", action="store_true", help=_("the person turns the back to the camera")
     )
-    add_out(parser, "DIR", _("folder for the pictures and labels"))
+    add_out(parser, _("FOLDER"), _("folder for the pictures and labels"))
     parser.set_defaults(action=_segment)
 
 
@@ -162,7 +162,7 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pictures",
         type=Path,
-        metavar="DIR",
+        metavar=_("FOLDER"),
         help=_("folder for a picture of each image: the truth, the forest, and after the cut"),
     )
     _add_forest(parser, THESIS_TREES, THESIS_PIXELS)

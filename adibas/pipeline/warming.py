@@ -105,7 +105,23 @@ def name_joints() -> None:
     namer.label(points_m[:, :2], "front")
 
 
-WORKS: tuple[Callable[[], None], ...] = (take_session, calibrate_a_camera, name_joints)
+def find_limbs() -> None:
+    """Find the limbs of a disc."""
+    from adibas.limbs.segmentation import segment
+    from adibas.pipeline.limb_segmenting import shipped_model
+
+    rows, columns = np.indices((48, 48))
+    mask = np.hypot(rows - 24, columns - 24) < 10.0  # noqa: PLR2004  (pixels)
+    depth_m = np.full(mask.shape, 2.0, np.float32)
+    segment(depth_m, mask, 100.0, shipped_model())
+
+
+WORKS: tuple[Callable[[], None], ...] = (
+    take_session,
+    calibrate_a_camera,
+    name_joints,
+    find_limbs,
+)
 
 
 def _write(note: Path) -> None:
