@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray
+from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.timeseries.lowpass import even_times, resample
+from adibas.timeseries.lowpass import even_times, resample, runs
 
 MOST_HZ = 15
 WINDOW_S = 4.0
@@ -88,9 +88,3 @@ def _powers(
         total += (end - begin) * sums
         weight += end - begin
     return total / weight if weight else np.full(len(total), np.nan)
-
-
-def runs(flags: BoolArray) -> list[tuple[int, int]]:
-    """Return (first, one after last) of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -9,10 +9,10 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from adibas.arrays import FloatArray
-from adibas.behaviour.bands import LONGEST_GAP_S, runs
+from adibas.behaviour.bands import LONGEST_GAP_S
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.timeseries.lowpass import even_times, resample
+from adibas.timeseries.lowpass import even_times, resample, runs
 
 CORE = tuple(
     JOINT_NAMES.index(name)

@@ -5,9 +5,8 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive
-from adibas.errors import FileError
-from adibas.files import check_place
-from adibas.texts import LANGUAGES, message, spoken_language, translate_plural
+from adibas.cli.report_options import add_language, add_patient, check_report
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 SUMMARY = message("turn joints over time into a timeline of activity and behaviour")
@@ -15,7 +14,12 @@ SUMMARY = message("turn joints over time into a timeline of activity and behavio
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.add_argument("source", type=Path, metavar="JOINTS.csv", help=_("table of joints (CSV)"))
+    parser.add_argument(
+        "source",
+        type=Path,
+        metavar=_("RECORDING"),
+        help=_("a recording, in which joints are found without markers, or a JOINTS.csv"),
+    )
     parser.add_argument(
         "--model",
         type=Path,
@@ -36,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=named_section,
         action="append",
         default=[],
-        metavar="NAME=A:B",
+        metavar=_("NAME=A:B"),
         help=_("a condition from A to B seconds, compared with others; may be given several times"),
     )
     parser.add_argument(
@@ -52,15 +56,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help=_("seconds in which nobody moved: its steps are the noise"),
     )
-    parser.add_argument(
-        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
-    )
-    parser.add_argument(
-        "--language",
-        choices=tuple(LANGUAGES),
-        default=spoken_language(),
-        help=_("of the report; the program's own if not given"),
-    )
+    add_patient(parser)
+    add_language(parser)
     parser.add_argument(
         "--out",
         type=Path,
@@ -104,13 +101,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.reports.behaviour_json import behaviour_to_json
 
     for path in arguments.out:
-        if path.suffix.lower() not in BEHAVIOUR_KINDS:
-            raise FileError(
-                "{file} is no report. Give --out a name that ends in one of: {endings}.",
-                file=path.name or str(path),
-                endings=", ".join(BEHAVIOUR_KINDS),
-            )
-        check_place(path)
+        check_report(path, BEHAVIOUR_KINDS)
     request = BehaviourRequest(
         arguments.source,
         arguments.model,

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, positive, sentence
-from adibas.errors import FileError
+from adibas.cli.report_options import add_language, check_report
 from adibas.files import check_place
-from adibas.texts import LANGUAGES, decimal_text, message, spoken_language, translate_plural
+from adibas.texts import decimal_text, message, spoken_language, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -107,12 +107,7 @@ def _add_agreement(parser: argparse.ArgumentParser) -> None:
     )
     _add_seconds(parser, "--interval", 10.0, _("length of an interval, seconds; 10 if not given"))
     parser.add_argument("--out", type=Path, metavar="report.xlsx", help=_("report to write"))
-    parser.add_argument(
-        "--language",
-        choices=tuple(LANGUAGES),
-        default=spoken_language(),
-        help=_("of the report; the program's own if not given"),
-    )
+    add_language(parser)
     add_json(parser)
     parser.set_defaults(action=_agreement)
 
@@ -132,12 +127,7 @@ def _agreement(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.behaviour_agreement import compare_files
 
     if arguments.out is not None:
-        if arguments.out.suffix.lower() != ".xlsx":
-            raise FileError(
-                "{file} is no report. Give --out a name that ends in .xlsx.",
-                file=arguments.out.name,
-            )
-        check_place(arguments.out)
+        check_report(arguments.out, (".xlsx",))
     params = AgreementParams(_ms(arguments.unit), _ms(arguments.tolerance), _ms(arguments.interval))
     report = compare_files(arguments.codings, _scheme(arguments), params)
     for notice in report.notices:

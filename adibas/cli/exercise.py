@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 from adibas.cli.behaviour import seconds_range
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive_count
-from adibas.errors import FileError
-from adibas.files import check_place
-from adibas.texts import LANGUAGES, decimal_text, spoken_language, translate_plural
+from adibas.cli.report_options import add_language, add_patient, check_report
+from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -40,15 +39,8 @@ def add_check_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=_("of the patient's table; the one who was seen longest if not given"),
     )
-    parser.add_argument(
-        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
-    )
-    parser.add_argument(
-        "--language",
-        choices=tuple(LANGUAGES),
-        default=spoken_language(),
-        help=_("of the report; the program's own if not given"),
-    )
+    add_patient(parser)
+    add_language(parser)
     parser.add_argument("--out", type=Path, metavar="report.xlsx", help=_("report to write"))
     add_json(parser)
     parser.set_defaults(action=run_check)
@@ -59,12 +51,7 @@ def run_check(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.exercise import ExerciseRequest, check_exercise
 
     if arguments.out is not None:
-        if arguments.out.suffix.lower() != ".xlsx":
-            raise FileError(
-                "{file} is no report. Give --out a name that ends in .xlsx.",
-                file=arguments.out.name,
-            )
-        check_place(arguments.out)
+        check_report(arguments.out, (".xlsx",))
     check = check_exercise(
         ExerciseRequest(
             arguments.joints,

@@ -19,6 +19,7 @@ from adibas.errors import GestureError
 from adibas.gestures.model import not_overlapping
 from adibas.gestures.segments import Segment
 from adibas.timeseries.dtw import warping_path
+from adibas.timeseries.gaps import bridged
 from adibas.timeseries.stream import StreamAligner
 
 SHORTEST = 4
@@ -169,7 +170,7 @@ def exercise_model(shown: AngleTrack, params: ExerciseParams | None = None) -> E
             least=params.least_range_deg,
         )
     angles = shown.picked(names)
-    deg = _bridged(angles.deg)
+    deg = bridged(angles.deg)
     excursion = np.linalg.norm(deg - deg[0], axis=1)
     moving = np.flatnonzero(excursion >= params.edge_share * excursion.max())
     first, last = _to_rest(excursion, (int(moving[0]), int(moving[-1])), (0, len(deg) - 1))
@@ -231,7 +232,7 @@ def _whole(segments: list[Segment], model: ExerciseModel, patient: AngleTrack) -
 
     An alignment may leave out the slow first and last frames, and their share of the range.
     """
-    rest = _bridged(patient.deg) - model.angles.deg[0]
+    rest = bridged(patient.deg) - model.angles.deg[0]
     away = np.linalg.norm(rest, axis=1)
     bounds = [-1, *(k for one in segments for k in (one.begin, one.end)), len(away)]
     found = []
@@ -253,7 +254,7 @@ def _to_rest(away: FloatArray, span: tuple[int, int], within: tuple[int, int]) -
 
 def _compared(model: ExerciseModel, patient: AngleTrack, found: Segment) -> Repetition:
     seen = patient.deg[found.begin : found.end + 1]
-    _cost, path = warping_path(_bridged(seen), model.angles.deg)
+    _cost, path = warping_path(bridged(seen), model.angles.deg)
     n_frames, n_angles = model.angles.deg.shape
     sums, counts = np.zeros((2, n_frames, n_angles))
     for mine, theirs in path:
@@ -273,19 +274,6 @@ def _compared(model: ExerciseModel, patient: AngleTrack, found: Segment) -> Repe
         *(patient.time_s(found.begin), patient.time_s(found.end), found.cost, phases),
         *(low, high, deviation),
     )
-
-
-def _bridged(deg: FloatArray) -> FloatArray:
-    """Return curves with gaps bridged by straight lines, and held at the ends."""
-    whole = deg.copy()
-    index = np.arange(len(deg))
-    for column in whole.T:
-        known = np.isfinite(column)
-        if known.any():
-            column[~known] = np.interp(index[~known], index[known], column[known])
-        else:
-            column[:] = 0.0
-    return whole
 
 
 def _at_length(deg: FloatArray, n_frames: int) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.timeseries.dtw import warping_path
+from adibas.timeseries.gaps import bridged
 from adibas.timeseries.mixture_stream import MixtureModel
 
 N_ROUNDS = 12
@@ -89,7 +90,7 @@ def aligned_examples(examples: Sequence[FloatArray]) -> FloatArray:
     reference = examples[int(order[len(order) // 2])]
     out = np.full((len(examples), *reference.shape), np.nan)
     for place, one in enumerate(examples):
-        _cost, path = warping_path(_bridged(reference), _bridged(one))
+        _cost, path = warping_path(bridged(reference), bridged(one))
         sums, counts = np.zeros((2, *reference.shape))
         known = np.isfinite(one[path[:, 1]])
         np.add.at(sums, path[:, 0], np.where(known, one[path[:, 1]], 0.0))
@@ -97,18 +98,6 @@ def aligned_examples(examples: Sequence[FloatArray]) -> FloatArray:
         seen = counts > 0
         out[place][seen] = sums[seen] / counts[seen]
     return out
-
-
-def _bridged(frames: FloatArray) -> FloatArray:
-    """Return frames with gaps bridged by straight lines; 0 where a number was never seen."""
-    whole = frames.copy()
-    index = np.arange(len(frames))
-    for column in whole.T:
-        known = np.isfinite(column)
-        column[~known] = (
-            np.interp(index[~known], index[known], column[known]) if known.any() else 0.0
-        )
-    return whole
 
 
 def _fitted(

@@ -1,10 +1,8 @@
 """The Excel report of observers' agreement: figures with their methods, and every disagreement."""
 
-import io
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure as Drawing
 from openpyxl import Workbook
 
@@ -17,6 +15,7 @@ from adibas.pipeline.behaviour_agreement import AgreementReport, ComparedSession
 from adibas.reports.agreement_texts import METHOD_TEXTS, method_text, table_name
 from adibas.reports.behaviour_texts import subject_text
 from adibas.reports.facts import intended_use
+from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.sheets import Block, Column, Part, Value, add_blocks, add_parts, add_table
 from adibas.reports.vector_figures import new_figure
@@ -24,7 +23,7 @@ from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
 TWO, THREE = "0.00", "0.000"
-PICTURE_PT, DOTS_PER_INCH = (560.0, 380.0), 130
+PICTURE_PT = (560.0, 380.0)
 FIRST, SECOND, BOTH, INK = "#0072B2", "#D55E00", "#C3CCD4", "#16212B"
 FONT_PT = 6.0
 Rows = list[tuple[Value, ...]]
@@ -163,15 +162,7 @@ def _match_row(match: Match) -> tuple[Value, ...]:
 
 def _picture(session: ComparedSession) -> UInt8Array:
     """Draw both observers' states beside each other, and under them where they differ."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
-    figure = agreement_figure(session, *PICTURE_PT)
-    FigureCanvasAgg(figure)
-    file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
-    picture: UInt8Array = np.array(Image.open(file).convert("RGB"))
-    return picture
+    return picture_of(agreement_figure(session, *PICTURE_PT))
 
 
 def agreement_figure(session: ComparedSession, width_pt: float, height_pt: float) -> Drawing:

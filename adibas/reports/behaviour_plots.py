@@ -1,6 +1,5 @@
 """The timeline of a session: who did what when, and how much was moved."""
 
-import io
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -13,13 +12,13 @@ from adibas.behaviour.budget import bin_spans
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.pipeline.behaviour import BehaviourAnalysis, PersonActivity
 from adibas.reports.behaviour_texts import behaviour_text, condition_text, subject_text
+from adibas.reports.figure_pictures import picture_of
 from adibas.reports.vector_figures import new_figure
 from adibas.texts import translate as _
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 INK, FAINT, SHADE = "#16212B", "#C3CCD4", "#EEF1F4"
 FONT_PT, TITLE_PT = 6.0, 7.0
-DOTS_PER_INCH = 130
 N_CURVE_BINS = 300
 MOST_MINUTES_IN_SECONDS = 5
 LINE_HEIGHT = 0.8
@@ -51,15 +50,7 @@ def timeline_figure(analysis: BehaviourAnalysis, width_pt: float, height_pt: flo
 
 def timeline_picture(analysis: BehaviourAnalysis, width_pt: float, height_pt: float) -> UInt8Array:
     """Return the same as (H, W, 3) pixels."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
-    figure = timeline_figure(analysis, width_pt, height_pt)
-    FigureCanvasAgg(figure)
-    file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
-    picture: UInt8Array = np.array(Image.open(file).convert("RGB"))
-    return picture
+    return picture_of(timeline_figure(analysis, width_pt, height_pt))
 
 
 Row = tuple[str, str, list[tuple[float, float]], bool]

@@ -1,6 +1,5 @@
 """The Excel report of an exercise: repetitions, ranges, symmetry, and deviation over time."""
 
-import io
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from adibas.arrays import UInt8Array
 from adibas.pipeline.exercise import ExerciseCheck
 from adibas.reports.exercise_rows import range_rows, symmetry_rows
 from adibas.reports.facts import intended_use
+from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.movement_texts import JOINT_MOTIONS, angle_text
 from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
@@ -18,7 +18,7 @@ from adibas.reports.vector_figures import new_figure
 from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
-PICTURE_PT, DOTS_PER_INCH = (540.0, 600.0), 130
+PICTURE_PT = (540.0, 600.0)
 ONE, TWO = "0.0", "0.00"
 FONT_PT, TITLE_PT = 6.0, 7.0
 MODEL, FAINT, INK = "#16212B", "#C3CCD4", "#16212B"
@@ -205,12 +205,4 @@ def exercise_figure(check: ExerciseCheck, width_pt: float, height_pt: float) -> 
 
 def exercise_picture(check: ExerciseCheck, width_pt: float, height_pt: float) -> UInt8Array:
     """Return the same as (H, W, 3) pixels."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
-    figure = exercise_figure(check, width_pt, height_pt)
-    FigureCanvasAgg(figure)
-    file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
-    picture: UInt8Array = np.array(Image.open(file).convert("RGB"))
-    return picture
+    return picture_of(exercise_figure(check, width_pt, height_pt))

@@ -114,7 +114,7 @@ def lowpass(values: FloatArray, rate_hz: float, params: LowpassParams | None = N
     smoothed = np.full(columns.shape, np.nan)
     sections = _sections(rate_hz, params.cutoff_hz)
     for at, column in enumerate(columns.T):
-        for first, last in _runs(np.isfinite(column)):
+        for first, last in runs(np.isfinite(column)):
             if last - first >= LEAST_SAMPLES:
                 run = column[first:last]
                 smoothed[first:last, at] = run if sections is None else _both_ways(sections, run)
@@ -156,7 +156,7 @@ def _both_ways(sections: FloatArray, run: FloatArray) -> FloatArray:
     return np.asarray(sosfiltfilt(sections, run, padlen=min(3 * ORDER * 2, len(run) - 1)))
 
 
-def _runs(is_seen: BoolArray) -> list[tuple[int, int]]:
+def runs(is_seen: BoolArray) -> list[tuple[int, int]]:
     """Return (first, one after last) of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], is_seen, [False]]).astype(int)))
     return [(int(first), int(last)) for first, last in zip(edges[::2], edges[1::2], strict=True)]

@@ -153,7 +153,7 @@ def test_readers_get_lines_and_mistakes_are_told(files, capsys):
     assert main([*arguments, "--repetition", "0:60"]) == 1
     assert "ends at" in capsys.readouterr().err
     assert main([*arguments, "--out", str(files / "r.doc")]) == 1
-    assert "ends in .xlsx" in capsys.readouterr().err
+    assert "ends in one of: .xlsx" in capsys.readouterr().err
     joints_file(files / "still.csv", np.zeros((200, 3)))
     arguments[2] = str(files / "still.csv")
     assert main(arguments) == 0
