@@ -184,23 +184,27 @@ def _step(
 def _dense_sums(
     target: Sight, source: Sight, motion: RigidTransform, number: int, params: JointParams
 ) -> FloatArray:
-    aim, own = target.view.levels[number], source.view.levels[number]
-    camera = target.view.camera
-    lens = camera.intrinsics
-    goal = Goal(
-        aim.planes,
-        aim.cell_px,
-        (lens.fx, lens.fy, lens.cx, lens.cy),
-        twelve_coefficients(camera),
-        any(camera.distortion),
-    )
+    own = source.view.levels[number]
     return sum_steps(
         own.inverse_per_m,
         own.rays,
         params.strides_px[number],
-        goal,
+        goal_of(target, number),
         np.hstack([motion.rotation, motion.translation_m[:, None]]),
         params.scales_per_m[number],
+    )
+
+
+def goal_of(sight: Sight, number: int) -> Goal:
+    """Return what a level of a sight offers to kernels."""
+    level, camera = sight.view.levels[number], sight.view.camera
+    lens = camera.intrinsics
+    return Goal(
+        level.planes,
+        level.cell_px,
+        (lens.fx, lens.fy, lens.cx, lens.cy),
+        twelve_coefficients(camera),
+        any(camera.distortion),
     )
 
 

@@ -38,7 +38,7 @@ def _move(motion: FloatArray, x: float, y: float, z: float) -> tuple[float, floa
 
 
 @compiled
-def _cell(goal: Goal, x: float, y: float, z: float) -> tuple[int, int]:
+def cell_of(goal: Goal, x: float, y: float, z: float) -> tuple[int, int]:
     """Return the row and column of the plane that is seen at a point; (-1, -1) beside the image."""
     if z <= 0.0:
         return -1, -1
@@ -121,7 +121,7 @@ def sum_steps(
             sums[row, KNOWN] += 1.0
             z = 1.0 / inverse
             px, py, pz = _move(motion, rays[v, u, 0] * z, rays[v, u, 1] * z, z)
-            at_row, at_column = _cell(goal, px, py, pz)
+            at_row, at_column = cell_of(goal, px, py, pz)
             if at_row < 0 or not np.isfinite(goal.planes[at_row, at_column, 0]):
                 continue
             normal = goal.planes[at_row, at_column]

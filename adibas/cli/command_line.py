@@ -26,6 +26,7 @@ COMMANDS = (
     "posture",
     "movement",
     "pose",
+    "map",
     "skeleton",
     "calibrate",
     "wand",
@@ -36,9 +37,9 @@ COMMANDS = (
     "protocols",
     "doctor",
     "gestures",
+    "limbs",
     "behaviour",
     "coding",
-    "limbs",
     "benchmark",
 )
 

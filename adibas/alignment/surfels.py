@@ -1,0 +1,168 @@
+"""A surface as surfels: small discs that frames add, confirm and remove.
+
+Source: thesis, section 5.2.2; Krainin et al., Manipulator and Object Tracking (2011); Keller et
+al., Real-Time 3D Reconstruction (2013). The confidence is in units of a square look from one metre.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.alignment.joint_fit import goal_of
+from adibas.alignment.sights import Sight
+from adibas.alignment.surfel_kernels import (
+    COLOR,
+    CONFIDENCE,
+    MISSES,
+    N_COLUMNS,
+    NORMAL,
+    PLACE,
+    RADIUS,
+    Shot,
+    add_shot,
+    find_surfels,
+)
+from adibas.arrays import Float32Array, FloatArray, UInt8Array, check_shape, read_only
+from adibas.geometry.rigid import RigidTransform
+
+UNSEEN = 128
+"""Grey where the colour camera does not look."""
+
+
+@dataclass(frozen=True, slots=True)
+class SurfelParams:
+    """How frames make surfels.
+
+    Attributes
+    ----------
+    gate_per_m : float
+        A surfel and a pixel that differ by more in 1/z are different surfaces: 0.012.
+    largest_angle_rad : float
+        Between ray and normal, where surfels are added: 1.22 (70 degrees).
+    alike_rad : float
+        Between normals of one surface: 0.79 (45 degrees).
+    most_misses : int
+        A surfel that was seen through so often in a row is removed: 3.
+    least_confidence : float
+        Those that stay below are left out at the end: 0.5.
+    capacity : int
+        Surfels at most: 4,000,000 (208 MB).
+    """
+
+    gate_per_m: float = 0.012
+    largest_angle_rad: float = 1.22
+    alike_rad: float = 0.79
+    most_misses: int = 3
+    least_confidence: float = 0.5
+    capacity: int = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """The finished map; all arrays have N rows.
+
+    Attributes
+    ----------
+    points_m, normals : (N, 3) float32 arrays
+        In the world's axes; normals point towards where the surface was seen from.
+    colors_rgb : (N, 3) uint8 array
+    radii_m, confidences : (N,) float32 arrays
+    """
+
+    points_m: Float32Array
+    normals: Float32Array
+    colors_rgb: UInt8Array
+    radii_m: Float32Array
+    confidences: Float32Array
+
+    def __post_init__(self) -> None:
+        n = len(self.points_m)
+        for name in ("points_m", "normals", "colors_rgb"):
+            check_shape(name, getattr(self, name), (n, 3))
+        for name in ("radii_m", "confidences"):
+            check_shape(name, getattr(self, name), (n,))
+        for array in (
+            self.points_m,
+            self.normals,
+            self.colors_rgb,
+            self.radii_m,
+            self.confidences,
+        ):
+            read_only(array)
+
+
+class SurfelMap:
+    """Grows frame by frame."""
+
+    def __init__(self, params: SurfelParams | None = None) -> None:
+        self._params = params or SurfelParams()
+        self._surfels = np.zeros((1 << 16, N_COLUMNS), np.float32)
+        self._n = 0
+
+    def __len__(self) -> int:
+        """Return the number of surfels."""
+        return self._n
+
+    def add(self, sight: Sight, color_rgb: UInt8Array, world_from_camera: RigidTransform) -> None:
+        """Fuse a frame seen from a pose."""
+        params = self._params
+        shot = _shot(sight, color_rgb, world_from_camera)
+        cells = shot.colors.shape[0] * shot.colors.shape[1]
+        self._reserve(min(self._n + cells, params.capacity))
+        seen = find_surfels(self._surfels, self._n, shot, params.gate_per_m)
+        limits = (float(np.cos(params.largest_angle_rad)), float(np.cos(params.alike_rad)))
+        self._n = add_shot(self._surfels, self._n, shot, seen, limits)
+        self._remove_missed()
+
+    def surface(self) -> Surface:
+        """Return what is sure enough."""
+        doubtful = self._surfels[: self._n, CONFIDENCE] < self._params.least_confidence
+        kept = np.delete(self._surfels[: self._n], np.nonzero(doubtful)[0], axis=0)
+        return Surface(
+            kept[:, PLACE : PLACE + 3].copy(),
+            kept[:, NORMAL : NORMAL + 3].copy(),
+            np.round(kept[:, COLOR : COLOR + 3]).astype(np.uint8),
+            kept[:, RADIUS].copy(),
+            kept[:, CONFIDENCE].copy(),
+        )
+
+    def _reserve(self, n: int) -> None:
+        if n > len(self._surfels):
+            larger = np.zeros((min(2 * n, self._params.capacity), N_COLUMNS), np.float32)
+            larger[: self._n] = self._surfels[: self._n]
+            self._surfels = larger
+
+    def _remove_missed(self) -> None:
+        is_missed = self._surfels[: self._n, MISSES] >= self._params.most_misses
+        if is_missed.any():
+            kept = np.delete(self._surfels[: self._n], np.nonzero(is_missed)[0], axis=0)
+            self._n = len(kept)
+            self._surfels[: self._n] = kept
+
+
+def _shot(sight: Sight, color_rgb: UInt8Array, world_from_camera: RigidTransform) -> Shot:
+    return Shot(
+        goal_of(sight, 0),
+        sight.view.levels[0].rays,
+        _cell_colors(sight, color_rgb),
+        np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]]),
+    )
+
+
+def _cell_colors(sight: Sight, color_rgb: UInt8Array) -> UInt8Array:
+    """Return the colour that each cell of the finest planes has in the picture."""
+    level = sight.view.levels[0]
+    middle = level.cell_px // 2
+    n_rows, n_columns, _ = level.planes.shape
+    rays = level.rays[middle :: level.cell_px, middle :: level.cell_px][:n_rows, :n_columns]
+    inverse = (level.planes[..., :2] * rays).sum(axis=2) + level.planes[..., 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        z = np.where(inverse > 0, 1.0 / inverse, np.nan)
+    points = np.stack([rays[..., 0] * z, rays[..., 1] * z, z], axis=-1).reshape(-1, 3)
+    pixels: FloatArray = np.rint(sight.pixels_of(points))
+    height, width = sight.gray.shape
+    with np.errstate(invalid="ignore"):
+        is_inside = ((pixels >= 0) & (pixels < (width, height))).all(axis=1, keepdims=True)
+    columns, rows = np.where(is_inside, pixels, 0).astype(int).T
+    colors: UInt8Array = np.where(is_inside, color_rgb[rows, columns], UNSEEN)
+    return np.ascontiguousarray(colors.reshape(n_rows, n_columns, 3), np.uint8)

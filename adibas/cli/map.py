@@ -1,0 +1,85 @@
+"""`adibas map`: a recording of a moving camera in, its path and one coloured surface out."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json, frame_range
+from adibas.errors import FileError
+from adibas.files import check_place
+from adibas.texts import message, translate_plural
+from adibas.texts import translate as _
+
+SUMMARY = message("put the frames of a moving camera together into one surface")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Say what the command takes."""
+    parser.add_argument(
+        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
+    )
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("in place of the recording's own calibration"),
+    )
+    parser.add_argument(
+        "--frames",
+        type=frame_range,
+        default=(0, None),
+        metavar="A:B",
+        help=_("frames to look at, B not included; all of them if not given"),
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="map.ply",
+        help=_("surface to write: points with normals, colours and radii"),
+    )
+    parser.add_argument(
+        "--trajectory",
+        type=Path,
+        metavar="trajectory.txt",
+        help=_("path of the camera to write, in TUM's format"),
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    """Map and write the files."""
+    from adibas.pipeline.mapping import MapRequest, map_recording
+    from adibas.reports.map_files import map_to_json, write_ply, write_trajectory
+
+    if arguments.out.suffix.lower() != ".ply":
+        raise FileError(
+            "{file} is no surface. Give --out a name that ends in .ply.",
+            file=arguments.out.name or str(arguments.out),
+        )
+    for path in filter(None, (arguments.out, arguments.trajectory)):
+        check_place(path)
+    request = MapRequest(arguments.recording, arguments.calibration, arguments.frames)
+    with console.progress(_("Mapping")) as progress:
+        mapped = map_recording(request, progress)
+    write_ply(mapped.surface, arguments.out)
+    if arguments.trajectory is not None:
+        write_trajectory(mapped, arguments.trajectory)
+    for notice in mapped.notices:
+        console.warn(notice.text)
+    n_placed = len(mapped.world_from_camera)
+    console.say(
+        _("{file}: {points} from {placed} of {frames} frames, {loops}.").format(
+            file=arguments.out,
+            points=translate_plural("{n} point", "{n} points", len(mapped.surface.points_m)).format(
+                n=len(mapped.surface.points_m)
+            ),
+            placed=n_placed,
+            frames=mapped.n_frames,
+            loops=translate_plural("{n} loop", "{n} loops", mapped.n_loops).format(
+                n=mapped.n_loops
+            ),
+        )
+    )
+    console.give(map_to_json(mapped))
+    return 0
