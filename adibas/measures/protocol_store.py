@@ -7,10 +7,13 @@ import platformdirs
 
 from adibas.data.protocols import Protocol, Wording
 from adibas.errors import ProtocolError
-from adibas.measures.protocol_file import load_protocol
+from adibas.files import written_whole
+from adibas.measures.protocol_file import load_protocol, read_protocol
 from adibas.resources import resource_path
 
 ENDING = ".json"
+UNSAVED = "protocol.json"
+"""What a text is called before it has a file."""
 
 
 def own_folder() -> Path:
@@ -56,3 +59,51 @@ def find_protocol(name: str) -> Protocol:
             names=", ".join(sorted(files)),
         )
     return load_protocol(files[name])
+
+
+def protocol_text(name: str) -> str:
+    """Return the file of a protocol as it is written, mistakes and all.
+
+    Raises
+    ------
+    ProtocolError
+        There is none of that name, or it cannot be read.
+    """
+    path = protocol_files().get(name)
+    if path is None:
+        find_protocol(name)  # tells which there are
+    path = path or Path(name)
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ProtocolError(
+            "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
+            file=path.name,
+            reason=getattr(error, "strerror", None) or str(error),
+        ) from error
+
+
+def save_own_protocol(text: str) -> Path:
+    """Write a protocol into this user's folder, under its id; one that was there is replaced.
+
+    Raises
+    ------
+    ProtocolError
+        It has a mistake, or the id of a protocol that comes with the program.
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    checked = read_protocol(text, UNSAVED)
+    if checked.protocol is None:
+        raise checked.errors[0]
+    name = checked.protocol.protocol_id
+    if resource_path("protocols", f"{name}{ENDING}").is_file():
+        raise ProtocolError(
+            "A protocol named {name} comes with the program and stays as it is. Give yours "
+            "another id.",
+            name=name,
+        )
+    path = own_folder() / f"{name}{ENDING}"
+    with written_whole(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    return path

@@ -183,7 +183,7 @@ def test_a_check_is_shown_and_goes_with_its_language(screen, workspace):
     screen.findChild(QTabWidget).setCurrentIndex(1)
     (button,) = [one for one in screen.findChildren(QPushButton) if "Check" in one.text()]
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
-    result = screen.findChild(QPlainTextEdit)
+    result = screen._protection.findChild(QPlainTextEdit)
     assert "All is well" in result.toPlainText()
     workspace.preferences.change(language="es")
     assert result.isHidden()
@@ -202,7 +202,7 @@ def test_the_doctor_looks_when_its_page_is_opened(screen):
 
 
 def test_about_names_version_use_and_licences(screen):
-    screen.findChild(QTabWidget).setCurrentIndex(4)
+    screen.findChild(QTabWidget).setCurrentIndex(5)
     about = next(one for one in screen.findChildren(QTextBrowser) if one.isVisible())
     text = about.toPlainText()
     assert __version__ in text

@@ -4,6 +4,7 @@ from PySide6.QtWidgets import QWidget
 
 from ui.settings.audit_presenter import AuditPresenter
 from ui.settings.presenter import SettingsPresenter
+from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.settings.view import SettingsScreen
 from ui.workspace import Workspace
 
@@ -11,5 +12,9 @@ from ui.workspace import Workspace
 def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -> SettingsScreen:
     """Return the settings screen, wired to `workspace`."""
     view = SettingsScreen(parent)
-    view.bind(SettingsPresenter(view, workspace), AuditPresenter(view.audit, workspace))
+    view.bind(
+        SettingsPresenter(view, workspace),
+        AuditPresenter(view.audit, workspace),
+        ProtocolsPresenter(view.protocols, workspace),
+    )
     return view

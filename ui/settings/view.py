@@ -1,4 +1,4 @@
-"""The settings screen: five pages. No decisions."""
+"""The settings screen: six pages. No decisions."""
 
 from PySide6.QtWidgets import QLabel, QScrollArea, QTabWidget, QTextBrowser, QVBoxLayout, QWidget
 
@@ -14,13 +14,15 @@ from ui.settings.computer_page import ComputerPage
 from ui.settings.general_page import GeneralPage
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protection_page import ProtectionPage
+from ui.settings.protocols_page import ProtocolsPage
+from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.widgets.screen import Screen
 
-AUDIT_TAB, COMPUTER_TAB = 2, 3
+AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 2, 3, 4
 
 
 class SettingsScreen(Screen):
-    """General, protection, audit log, this computer, about."""
+    """General, protection, audit log, this computer, protocols, about."""
 
     name = "settings"
 
@@ -31,11 +33,12 @@ class SettingsScreen(Screen):
         self._tabs = QTabWidget(self)
         self._general, self._protection = GeneralPage(self), ProtectionPage(self)
         self._audit, self._computer = AuditPage(self), ComputerPage(self)
+        self._protocols = ProtocolsPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
         for page in (_scrolled(self._general), _scrolled(self._protection)):
             self._tabs.addTab(page, "")
-        for whole_page in (self._audit, self._computer, self._about):
+        for whole_page in (self._audit, self._computer, self._protocols, self._about):
             self._tabs.addTab(whole_page, "")
         layout = QVBoxLayout(self)
         layout.addWidget(self._title)
@@ -47,9 +50,23 @@ class SettingsScreen(Screen):
         """The page of the audit log."""
         return self._audit
 
-    def bind(self, presenter: SettingsPresenter, audit: AuditPresenter) -> None:
+    @property
+    def protocols(self) -> ProtocolsPage:
+        """The page of protocols."""
+        return self._protocols
+
+    def bind(
+        self,
+        presenter: SettingsPresenter,
+        audit: AuditPresenter,
+        protocols: ProtocolsPresenter,
+    ) -> None:
         """Send changes to the presenters, and own them."""
         self._presenter, self._audit_presenter = presenter, audit
+        self._protocols_presenter = protocols
+        self._protocols.opened.connect(protocols.open)
+        self._protocols.typed.connect(protocols.check)
+        self._protocols.saved.connect(protocols.save)
         self._audit.searched.connect(audit.search)
         self._audit.exported.connect(audit.export)
         self._general.bind(presenter.change)
@@ -67,12 +84,14 @@ class SettingsScreen(Screen):
             _("Protection"),
             _("Audit log"),
             _("This computer"),
+            _("Protocols"),
             _("About"),
         )
         for index, title in enumerate(titles):
             self._tabs.setTabText(index, title)
         for page in (self._general, self._protection, self._audit, self._computer):
             page.retranslate()
+        self._protocols.retranslate()
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
@@ -82,7 +101,16 @@ class SettingsScreen(Screen):
             self._audit_presenter.enter()
 
     def closed(self) -> None:
+        self._protocols.stop()
         self._presenter.close()
+
+    def draft(self) -> str:
+        return self._protocols.changed_text
+
+    def take_back(self, draft: str) -> None:
+        self._tabs.setCurrentIndex(PROTOCOLS_TAB)
+        self._protocols.show_changed(draft)
+        self._protocols_presenter.check(draft)
 
     def show_preferences(self, preferences: Preferences) -> None:
         self._general.show_preferences(preferences)
@@ -113,6 +141,8 @@ class SettingsScreen(Screen):
             self._presenter.examine_computer()
         elif index == AUDIT_TAB:
             self._audit_presenter.enter()
+        elif index == PROTOCOLS_TAB:
+            self._protocols_presenter.enter()
 
 
 def _scrolled(page: QWidget) -> QScrollArea:

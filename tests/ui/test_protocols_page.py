@@ -1,0 +1,143 @@
+"""The page of protocols: opened, changed, checked line by line, saved as one's own."""
+
+import json
+from unittest.mock import create_autospec
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QComboBox, QListWidget, QPlainTextEdit, QPushButton, QTabWidget
+
+from adibas.measures import protocol_store
+from adibas.measures.protocol_store import find_protocol, protocol_text, protocol_titles
+from ui.settings.protocols_presenter import Mistake, ProtocolsPresenter, ProtocolsView
+from ui.settings.screen import build_settings_screen
+from ui.settings.view import PROTOCOLS_TAB
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    folder = tmp_path / "own protocols"
+    monkeypatch.setattr(protocol_store.platformdirs, "user_data_path", lambda *_a, **_k: folder)
+    return folder / "protocols"
+
+
+@pytest.fixture
+def view():
+    return create_autospec(ProtocolsView, instance=True)
+
+
+@pytest.fixture
+def told(workspace):
+    notices = []
+    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
+    return notices
+
+
+@pytest.fixture
+def presenter(view, workspace):
+    return ProtocolsPresenter(view, workspace)
+
+
+def mine():
+    """Return the text of a shipped protocol under another id."""
+    return protocol_text("upper-quadrant").replace('"upper-quadrant"', '"mine"', 1)
+
+
+def test_the_first_time_a_protocol_is_opened_and_checked(presenter, view):
+    presenter.enter()
+    names, chosen, _folder = view.show_names.call_args.args
+    assert names == ("joints-15", "sapo-1", "upper-quadrant")
+    assert chosen == ""
+    assert '"id": "joints-15"' in view.show_text.call_args.args[0]
+    mistakes, summary = view.show_check.call_args.args
+    assert (mistakes, summary) == ((), "No mistake: 15 landmarks, 1470 measures.")
+
+
+def test_every_mistake_is_told_with_its_line(presenter, view):
+    presenter.check('{"format": "adibas-protocol",\n "version": 1,\n "id": "x y"}')
+    mistakes, summary = view.show_check.call_args.args
+    assert summary == ""
+    assert all(isinstance(one, Mistake) for one in mistakes)
+    assert len(mistakes) > 1
+    assert {one.line for one in mistakes} <= {1, 2, 3}
+
+
+def test_an_own_protocol_is_saved_under_its_id(presenter, view, told, own_folder):
+    presenter.enter()
+    presenter.save(mine())
+    assert json.loads((own_folder / "mine.json").read_text("utf-8"))["id"] == "mine"
+    assert view.show_names.call_args.args[1] == "mine"
+    assert told == [("good", "Written: mine.json")]
+    assert find_protocol("mine").protocol_id == "mine"
+    assert "mine" in dict(protocol_titles())
+    presenter.open("mine")
+    assert view.show_text.call_args.args[0] == mine()
+
+
+def test_what_is_wrong_or_shipped_is_not_saved(presenter, told, own_folder):
+    presenter.save(protocol_text("sapo-1"))
+    presenter.save(mine().replace('"source"', '"sauce"', 1))
+    assert [kind for kind, _sentence in told] == ["bad", "bad"]
+    assert "comes with the program" in told[0][1]
+    assert "line" in told[1][1]
+    assert not own_folder.exists()
+
+
+def test_a_protocol_that_is_gone_or_no_text_is_told(presenter, told, own_folder):
+    presenter.open("gone")
+    own_folder.mkdir(parents=True)
+    (own_folder / "broken.json").write_bytes(b"\xff\xfe{")
+    presenter.open("broken")
+    assert "No protocol is named gone" in told[0][1]
+    assert "broken.json cannot be read" in told[1][1]
+
+
+def test_what_is_typed_is_checked_after_a_pause_and_saved_with_a_button(
+    workspace, qtbot, own_folder
+):
+    screen = build_settings_screen(workspace)
+    qtbot.addWidget(screen)
+    screen.resize(1140, 740)
+    screen.show()
+    screen.findChild(QTabWidget).setCurrentIndex(PROTOCOLS_TAB)
+    page = screen.protocols
+    names = page.findChild(QComboBox)
+    names.setCurrentIndex(names.findText("upper-quadrant"))
+    names.activated.emit(names.currentIndex())
+    text, mistakes = page.findChild(QPlainTextEdit), page.findChild(QListWidget)
+    (save,) = [one for one in page.findChildren(QPushButton) if "own" in one.text()]
+    assert save.isEnabled()
+    text.setPlainText(mine().replace('"revision"', '"revison"', 1))
+    assert not save.isEnabled()
+    qtbot.waitUntil(lambda: mistakes.count() > 0)
+    assert not save.isEnabled()
+    item = mistakes.item(0)
+    mistakes.itemActivated.emit(item)
+    line = text.textCursor().blockNumber() + 1
+    assert line == item.data(Qt.ItemDataRole.UserRole)
+    text.setPlainText(mine())
+    qtbot.waitUntil(save.isEnabled)
+    QTest.mouseClick(save, Qt.MouseButton.LeftButton)
+    assert (own_folder / "mine.json").is_file()
+    assert screen.draft() == ""
+    screen.closed()
+
+
+def test_what_is_typed_outlives_a_lock_and_another_protocol(workspace, qtbot):
+    screen = build_settings_screen(workspace)
+    qtbot.addWidget(screen)
+    screen.protocols.show_text(mine())
+    assert screen.draft() == ""
+    screen.protocols.findChild(QPlainTextEdit).insertPlainText(" ")
+    draft = screen.draft()
+    assert draft == " " + mine()
+    screen.closed()
+    again = build_settings_screen(workspace)
+    qtbot.addWidget(again)
+    again.take_back(draft)
+    assert again.draft() == draft
+    again.protocols.show_text("another")
+    again.protocols.findChild(QPlainTextEdit).undo()
+    assert again.protocols.findChild(QPlainTextEdit).toPlainText() == draft
+    again.closed()

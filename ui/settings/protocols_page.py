@@ -1,0 +1,143 @@
+"""The page of protocols: a text, what is wrong with it, and a button."""
+
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QFontDatabase, QTextCursor
+from PySide6.QtWidgets import (
+    QComboBox,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPlainTextEdit,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from ui.settings.protocols_presenter import Mistake
+
+PAUSE_MS = 400
+"""Without a key, until the text is checked."""
+LIST_LINES = 4
+
+
+class ProtocolsPage(QWidget):
+    """A choice above, the text, the mistakes below; Enter on a mistake leads to its line."""
+
+    opened = Signal(str)
+    typed = Signal(str)
+    saved = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._folder = ""
+        self._names, self._names_label = QComboBox(self), QLabel(self)
+        self._names_label.setBuddy(self._names)
+        self._text, self._mistakes = QPlainTextEdit(self), QListWidget(self)
+        self._summary, self._hint, self._save = QLabel(self), QLabel(self), QPushButton(self)
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(PAUSE_MS)
+        self._lay_out()
+        self._names.activated.connect(lambda _index: self.opened.emit(self._names.currentText()))
+        self._text.textChanged.connect(self._on_typed)
+        self._pause.timeout.connect(lambda: self.typed.emit(self._text.toPlainText()))
+        self._mistakes.itemActivated.connect(self._on_mistake)
+        self._mistakes.itemClicked.connect(self._on_mistake)
+        self._save.clicked.connect(lambda: self.saved.emit(self._text.toPlainText()))
+
+    def _lay_out(self) -> None:
+        self._text.setTabChangesFocus(True)
+        self._text.setLineWrapMode(QPlainTextEdit.LineWrapMode.NoWrap)
+        self._mistakes.setWordWrap(True)
+        self._hint.setWordWrap(True)
+        self._hint.setProperty("kind", "quiet")
+        self._summary.setWordWrap(True)
+        self._save.setProperty("main", "true")
+        above = QHBoxLayout()
+        above.addWidget(self._names_label)
+        above.addWidget(self._names)
+        above.addStretch()
+        column = QVBoxLayout(self)
+        column.addLayout(above)
+        column.addWidget(self._hint)
+        column.addWidget(self._text, 3)
+        column.addWidget(self._summary)
+        column.addWidget(self._mistakes, 1)
+        column.addWidget(self._save, 0, Qt.AlignmentFlag.AlignLeft)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._names_label.setText(_("&Protocol"))
+        self._text.setAccessibleName(_("Text of the protocol"))
+        self._mistakes.setAccessibleName(_("Mistakes; Enter leads to the line"))
+        self._save.setText(_("&Save as my own"))
+        self._word_hint()
+
+    def show_names(self, names: tuple[str, ...], chosen: str, folder: str) -> None:
+        self._folder = folder
+        self._names.clear()
+        self._names.addItems(list(names))
+        self._names.setCurrentIndex(names.index(chosen) if chosen in names else 0)
+        self._word_hint()
+
+    @property
+    def changed_text(self) -> str:
+        """What was typed and is not saved; empty for nothing."""
+        return self._text.toPlainText() if self._text.document().isModified() else ""
+
+    def show_changed(self, text: str) -> None:
+        """Give back what was typed."""
+        self.show_text(text)
+        self._text.document().setModified(True)
+
+    def show_text(self, text: str) -> None:
+        """Show a text in place of the one before, which Ctrl+Z brings back."""
+        self._text.blockSignals(True)
+        cursor = QTextCursor(self._text.document())
+        cursor.select(QTextCursor.SelectionType.Document)
+        cursor.insertText(text)
+        cursor.movePosition(QTextCursor.MoveOperation.Start)
+        self._text.setTextCursor(cursor)
+        self._text.document().setModified(False)
+        self._text.blockSignals(False)
+        fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
+        fixed.setPointSizeF(self.font().pointSizeF())
+        self._text.setFont(fixed)
+
+    def show_check(self, mistakes: tuple[Mistake, ...], summary: str) -> None:
+        self._mistakes.clear()
+        for one in mistakes:
+            item = QListWidgetItem(one.sentence)
+            item.setData(Qt.ItemDataRole.UserRole, one.line)
+            self._mistakes.addItem(item)
+        self._mistakes.setVisible(bool(mistakes))
+        self._mistakes.setMinimumHeight(LIST_LINES * self.fontMetrics().height())
+        self._summary.setText(summary)
+        self._summary.setVisible(bool(summary))
+        self._save.setEnabled(not mistakes)
+
+    def stop(self) -> None:
+        """Check nothing any more."""
+        self._pause.stop()
+
+    def _word_hint(self) -> None:
+        self._hint.setText(
+            _(
+                "Change the text and give it an id of its own; protocols that come with the "
+                "program stay as they are. A value of others needs its source. Yours lie in "
+                "{folder}."
+            ).format(folder=self._folder)
+        )
+
+    def _on_typed(self) -> None:
+        self._save.setEnabled(False)  # until the text was checked
+        self._pause.start()
+
+    def _on_mistake(self, item: QListWidgetItem) -> None:
+        line = int(item.data(Qt.ItemDataRole.UserRole))
+        cursor = QTextCursor(self._text.document().findBlockByNumber(line - 1))
+        cursor.movePosition(QTextCursor.MoveOperation.EndOfBlock, QTextCursor.MoveMode.KeepAnchor)
+        self._text.setTextCursor(cursor)
+        self._text.setFocus()
