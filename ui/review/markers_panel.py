@@ -8,8 +8,8 @@ from ui.review.content import Points
 from ui.review.landmarks import landmark_names
 from ui.review.markers_model import NAME, REMARK, MarkersModel
 from ui.review.name_delegate import NameDelegate
-from ui.review.tables import LineTable
 from ui.theme import Theme
+from ui.widgets.line_table import LineTable
 
 LEAST_LETTERS = 26
 """Of the usual width that a line always has room for."""

@@ -16,8 +16,8 @@ from PySide6.QtWidgets import (
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow
 from ui.review.measures_model import INTERVAL, KIND, NAME, VALUE, MeasuresModel
-from ui.review.tables import LineTable
 from ui.review.wording import interval_text, value_text
+from ui.widgets.line_table import LineTable
 
 WIDEST_MM = 2888.8
 KINDS: tuple[bool | None, ...] = (None, False, True)
