@@ -25,7 +25,7 @@ class FollowParams:
     Attributes
     ----------
     unseen_cost : float
-        Of a joint that is not seen: 2.5; a place is taken for worse than that.
+        Of a joint that is not seen: 4; a place is taken for worse than that.
     place_error_m : float
         Of a proposed place, standard deviation; both ends of a bone have it: 0.035.
     most_bone_cost : float
@@ -48,7 +48,7 @@ class FollowParams:
     size, sides, limbs : SizeParams, SideParams, LimbFitParams
     """
 
-    unseen_cost: float = 2.5
+    unseen_cost: float = 4.0
     place_error_m: float = 0.035
     most_bone_cost: float = 6.0
     most_jump_cost: float = 2.0

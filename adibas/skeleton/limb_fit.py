@@ -32,37 +32,37 @@ class LimbFitParams:
     arm_radius_m, leg_radius_m : float
         How far bones lie behind the surface: 0.03 and 0.055.
     width_m : float
-        Of a limb's surface about its bone, standard deviation: 0.05.
+        Of a limb's surface about its bone, standard deviation: 0.04.
     least_part : float
         Share of a point that either bone has, whatever the forest says: 0.3.
     shoulder_pull, hip_pull, middle_pull, end_pull : float
         Weight of a proposed place against a point of the surface of the limb's mean weight, in
-        points: 100, 60, 6 and 10.
+        points: 100, 60, 3 and 5.
     length_weight : float
         Of a bone's length, in points: 400.
     least_points : int
         Squares of surface from which on a limb is laid: 12.
     reach_m : float
-        A joint is seen where surface lies so near to it: 0.1.
+        A joint is seen where surface lies so near to it: 0.14.
     least_near : float
         Of the limb's points that must lie there: 0.02.
     least_own : float
-        Of the limb's points that must lie at the lower bone and be its own: 0.08.
+        Of the limb's points that must lie at the lower bone and be its own: 0.05.
     """
 
     arm_radius_m: float = 0.03
     leg_radius_m: float = 0.055
-    width_m: float = 0.05
+    width_m: float = 0.04
     least_part: float = 0.3
     shoulder_pull: float = 100.0
     hip_pull: float = 60.0
-    middle_pull: float = 6.0
-    end_pull: float = 10.0
+    middle_pull: float = 3.0
+    end_pull: float = 5.0
     length_weight: float = 400.0
     least_points: int = 12
-    reach_m: float = 0.1
+    reach_m: float = 0.14
     least_near: float = 0.02
-    least_own: float = 0.08
+    least_own: float = 0.05
 
 
 def fit_limbs(
