@@ -11,7 +11,7 @@ from adibas.texts import translate as _
 
 FEW_MINUTES = 5
 SPACING_PX = 16
-SHARES = (2, 1, 1)
+SHARES = (3, 2, 2)
 """Of the width: sensor, lost frames, disk."""
 Direction = QBoxLayout.Direction
 STATES = {

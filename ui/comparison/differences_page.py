@@ -30,6 +30,7 @@ class DifferencesPage(QWidget):
         self._ids: frozenset[str] = frozenset()
         self._rows = RowTable(range(2, 7), 1, self)
         self._verdict, self._all = QComboBox(self), QCheckBox(self)
+        self._verdict.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self._chance, self._note = QLabel(self), QLabel(self)
         for _verdict in VERDICTS:
             self._verdict.addItem("")

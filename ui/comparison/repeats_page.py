@@ -37,6 +37,7 @@ class RepeatsPage(QWidget):
         self._repeats = Repeats()
         self._operators: tuple[str, ...] = ()
         self._operator, self._operator_label = QComboBox(self), QLabel(self)
+        self._operator.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self._operator_label.setBuddy(self._operator)
         self._rows = RowTable(range(2, 7), 1, self)
         self._plot = AgreementPlot(theme, self)
