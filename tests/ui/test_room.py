@@ -28,14 +28,6 @@ def prepared(tmp_path):
         store.sessions.start(patient.pseudonym, SessionSetup())
 
 
-@pytest.fixture(autouse=True)
-def usual_letters(qapp):
-    """Give the next test letters of the usual size: a theme begins with those it finds."""
-    font = qapp.font()
-    yield
-    qapp.setFont(font)
-
-
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize(("font_scale", "size"), [(2.0, (1280, 800)), (1.0, (1024, 768))])
 def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_scale, size):

@@ -42,7 +42,7 @@ def preferences_in(folder, **changes):
 @pytest.fixture
 def open_window(qtbot, qapp, tmp_path):
     """Return what opens windows over the store of this test; those left open are closed."""
-    users = []
+    users, letters = [], qapp.font()
 
     def open_one(folder=tmp_path, **changes):
         users.append(WindowUser(qtbot, qapp, folder, **changes))
@@ -55,6 +55,7 @@ def open_window(qtbot, qapp, tmp_path):
             user.window.close()
             user.window.deleteLater()
     use_language("en")
+    qapp.setFont(letters)  # a theme begins with those that it finds
     Theme(qapp).use("light", 1.0)
 
 
