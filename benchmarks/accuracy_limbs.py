@@ -110,7 +110,7 @@ class Effort:
 def rows(*, quick: bool) -> Iterable[Row]:
     """Measure; with `quick` a fold of 40 frames, and 10 unseen people."""
     folds = min(max(int(os.environ.get("ADIBAS_LIMB_FOLDS", N_FOLDS)), 1), N_FOLDS)
-    whole = Effort(500, folds, 63, 120, "whole")
+    whole = Effort(500, folds, 63, 60, "whole")
     effort = Effort(40, 1, 15, 10, "quick") if quick else whole
     kept = _Kept(effort)
     yield from _shipped_rows(effort, kept)
