@@ -19,6 +19,7 @@ import numpy as np
 import platformdirs
 
 import adibas
+from adibas.data.frames import depth_in_metres
 from adibas.errors import FileError
 from adibas.files import written_whole
 
@@ -116,11 +117,28 @@ def find_limbs() -> None:
     segment(depth_m, mask, 100.0, shipped_model())
 
 
+def find_joints() -> None:
+    """Find the joints of a simulated person without markers."""
+    from adibas.pipeline.limb_segmenting import shipped_model
+    from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+    from adibas.simulation.scenes import open_scene
+
+    scene = open_scene("standing", has_color=False)
+    calibration = scene.info.calibration
+    raw = scene.frame(0).sensor_frame.depth_raw
+    if calibration is None or calibration.depth is None or raw is None:
+        raise ValueError("a simulated scene has depth and a calibration of its camera")
+    segmenter = forest_segmenter(shipped_model(), calibration.depth)
+    estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor)
+    estimator.look(depth_in_metres(raw, scene.info.depth_unit_m), 0.0)
+
+
 WORKS: tuple[Callable[[], None], ...] = (
     take_session,
     calibrate_a_camera,
     name_joints,
     find_limbs,
+    find_joints,
 )
 
 
