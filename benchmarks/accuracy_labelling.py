@@ -21,7 +21,7 @@ from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
 from adibas.skeleton.model import mirrored_name
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
-from adibas.skeleton.tracking import NameTracker
+from adibas.skeleton.tracking import name_movement
 from benchmarks.mocap_files import read_c3d_joints, read_mocap_joints
 from benchmarks.table import Row
 
@@ -143,15 +143,17 @@ def _real_rows(folder: Path, share: int) -> Iterator[Row]:
 
 
 def _followed(movements: list[FloatArray]) -> Count:
-    """Name each movement in the order of its frames; the view is told of none."""
+    """Name each movement as a whole; the view is told of none."""
     count = Count()
     rng = np.random.default_rng(SEED)
     for movement in movements:
-        tracker = NameTracker(shipped_namer())
-        for number, joints_m in enumerate(movement[:: MOCAP_HZ // TRACKED_HZ]):
-            order = rng.permutation(len(joints_m))
-            begin = time.thread_time()
-            tracked = tracker.follow(joints_m[order], number / TRACKED_HZ)
-            count.seconds += time.thread_time() - begin
-            count.add(tracked.names, [JOINT_NAMES[i] for i in order])
+        frames_m = movement[:: MOCAP_HZ // TRACKED_HZ]
+        orders = [rng.permutation(len(joints_m)) for joints_m in frames_m]
+        shuffled_m = [joints_m[order] for joints_m, order in zip(frames_m, orders, strict=True)]
+        times_s = [number / TRACKED_HZ for number in range(len(frames_m))]
+        begin = time.thread_time()
+        tracked = list(name_movement(shipped_namer(), shuffled_m, times_s))
+        count.seconds += time.thread_time() - begin
+        for one, order in zip(tracked, orders, strict=True):
+            count.add(one.names, [JOINT_NAMES[i] for i in order])
     return count

@@ -2,14 +2,19 @@
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
+from adibas.cli.store_options import add_store, open_existing
 from adibas.data.posture import VIEWS
 from adibas.errors import FileError
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.skeleton.model import SkeletonModel
 
 SUMMARY = message("give markers their names, and learn how named markers lie")
 TRAIN = message("learn a model from labelled point sets")
@@ -56,8 +61,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=_("start of the random numbers; {n} if not given").format(n=SEED),
     )
+    train.add_argument(
+        "--sessions",
+        action="store_true",
+        help=_("learn from the captures of the patient store whose markers were corrected"),
+    )
     add_out(train, "model.json", _("model to write; an older one is replaced"))
-    add_json(train)
+    add_store(train)
     train.set_defaults(action=_train)
     label = actions.add_parser("label", help=_(LABEL), description=sentence(_(LABEL)))
     label.add_argument(
@@ -96,20 +106,46 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     return code
 
 
-def _train(arguments: argparse.Namespace, console: Console) -> int:
+def _learned(arguments: argparse.Namespace, console: Console) -> "SkeletonModel":
     from adibas.pipeline.skeleton_training import train_from_file, train_from_simulator
-    from adibas.skeleton.model_files import write_model
 
-    if arguments.simulator == (arguments.shapes is not None):
-        raise FileError("Give a file of labelled shapes, or --simulator, and not both.")
     if arguments.simulator:
         console.say(_("Seed {seed}").format(seed=arguments.seed))
         with console.progress(_("Simulating people")) as progress:
-            model = train_from_simulator(
-                arguments.bodies, arguments.poses, arguments.seed, progress
-            )
-    else:
-        model = train_from_file(arguments.shapes)
+            return train_from_simulator(arguments.bodies, arguments.poses, arguments.seed, progress)
+    if arguments.sessions:
+        return _learned_from_sessions(arguments, console)
+    return train_from_file(arguments.shapes)
+
+
+def _learned_from_sessions(arguments: argparse.Namespace, console: Console) -> "SkeletonModel":
+    from adibas.pipeline.skeleton_sessions import train_from_sessions
+
+    with open_existing(arguments) as store, console.progress(_("Reading sessions")) as progress:
+        model, held_out = train_from_sessions(store, progress)
+    console.say(
+        _(
+            "Of {n} captures not learned from, {right} are named right, {wrong} with a mistake."
+        ).format(n=held_out.n_examples, right=held_out.right, wrong=held_out.wrong)
+    )
+    if held_out.is_worse:
+        raise FileError(
+            "The shipped model names these captures better: {right} of {n} right, against "
+            "{own}. Nothing is written. Name the markers of more captures.",
+            right=held_out.shipped_right,
+            n=held_out.n_examples,
+            own=held_out.right,
+        )
+    return model
+
+
+def _train(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.skeleton.model_files import write_model
+
+    sources = (arguments.simulator, arguments.sessions, arguments.shapes is not None)
+    if sum(sources) != 1:
+        raise FileError("Give a file of labelled shapes, --simulator or --sessions: one of them.")
+    model = _learned(arguments, console)
     write_model(model, arguments.out)
     n_prototypes = sum(len(part.prototypes) for part in model.models())
     console.say(

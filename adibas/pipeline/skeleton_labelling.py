@@ -10,7 +10,7 @@ from adibas.resources import resource_path
 from adibas.skeleton.model_files import read_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
-from adibas.skeleton.tracking import NameTracker
+from adibas.skeleton.tracking import name_movement
 
 Progress = Callable[[int, int], None]
 
@@ -110,9 +110,8 @@ def label_file(request: LabelRequest, out: Path, progress: Progress) -> Labelled
 def _all_words(
     namer: Namer, sets: Sequence[PointSet], request: LabelRequest
 ) -> Iterator[tuple[PointSet, _Words]]:
-    """Give each set with what is said of its points; of a movement, by the frames before, too."""
-    tracker = NameTracker(namer, request.view or (sets[0].view if sets else ""))
-    for number, one in enumerate(sets):
+    """Give each set with what is said of its points; of a movement, by all other frames, too."""
+    for one in sets:
         n_dimensions = one.positions_m.shape[1]
         if not namer.knows(n_dimensions):
             raise FileError(
@@ -121,16 +120,20 @@ def _all_words(
                 file=request.points.name,
                 n=n_dimensions,
             )
-        if request.frames_per_s is None:
+    if request.frames_per_s is None:
+        for one in sets:
             found = namer.label(one.positions_m, one.view or request.view)
             yield one, _Words(found.names, found.guesses, found.confidences.tolist())
-            continue
-        if n_dimensions != sets[0].positions_m.shape[1]:
-            raise FileError(
-                "{file}: the frames of a movement must all have z_m, or none.",
-                file=request.points.name,
-            )
-        tracked = tracker.follow(one.positions_m, number / request.frames_per_s)
+        return
+    if len({one.positions_m.shape[1] for one in sets}) > 1:
+        raise FileError(
+            "{file}: the frames of a movement must all have z_m, or none.",
+            file=request.points.name,
+        )
+    frames_m = [one.positions_m for one in sets]
+    times_s = [number / request.frames_per_s for number in range(len(sets))]
+    view = request.view or (sets[0].view if sets else "")
+    for one, tracked in zip(sets, name_movement(namer, frames_m, times_s, view), strict=True):
         yield one, _Words(tracked.names, tracked.labelling.guesses, tracked.confidences)
 
 

@@ -47,7 +47,7 @@ def with_joint_names(
     positions_m = np.stack(
         [marker.position_m for marker in placed if marker.position_m is not None]
     )
-    upright_m = positions_m @ _upright(vertical_of(calibration).up).T
+    upright_m = positions_m @ upright_turn(vertical_of(calibration).up).T
     found = shipped_namer().label(upright_m, view)
     names = {
         marker.label: name
@@ -57,7 +57,7 @@ def with_joint_names(
     return tuple(replace(marker, label=names.get(marker.label, marker.label)) for marker in markers)
 
 
-def _upright(up: FloatArray) -> FloatArray:
+def upright_turn(up: FloatArray) -> FloatArray:
     """Return the smallest (3, 3) rotation that takes `up` to where the camera has it, against y."""
     axis = np.cross(up, UP)
     cos = float(up @ UP)

@@ -5,18 +5,17 @@ it, or a landmark beside it. Each shape chooses among them, the same on both sid
 model learns where a marker of that name may be.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES
-from adibas.simulation.body import PosedBody, ShapedBody, load_body_model
+from adibas.pipeline.skeleton_marks import JointMarks, MarkedBody
+from adibas.pipeline.skeleton_poses import draw_pose
+from adibas.simulation.body import ShapedBody, load_body_model
 from adibas.simulation.body_shape import BodyShape
-from adibas.simulation.gestures import gesture_names, perform
-from adibas.simulation.poses import Pose
-from adibas.simulation.random_poses import Kind, random_figure
 
 KIND_SHARES: Mapping[str, float] = {
     "standing": 0.3,
@@ -24,6 +23,16 @@ KIND_SHARES: Mapping[str, float] = {
     "seated": 0.2,
     "gesture": 0.15,
 }
+"""What names are tested on."""
+TRAINING_SHARES: Mapping[str, float] = {
+    "standing": 0.22,
+    "moving": 0.22,
+    "seated": 0.16,
+    "gesture": 0.10,
+    "table": 0.08,
+    "active": 0.22,
+}
+"""What they are learned from: broader."""
 CHILDREN_SHARE = 0.25
 GROWN_YEARS = 18.0
 MARKER_SD_M = 0.012
@@ -54,7 +63,7 @@ class LabelledShapes:
     shapes_m : (S, 15, 3) array
         In the order of `JOINT_NAMES`.
     kinds : tuple of str
-        Of each: one of `KIND_SHARES`.
+        Of each: see `draw_pose`.
     """
 
     shapes_m: FloatArray
@@ -62,29 +71,35 @@ class LabelledShapes:
 
 
 def simulate_shapes(
-    n_bodies: int, n_poses: int, seed: int, progress: Callable[[int, int], None]
+    n_bodies: int,
+    n_poses: int,
+    seed: int,
+    progress: Callable[[int, int], None],
+    shares: Mapping[str, float] = KIND_SHARES,
 ) -> LabelledShapes:
-    """Return `n_bodies` times `n_poses` shapes; the same seed gives the same ones."""
+    """Return `n_bodies` times `n_poses` shapes; the same seed gives the same ones.
+
+    `shares` of the kinds of poses sum to 1.
+    """
     rng = np.random.default_rng(seed)
     shapes: list[FloatArray] = []
     kinds: list[str] = []
     for done in range(n_bodies):
-        body = _random_body(rng)
+        body = MarkedBody(_random_body(rng))
         for _ in range(n_poses):
-            kind = str(rng.choice(list(KIND_SHARES), p=list(KIND_SHARES.values())))
-            shapes.append(marked_joints(body.posed(_pose(rng, kind)), rng))
+            kind = str(rng.choice(list(shares), p=list(shares.values())))
+            shapes.append(marked_joints(body.posed(draw_pose(rng, kind)), rng))
             kinds.append(kind)
         progress(done + 1, n_bodies)
     return LabelledShapes(np.stack(shapes), tuple(kinds))
 
 
-def marked_joints(posed: PosedBody, rng: np.random.Generator) -> FloatArray:
+def marked_joints(marks: JointMarks, rng: np.random.Generator) -> FloatArray:
     """Return (15, 3) places at which somebody would mark the joints of a body, metres."""
-    body = posed.body
     sets: dict[str, FloatArray] = {
-        "centre": posed.joints_m,
-        "front": posed.on_skin(body.front_joint_anchors)[0],
-        "back": posed.on_skin(body.back_joint_anchors)[0],
+        "centre": marks.centres,
+        "front": marks.fronts,
+        "back": marks.backs,
     }
     whole = str(rng.choice(list(sets))) if rng.random() < WHOLE_SET_SHARE else None
     chosen = {
@@ -93,14 +108,14 @@ def marked_joints(posed: PosedBody, rng: np.random.Generator) -> FloatArray:
     places = np.empty((len(JOINT_NAMES), 3))
     for i, name in enumerate(JOINT_NAMES):
         place = chosen[_unsided(name)]
-        places[i] = sets[place][i] if place in sets else _landmark(posed, name, place)
+        places[i] = sets[place][i] if place in sets else _landmark(marks, name, place)
     return np.asarray(places + rng.normal(scale=MARKER_SD_M, size=places.shape))
 
 
-def _landmark(posed: PosedBody, joint: str, place: str) -> FloatArray:
-    landmarks = posed.landmarks
+def _landmark(marks: JointMarks, joint: str, place: str) -> FloatArray:
+    landmarks = marks.landmarks
     if place == "sternum":
-        torso = posed.on_skin(posed.body.front_joint_anchors)[0][JOINT_NAMES.index("torso")]
+        torso = marks.fronts[JOINT_NAMES.index("torso")]
         return np.asarray(0.5 * (landmarks["sternal_notch"] + torso))
     side = joint.partition("_")[0]
     return landmarks[f"{side}_{place}" if side in ("left", "right") else place]
@@ -124,12 +139,3 @@ def _random_body(rng: np.random.Generator) -> ShapedBody:
         float(mass_index * stature_m**2),
     )
     return load_body_model().shaped(shape)
-
-
-def _pose(rng: np.random.Generator, kind: str) -> Pose:
-    if kind == "gesture":
-        names: Sequence[str] = gesture_names()
-        gesture = perform(str(rng.choice(names)), int(rng.integers(2**31)))
-        return gesture.pose(float(rng.uniform(0.0, gesture.duration_s)))
-    of_kind: Kind = "standing" if kind == "standing" else "moving"
-    return random_figure(rng, "seated" if kind == "seated" else of_kind).pose()

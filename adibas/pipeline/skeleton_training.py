@@ -11,11 +11,13 @@ from adibas.arrays import BoolArray, FloatArray
 from adibas.clock import Clock, utc_now
 from adibas.data.joints import JOINT_NAMES
 from adibas.errors import FileError
-from adibas.pipeline.skeleton_simulator import KIND_SHARES, simulate_shapes
+from adibas.pipeline.skeleton_simulator import TRAINING_SHARES, simulate_shapes
 from adibas.recordings.checksum import recording_sha256
 from adibas.shapes.point_distribution import LEAST_SHAPES, learn_distribution
 from adibas.shapes.shape_fitting import fit_shape
 from adibas.skeleton.model import PointModel, SkeletonModel
+from adibas.skeleton.parts import PartsModel, has_parts
+from adibas.skeleton.parts_training import PartsParams, learn_parts
 from adibas.skeleton.points_csv import PointSet, read_points
 from adibas.skeleton.starts import HEADINGS_RAD
 from adibas.skeleton.training import TrainingParams, learn_points, turned_about_y
@@ -27,6 +29,8 @@ TEMPERATURE = 1.0
 VIEW_SD_RAD = 0.2
 """How far patients stand from the view that was declared."""
 N_PLANE_PROTOTYPES = 10
+KIND_WEIGHTS = {"standing": 0.3, "seated": 0.15, "active": 0.2}
+"""How often a clinic meets them, ours; the others as in the training."""
 FILLING_SIGMA_M = 0.02
 
 Progress = Callable[[int, int], None]
@@ -50,32 +54,61 @@ def train_from_file(path: Path, clock: Clock = utc_now) -> SkeletonModel:
             file=path.name,
             n=len(names),
         )
+    source = {"source": path.name, "sha256": recording_sha256(path)}
+    return learn_sets(path.name, names, sets, source, clock)
+
+
+def learn_sets(
+    called: str,
+    names: tuple[str, ...],
+    sets: Sequence[PointSet],
+    source: Mapping[str, object],
+    clock: Clock,
+) -> SkeletonModel:
+    """Learn a model from labelled point sets.
+
+    Parameters
+    ----------
+    called : str
+        What the sets are called in messages.
+    names : tuple of str
+        Of the points; labels beside them are not looked at.
+    source : Mapping
+        Where the sets are from: the beginning of the provenance.
+
+    Raises
+    ------
+    FileError
+        The shapes do not suffice.
+    """
     in_space = [one for one in sets if one.positions_m.shape[1] == SPACE]
-    space = _learn(path, names, in_space) if in_space else None
+    space = _learn(called, names, in_space) if in_space else None
+    parts = _learn_parts(names, in_space)
     planes: dict[str, PointModel] = {}
     for view in ("", *HEADINGS_RAD):
         of_view = [o for o in sets if o.positions_m.shape[1] == PLANE and o.view == view]
         if of_view:
-            planes[view] = _learn(path, names, of_view)
+            planes[view] = _learn(called, names, of_view)
     provenance = {
-        "source": path.name,
-        "sha256": recording_sha256(path),
+        **source,
         "n_shapes": len(sets),
         "version": __version__,
         "created_utc": clock().isoformat(timespec="seconds"),
         "training": asdict(TrainingParams()),
     }
-    return SkeletonModel(space, planes, TEMPERATURE, provenance)
+    return SkeletonModel(space, planes, TEMPERATURE, provenance, parts)
 
 
 def train_from_simulator(
     n_bodies: int, n_poses: int, seed: int, progress: Progress, clock: Clock = utc_now
 ) -> SkeletonModel:
     """Learn the 15 joints from simulated people, in space and in the plane of each view."""
-    learned = simulate_shapes(n_bodies, n_poses, seed, progress)
+    learned = simulate_shapes(n_bodies, n_poses, seed, progress, TRAINING_SHARES)
     rng = np.random.default_rng([seed, 1])
     params = TrainingParams()
     space = learn_points(JOINT_NAMES, learned.shapes_m, learned.kinds, params)
+    of_parts = PartsParams(weights={**TRAINING_SHARES, **KIND_WEIGHTS})
+    parts = learn_parts(JOINT_NAMES, learned.shapes_m, learned.kinds, of_parts)
     in_plane = TrainingParams(n_prototypes=N_PLANE_PROTOTYPES)
     planes = {}
     for view, heading_rad in HEADINGS_RAD.items():
@@ -89,27 +122,44 @@ def train_from_simulator(
         "seed": seed,
         "n_bodies": n_bodies,
         "n_poses": n_poses,
-        "kinds": dict(KIND_SHARES),
+        "kinds": dict(TRAINING_SHARES),
         "version": __version__,
         "created_utc": clock().isoformat(timespec="seconds"),
         "training": asdict(params),
         "training_in_plane": asdict(in_plane),
+        "training_of_parts": asdict(of_parts),
     }
-    return SkeletonModel(space, planes, TEMPERATURE, provenance)
+    return SkeletonModel(space, planes, TEMPERATURE, provenance, parts)
 
 
-def _learn(path: Path, names: tuple[str, ...], sets: Sequence[PointSet]) -> PointModel:
+def _learn_parts(names: tuple[str, ...], sets: Sequence[PointSet]) -> PartsModel | None:
+    """Return core and limbs where the names are the joints and there are shapes enough."""
+    shapes_m = _shapes(names, sets) if sets else np.zeros((0, len(names), SPACE))
+    whole_m = shapes_m[~np.isnan(shapes_m).any(axis=(1, 2))]
+    params = PartsParams()
+    if not has_parts(names) or len(whole_m) < params.rows_per_component:
+        return None
+    return learn_parts(names, whole_m, [""] * len(whole_m), params)
+
+
+def _shapes(names: tuple[str, ...], sets: Sequence[PointSet]) -> FloatArray:
+    """Return the (S, N, D) points of sets in the order of the names, NaN where there is none."""
     shapes_m = np.full((len(sets), len(names), sets[0].positions_m.shape[1]), np.nan)
     for shape_m, one in zip(shapes_m, sets, strict=True):
         for label, position_m in zip(one.labels, one.positions_m, strict=True):
             if label:
                 shape_m[names.index(label)] = position_m
+    return shapes_m
+
+
+def _learn(called: str, names: tuple[str, ...], sets: Sequence[PointSet]) -> PointModel:
+    shapes_m = _shapes(names, sets)
     is_whole = ~np.isnan(shapes_m).any(axis=(1, 2))
     if np.count_nonzero(is_whole) < LEAST_SHAPES:
         raise FileError(
             "{file} has {n} shapes with all {n_names} names, and a model needs at least three. Add "
             "shapes, or leave out names that few of them have.",
-            file=path.name,
+            file=called,
             n=int(np.count_nonzero(is_whole)),
             n_names=len(names),
         )
@@ -119,7 +169,7 @@ def _learn(path: Path, names: tuple[str, ...], sets: Sequence[PointSet]) -> Poin
         raise FileError(
             "The shapes in {file} make no model: they are all the same, or their points lie on one "
             "line.",
-            file=path.name,
+            file=called,
         ) from error
 
 

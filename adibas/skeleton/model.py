@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
+from adibas.skeleton.parts import PartsModel
 
 SIDES = ("left_", "right_")
 
@@ -129,12 +130,15 @@ class SkeletonModel:
         the training's own mistakes.
     provenance : Mapping
         What it was learned from.
+    parts : PartsModel or None
+        Core and limbs, where the points are the 15 joints in space; needs `space`.
     """
 
     space: PointModel | None
     planes: Mapping[str, PointModel]
     temperature: float
     provenance: Mapping[str, object] = field(default_factory=dict)
+    parts: PartsModel | None = None
 
     def __post_init__(self) -> None:
         if self.space is None and not self.planes:
@@ -143,6 +147,8 @@ class SkeletonModel:
             raise ValueError("temperature must be positive")
         if len({model.names for model in self.models()}) != 1:
             raise ValueError("all parts of a skeleton model must have the same names")
+        if self.parts is not None and (self.space is None or self.parts.names != self.names):
+            raise ValueError("core and limbs need points in space of the same names")
 
     def models(self) -> tuple[PointModel, ...]:
         """Return all parts."""

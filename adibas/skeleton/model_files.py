@@ -11,6 +11,7 @@ from adibas.arrays import FloatArray
 from adibas.errors import FileError
 from adibas.files import written_whole
 from adibas.skeleton.model import NeighbourTree, PointModel, Prototype, SkeletonModel
+from adibas.skeleton.parts_files import parts_from_json, parts_to_json
 
 FORMAT = "adibas-skeleton"
 VERSION = 1
@@ -72,6 +73,7 @@ def model_to_json(model: SkeletonModel) -> dict[str, Any]:
         "provenance": dict(model.provenance),
         "space": None if model.space is None else _points_to_json(model.space),
         "planes": {view: _points_to_json(plane) for view, plane in model.planes.items()},
+        "parts": None if model.parts is None else parts_to_json(model.parts),
     }
 
 
@@ -85,11 +87,13 @@ def model_from_json(document: Mapping[str, Any]) -> SkeletonModel:
     """
     names = tuple(str(name) for name in document["names"])
     space = document["space"]
+    parts = document.get("parts")
     return SkeletonModel(
         None if space is None else _points_from_json(names, space),
         {str(view): _points_from_json(names, one) for view, one in document["planes"].items()},
         float(document["temperature"]),
         dict(document["provenance"]),
+        None if parts is None else parts_from_json(names, parts),
     )
 
 

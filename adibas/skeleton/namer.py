@@ -3,9 +3,11 @@
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.skeleton.labelling import Labelling, LabelParams, label_points
+from adibas.skeleton.labelling import LEAST_POINTS, Labelling, LabelParams, label_points
 from adibas.skeleton.model import SkeletonModel
+from adibas.skeleton.parts_naming import MOST_POINTS, PartsOdds, label_parts
 from adibas.skeleton.prepared import PreparedModel, prepare
+from adibas.skeleton.second_opinion import combined, is_in_doubt
 
 SPACE = 3
 
@@ -13,9 +15,15 @@ SPACE = 3
 class Namer:
     """Names the points of one frame after the other."""
 
-    def __init__(self, model: SkeletonModel, params: LabelParams | None = None) -> None:
+    def __init__(
+        self,
+        model: SkeletonModel,
+        params: LabelParams | None = None,
+        odds: PartsOdds | None = None,
+    ) -> None:
         self._model = model
         self._params = params or LabelParams()
+        self._odds = odds or PartsOdds()
         self._prepared: dict[str, PreparedModel] = {}
 
     @property
@@ -36,8 +44,22 @@ class Namer:
             The model has no part for that many dimensions.
         """
         points_m = np.ascontiguousarray(points_m, float)
+        by_parts = self._by_parts(points_m, view)
+        if by_parts is not None and not is_in_doubt(by_parts):
+            return by_parts
         parts = self._parts(points_m.shape[1], view)
-        return label_points(parts, points_m, view, self._params, self._model.temperature)
+        found = label_points(parts, points_m, view, self._params, self._model.temperature)
+        if by_parts is None:
+            return found
+        return combined(by_parts, found, self.names, self._odds.sure, self._odds.side_sure)
+
+    def _by_parts(self, points_m: FloatArray, view: str) -> Labelling | None:
+        """Return names by core and limbs; None where they are not known or none are found."""
+        parts = self._model.parts
+        is_some = LEAST_POINTS <= len(points_m) <= MOST_POINTS
+        if parts is None or points_m.shape[1] != SPACE or not is_some:
+            return None
+        return label_parts(parts, self._part("space"), points_m, view, self._odds)
 
     def _parts(self, n_dimensions: int, view: str) -> tuple[PreparedModel, ...]:
         if n_dimensions == SPACE:

@@ -6,6 +6,7 @@ comes back within a second where it was expected goes on with what had been gath
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -78,11 +79,14 @@ class TrackedNames:
         Of the most probable names.
     labelling : Labelling
         What this frame alone says.
+    evidence : (M, N + 1) array
+        What was gathered for each point: logarithms, up to a constant of the point.
     """
 
     names: tuple[str | None, ...]
     confidences: tuple[float, ...]
     labelling: Labelling
+    evidence: FloatArray
 
 
 @dataclass(slots=True)
@@ -101,9 +105,14 @@ class NameTracker:
     params: TrackingParams = field(default_factory=TrackingParams)
     _tracks: list[_Track] = field(default_factory=list)
 
-    def follow(self, points_m: FloatArray, time_s: float) -> TrackedNames:
-        """Name (M, D) points in metres, y down, of a frame later than the last one."""
-        labelling = self.namer.label(points_m, self.view)
+    def follow(
+        self, points_m: FloatArray, time_s: float, labelling: Labelling | None = None
+    ) -> TrackedNames:
+        """Name (M, D) points in metres, y down, of a frame later than the last one.
+
+        `labelling` is what the frame alone says, where that is known already.
+        """
+        labelling = labelling or self.namer.label(points_m, self.view)
         self._tracks = [t for t in self._tracks if time_s - t.seen_s <= self.params.lost_s]
         owners = self._linked(points_m, time_s)
         said = np.log(np.maximum(labelling.masses, self.params.least_mass))
@@ -120,7 +129,8 @@ class NameTracker:
                 track.evidence = fade * track.evidence + weight * words
                 track.see(point_m, time_s)
             tracks.append(track)
-        return self._named(tracks, labelling)
+        evidence = np.stack([track.evidence for track in tracks]) if tracks else said
+        return _named(evidence, labelling, self.namer.names, self.params.sure)
 
     def _linked(self, points_m: FloatArray, time_s: float) -> IntArray:
         """Return for each point the index of its track, -1 for a new one."""
@@ -132,19 +142,50 @@ class NameTracker:
         apart = np.linalg.norm(points_m[:, None] - expected[None], axis=-1)
         return assign(np.ascontiguousarray((apart / reach) ** 2 - 1.0))
 
-    def _named(self, tracks: list[_Track], labelling: Labelling) -> TrackedNames:
-        """Give each name to the point that has gathered most for it."""
-        if not tracks:
-            return TrackedNames((), (), labelling)
-        evidence = np.stack([track.evidence for track in tracks])
-        costs = evidence[:, -1:] - evidence[:, :-1]
-        chosen = assign(np.ascontiguousarray(costs))
-        chosen = np.where(chosen < 0, len(self.namer.names), chosen)
-        shares = np.exp(evidence - evidence.max(axis=1, keepdims=True))
-        shares /= shares.sum(axis=1, keepdims=True)
-        confidences = shares[np.arange(len(tracks)), chosen]
-        names = tuple(
-            self.namer.names[i] if i < len(self.namer.names) and c >= self.params.sure else None
-            for i, c in zip(chosen, confidences, strict=True)
-        )
-        return TrackedNames(names, tuple(float(c) for c in confidences), labelling)
+
+def name_movement(
+    namer: Namer,
+    frames_m: Sequence[FloatArray],
+    times_s: Sequence[float],
+    view: str = "",
+    params: TrackingParams | None = None,
+) -> Iterator[TrackedNames]:
+    """Name the points of a whole recording: later frames say what earlier ones were, too.
+
+    Parameters
+    ----------
+    frames_m : sequence of (M, D) arrays
+        Of each frame, metres, y down; M may differ.
+    times_s : sequence of float
+        Ascending.
+    """
+    params = params or TrackingParams()
+    onward = NameTracker(namer, view, params)
+    first = [onward.follow(*frame) for frame in zip(frames_m, times_s, strict=True)]
+    backward = NameTracker(namer, view, params)
+    frames = list(zip(frames_m, times_s, first, strict=True))
+    second = [
+        backward.follow(points_m, -time_s, one.labelling)
+        for points_m, time_s, one in reversed(frames)
+    ]
+    for before, after in zip(first, reversed(second), strict=True):
+        evidence = before.evidence + after.evidence
+        yield _named(evidence, before.labelling, namer.names, params.sure)
+
+
+def _named(
+    evidence: FloatArray, labelling: Labelling, names: tuple[str, ...], sure: float
+) -> TrackedNames:
+    """Give each name to the point that has gathered most for it."""
+    if not len(evidence):
+        return TrackedNames((), (), labelling, evidence)
+    chosen = assign(np.ascontiguousarray(evidence[:, -1:] - evidence[:, :-1]))
+    chosen = np.where(chosen < 0, len(names), chosen)
+    shares = np.exp(evidence - evidence.max(axis=1, keepdims=True))
+    shares /= shares.sum(axis=1, keepdims=True)
+    confidences = shares[np.arange(len(evidence)), chosen]
+    given = tuple(
+        names[i] if i < len(names) and c >= sure else None
+        for i, c in zip(chosen, confidences, strict=True)
+    )
+    return TrackedNames(given, tuple(float(c) for c in confidences), labelling, evidence)

@@ -1,0 +1,188 @@
+"""The core of a body under points: how it lies, how likely it is, where other points would be."""
+
+import math
+
+import numpy as np
+
+from adibas.arrays import FloatArray, IntArray
+from adibas.kernels import compiled
+from adibas.shapes.labelling_kernels import LOG_2PI, factor
+from adibas.shapes.parts_types import Core, Odds
+
+NEVER = -1e30
+LEAST_CORE = 3
+
+
+@compiled
+def count_named(own: IntArray) -> int:
+    """Return how many labels have a point."""
+    n = 0
+    for j in own:
+        n += 1 if j >= 0 else 0
+    return n
+
+
+@compiled
+def turned_to_mean(points: FloatArray, own: IntArray, mean: FloatArray) -> tuple[FloatArray, float]:
+    """Return (M, 3) points turned about y so that the named ones lie best on the mean, and by what.
+
+    The origin is then in the middle of the named points.
+    """
+    n = count_named(own)
+    middle, of_mean = np.zeros(3), np.zeros(3)
+    for i in range(len(own)):
+        if own[i] >= 0:
+            middle += points[own[i]] / n
+            of_mean += mean[i] / n
+    across, along = 0.0, 0.0
+    for i in range(len(own)):
+        if own[i] >= 0:
+            x, z = points[own[i], 0] - middle[0], points[own[i], 2] - middle[2]
+            to_x, to_z = mean[i, 0] - of_mean[0], mean[i, 2] - of_mean[2]
+            across += z * to_x - x * to_z
+            along += x * to_x + z * to_z
+    angle_rad = math.atan2(across, along)
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    moved = np.empty_like(points)
+    for j in range(len(points)):
+        x, z = points[j, 0] - middle[0], points[j, 2] - middle[2]
+        moved[j, 0] = cos * x + sin * z
+        moved[j, 1] = points[j, 1] - middle[1]
+        moved[j, 2] = cos * z - sin * x
+    return moved, angle_rad
+
+
+@compiled
+def heading_energy(heading_rad: float, odds: Odds) -> float:
+    """Return minus the log probability of a heading, up to a constant."""
+    if math.isnan(odds.heading_rad):
+        return 0.0
+    return odds.kappa * (1.0 - math.cos(heading_rad - odds.heading_rad))
+
+
+@compiled
+def known_rows(moved: FloatArray, own: IntArray) -> tuple[IntArray, FloatArray]:
+    """Return which of the core's 3 C coordinates are known, and their values."""
+    n = 3 * count_named(own)
+    rows, values = np.empty(n, np.int64), np.empty(n)
+    at = 0
+    for i in range(len(own)):
+        if own[i] >= 0:
+            for d in range(3):
+                rows[at] = 3 * i + d
+                values[at] = moved[own[i], d]
+                at += 1
+    return rows, values
+
+
+@compiled
+def picked(matrix: FloatArray, rows: IntArray, columns: IntArray) -> FloatArray:
+    """Return some rows and columns of a matrix."""
+    part = np.empty((len(rows), len(columns)))
+    for i in range(len(rows)):
+        for j in range(len(columns)):
+            part[i, j] = matrix[rows[i], columns[j]]
+    return part
+
+
+@compiled
+def log_density(values: FloatArray, rows: IntArray, mean: FloatArray, lower: FloatArray) -> float:
+    """Return the log density of some coordinates of a flat mean; `lower` is their own factor."""
+    n = len(rows)
+    white = np.empty(n)
+    total = -0.5 * n * LOG_2PI
+    for i in range(n):
+        off = values[i] - mean[rows[i]]
+        for j in range(i):
+            off -= lower[i, j] * white[j]
+        white[i] = off / lower[i, i]
+        total -= 0.5 * white[i] * white[i] + math.log(lower[i, i])
+    return total
+
+
+@compiled
+def rate_core(
+    rows: IntArray, values: FloatArray, core: Core, odds: Odds, by_kind: FloatArray
+) -> int:
+    """Fill the (kinds,) log densities of a core against anywhere; return the best component."""
+    n_components, n_core, _ = core.means.shape
+    is_whole = len(rows) == 3 * n_core
+    logs = np.empty(n_components)
+    for k in range(n_components):
+        lower = core.factors[k]
+        if not is_whole:
+            lower = factor(picked(core.covariances[k], rows, rows))
+        logs[k] = core.log_weights[k] + log_density(values, rows, core.means[k].ravel(), lower)
+        logs[k] += len(rows) // 3 * odds.log_room
+    sum_by_kind(logs, core.kinds, by_kind)
+    return int(np.argmax(logs))
+
+
+@compiled
+def sum_by_kind(logs: FloatArray, kinds: IntArray, by_kind: FloatArray) -> None:
+    """Fill the logarithms of the sums of what each kind has."""
+    by_kind[:] = NEVER
+    for k in range(len(logs)):
+        by_kind[kinds[k]] = max(by_kind[kinds[k]], logs[k])
+    sums = np.zeros(len(by_kind))
+    for k in range(len(logs)):
+        if logs[k] > NEVER:
+            sums[kinds[k]] += math.exp(logs[k] - by_kind[kinds[k]])
+    for q in range(len(by_kind)):
+        if sums[q] > 0.0:
+            by_kind[q] += math.log(sums[q])
+
+
+@compiled
+def whole_core(rows: IntArray, values: FloatArray, core: Core, best: int) -> FloatArray:
+    """Return the (C, 3) core, its missing points where the others let expect them."""
+    n = 3 * core.means.shape[1]
+    flat = core.means[best].ravel().copy()
+    if len(rows) < n:
+        covariance = core.covariances[best]
+        pull = np.linalg.solve(picked(covariance, rows, rows), values - flat[rows])
+        flat += picked(covariance, np.arange(n), rows) @ pull
+    flat[rows] = values
+    whole: FloatArray = flat.reshape(core.mean.shape)
+    return whole
+
+
+@compiled
+def leave_one_out_core(
+    rows: IntArray, values: FloatArray, own: IntArray, core: Core, best: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return where each point of the core is by all others (C, 3), and how surely (C, 3, 3)."""
+    n_core = len(own)
+    mean, covariance = core.means[best].ravel(), core.covariances[best]
+    precision = np.linalg.inv(picked(covariance, rows, rows))
+    pull = precision @ (values - mean[rows])
+    places, spreads = np.empty((n_core, 3)), np.empty((n_core, 3, 3))
+    at = 0
+    for i in range(n_core):
+        mine = 3 * i + np.arange(3)
+        if own[i] >= 0:
+            spreads[i] = np.linalg.inv(np.ascontiguousarray(precision[at : at + 3, at : at + 3]))
+            places[i] = values[at : at + 3] - spreads[i] @ pull[at : at + 3]
+            at += 3
+        else:
+            shared = picked(covariance, mine, rows)
+            places[i] = mean[3 * i : 3 * i + 3] + shared @ pull
+            spreads[i] = picked(covariance, mine, mine) - shared @ precision @ shared.T
+    return places, spreads
+
+
+@compiled
+def core_numbers(whole: FloatArray, core: Core) -> tuple[FloatArray, FloatArray, float]:
+    """Return what limbs depend on (B,), the same of the mirror image, and the size in metres."""
+    n_core = len(whole)
+    middle = np.zeros(3)
+    for i in range(n_core):
+        middle += whole[i] / n_core
+    size_m = math.sqrt(((whole - middle) ** 2).sum() / n_core)
+    plain, mirrored = np.empty(3 * n_core), np.empty(3 * n_core)
+    for i in range(n_core):
+        for d in range(3):
+            other = (whole[core.mirror[i], d] - middle[d]) / size_m
+            plain[3 * i + d] = (whole[i, d] - middle[d]) / size_m - core.basis_mean[i, d]
+            mirrored[3 * i + d] = (-other if d == 0 else other) - core.basis_mean[i, d]
+    return core.basis @ plain, core.basis @ mirrored, size_m

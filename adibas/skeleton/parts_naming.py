@@ -1,0 +1,265 @@
+"""Names for the joints in space by core and limbs, with the probability of each.
+
+What the points could be is listed with its energy (minus log odds); the lowest one names, and the
+share of each name in all that was listed is its confidence.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import FloatArray, IntArray
+from adibas.shapes.labelling_search_kernels import assign_by_tree
+from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
+from adibas.shapes.parts_types import Odds, Pool
+from adibas.skeleton.labelling import Candidate, Labelling
+from adibas.skeleton.parts import PartsModel
+from adibas.skeleton.prepared import PreparedModel
+from adibas.skeleton.second_opinion import names_of
+from adibas.skeleton.starts import (
+    HEADINGS_RAD,
+    heading_of_turn,
+    list_turns,
+    log_radius,
+    turn_back,
+)
+
+MOST_WAYS = 3000
+NO_PROTOTYPE = -1
+MOST_NATS = 500.0
+MOST_POINTS = 40
+"""Of a set that is searched by parts; more take seconds, and are no markers of one person."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How far is searched: see `Odds`."""
+
+    n_judged: int
+    n_varied: int
+    too_unlikely: float
+
+
+QUICK = Effort(8, 1, 20.0)
+THOROUGH = Effort(24, 3, 40.0)
+"""Where the quick search leaves a doubt, or points are missing or too many."""
+SETTLED = 0.99
+"""Share of all names from which on the quick search is believed."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartsOdds:
+    """What is expected before the points are looked at, and when a name is given.
+
+    Attributes
+    ----------
+    complete : float
+        How often no label is hidden: 0.8; of the rest, one more halves it.
+    clean : float
+        How often there is no point too many: 0.8; of the rest, one more halves it.
+    room_m3 : float
+        Where a point without a label may be: 3, a person's reach and a little more.
+    lone : float
+        Least that one more label without a point costs, in nats: 3.
+    kappa : float
+        Concentration of a patient's heading about the declared view: 4.
+    gap : float
+        Ways less likely than the best by so much, in nats, do not count: 9.
+    side_divisor : float
+        Of energies of a patient who faces the other way, where no view is told: 7; real people
+        differ more than simulated ones.
+    temperature : float
+        By which differences of energy are divided before they are log odds.
+    sure : float
+        Least confidence of a name that is given: 0.5.
+    side_sure : float
+        A name is not given where its mirror image is more probable than this: 0.25.
+    n_anchored : int
+        Cores from single points: 24, where the quick search leaves a doubt.
+    """
+
+    complete: float = 0.8
+    clean: float = 0.8
+    room_m3: float = 3.0
+    lone: float = 3.0
+    kappa: float = 4.0
+    gap: float = 9.0
+    side_divisor: float = 7.0
+    temperature: float = 1.0
+    sure: float = 0.5
+    side_sure: float = 0.25
+    n_anchored: int = 24
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartsFound:
+    """What the points could be.
+
+    Attributes
+    ----------
+    partners : (N,) int array
+        The most probable: of each name its point, -1 for none.
+    energy : float
+    heading_rad : float
+        Of the patient, 0 facing the camera.
+    masses : (M, N + 1) array
+        Probability of each name for each point; the last: of none.
+    """
+
+    partners: IntArray
+    energy: float
+    heading_rad: float
+    masses: FloatArray
+
+
+def find_by_parts(
+    model: PartsModel, prepared: PreparedModel, points_m: FloatArray, view: str, odds: PartsOdds
+) -> PartsFound | None:
+    """List what (M, 3) points could be; None where no core is found.
+
+    Parameters
+    ----------
+    prepared : PreparedModel
+        Of the same names: its tree of neighbours is where the search begins.
+    view : str
+        As declared; empty: unknown.
+    """
+    points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
+    expected = _expected(model, len(points), view, odds, QUICK)
+    turns, shifts = list_turns(prepared.model, view)
+    starts = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
+    pool = _searched(model, points, starts, expected)
+    if len(pool.energies):
+        found = _weighed(model, len(points), pool, expected, odds.temperature)
+        if _is_settled(found, len(model.names)):
+            return found
+    expected = _expected(model, len(points), view, odds, THOROUGH)
+    headings = np.array([heading_of_turn(turn) for turn in turns])
+    laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
+    pool = _searched(model, points, np.concatenate([starts, laid]), expected)
+    if not len(pool.energies):
+        return None
+    return _weighed(model, len(points), pool, expected, odds.temperature)
+
+
+def _is_settled(found: PartsFound, n_names: int) -> bool:
+    """Say whether every point surely has a name, and every name a point."""
+    own = found.masses.max(axis=1)
+    return bool((found.partners >= 0).all() and len(own) == n_names and own.min() >= SETTLED)
+
+
+def _expected(model: PartsModel, n_points: int, view: str, odds: PartsOdds, effort: Effort) -> Odds:
+    n = len(model.names)
+    counts = np.full(n + 1, np.inf)
+    for n_missing in range(n + 1):
+        n_spurious = n_points - (n - n_missing)
+        if n_spurious >= 0:
+            counts[n_missing] = (
+                _count_cost(n_missing, odds.complete)
+                + math.log(math.comb(n, n_missing))
+                + _count_cost(n_spurious, odds.clean)
+                - math.lgamma(n_spurious + 1)
+            )
+    return Odds(
+        n_kinds=len(model.kinds),
+        log_room=math.log(odds.room_m3),
+        counts=counts,
+        least_counts=np.ascontiguousarray(np.minimum.accumulate(counts[::-1])[::-1]),
+        lone=odds.lone,
+        kappa=odds.kappa,
+        heading_rad=HEADINGS_RAD[view] if view else math.nan,
+        gap=odds.gap * odds.temperature,
+        side_divisor=odds.side_divisor,
+        n_judged=effort.n_judged,
+        n_varied=effort.n_varied,
+        too_unlikely=effort.too_unlikely,
+    )
+
+
+def _count_cost(n: int, none: float) -> float:
+    """Return minus the log probability of n, where none is most probable and each more halves."""
+    return -math.log(none if n == 0 else (1.0 - none) * 0.5**n)
+
+
+def _by_neighbours(
+    prepared: PreparedModel, points: FloatArray, shifts: IntArray, expected: Odds
+) -> IntArray:
+    tree = prepared.model.tree
+    radius_m = math.exp(log_radius(points))
+    log_room = expected.log_room - 3.0 * math.log(radius_m)
+    return assign_by_tree(
+        points / radius_m, shifts, tree.edges, tree.log_lengths, prepared.wide_sds,
+        tree.directions, log_room, 2.0 * expected.lone,
+    )  # fmt: skip
+
+
+def _searched(model: PartsModel, points: FloatArray, starts: IntArray, expected: Odds) -> Pool:
+    """Return what was found, without the rows that were not filled."""
+    pool = Pool(
+        np.empty(MOST_WAYS),
+        np.empty(MOST_WAYS),
+        np.empty((MOST_WAYS, len(model.names)), np.int64),
+        np.zeros(1, np.int64),
+    )
+    starts = np.ascontiguousarray(starts)
+    search_parts(points, starts, model.core, model.limbs, expected, pool)
+    n = int(pool.n_filled[0])
+    return Pool(pool.energies[:n], pool.headings[:n], pool.partners[:n], pool.n_filled)
+
+
+def _weighed(
+    model: PartsModel, n_points: int, pool: Pool, expected: Odds, temperature: float
+) -> PartsFound:
+    """Return the most probable names, and the share of each name in all ways.
+
+    One way more is that all points are chance ones and all labels hidden: no person.
+    """
+    best = int(np.argmin(pool.energies))
+    above = (pool.energies - pool.energies[best]) / temperature
+    if math.isnan(expected.heading_rad):
+        faces_away = np.cos(pool.headings - pool.headings[best]) < 0
+        above = np.where(faces_away, above * temperature / expected.side_divisor, above)
+    weights = np.exp(-above)
+    nobody = math.exp(-max((expected.counts[-1] - pool.energies[best]) / temperature, -MOST_NATS))
+    weights /= weights.sum() + nobody
+    n_names = len(model.names)
+    masses = np.zeros((n_points + 1, n_names + 1))
+    np.add.at(
+        masses,
+        (pool.partners, np.arange(n_names)[None]),
+        np.broadcast_to(weights[:, None], pool.partners.shape),
+    )
+    masses = masses[:n_points]
+    masses[:, n_names] = np.maximum(1.0 - masses[:, :n_names].sum(axis=1), 0.0)
+    return PartsFound(
+        pool.partners[best].copy(), float(pool.energies[best]), float(pool.headings[best]), masses
+    )
+
+
+def label_parts(
+    model: PartsModel,
+    prepared: PreparedModel,
+    points_m: FloatArray,
+    view: str = "",
+    odds: PartsOdds | None = None,
+) -> Labelling | None:
+    """Name (M, 3) points in metres, y down; None where no core is found.
+
+    See `find_by_parts` for the parameters.
+    """
+    odds = odds or PartsOdds()
+    found = find_by_parts(model, prepared, points_m, view, odds)
+    if found is None:
+        return None
+    n_points, n_names = len(points_m), len(model.names)
+    index = np.full(n_points, n_names)
+    has_point = found.partners >= 0
+    index[found.partners[has_point]] = np.flatnonzero(has_point)
+    names, guesses, confidences = names_of(
+        index, found.masses, model.names, odds.sure, odds.side_sure
+    )
+    turn = turn_back(found.heading_rad)
+    moved = (points_m - points_m.mean(axis=0)) @ turn.T
+    best = Candidate(found.partners, found.energy, NO_PROTOTYPE, turn, 1.0, moved)
+    return Labelling(names, guesses, confidences, best, found.heading_rad, found.masses)

@@ -1,0 +1,209 @@
+"""Joints are named by core and limbs: the energies are those of the model, and the names right."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
+
+from adibas.data.joints import JOINT_NAMES
+from adibas.shapes import parts_core_kernels as cores
+from adibas.shapes.parts_choice_kernels import judge_core
+from adibas.shapes.parts_limb_kernels import place_limb
+from adibas.shapes.parts_types import Odds, Pool
+from adibas.skeleton.labelling import Labelling
+from adibas.skeleton.model import SkeletonModel, mirror_order, mirrored_name
+from adibas.skeleton.model_files import read_model, write_model
+from adibas.skeleton.namer import Namer
+from adibas.skeleton.parts import CORE_NAMES, LIMB_NAMES, has_parts
+from adibas.skeleton.parts_training import PartsParams, learn_parts
+from adibas.skeleton.second_opinion import combined, is_in_doubt
+from adibas.skeleton.starts import HEADINGS_RAD, turn_back
+from adibas.skeleton.training import TrainingParams, learn_points
+
+# Somebody who stands and faces the camera, metres: x to the image's right, y down.
+PLACES = {
+    "head": (0.0, -1.62, -0.03), "neck": (0.0, -1.42, 0.03), "torso": (0.0, -1.15, 0.06),
+    "left_shoulder": (0.19, -1.4, 0.0), "left_elbow": (0.25, -1.12, 0.02),
+    "left_hand": (0.28, -0.86, -0.06), "left_hip": (0.1, -0.92, 0.0),
+    "left_knee": (0.11, -0.48, -0.03), "left_foot": (0.12, -0.06, 0.03),
+}  # fmt: skip
+FIGURE = np.array([
+    PLACES[name] if name in PLACES else np.array(PLACES[mirrored_name(name)]) * [-1, 1, 1]
+    for name in JOINT_NAMES
+])  # fmt: skip
+
+
+def people(n=160, seed=0, sd_m=0.025):
+    rng = np.random.default_rng(seed)
+    sizes = rng.uniform(0.85, 1.1, (n, 1, 1))
+    return sizes * (FIGURE + rng.normal(scale=sd_m, size=(n, *FIGURE.shape)))
+
+
+@pytest.fixture(scope="module")
+def parts():
+    kinds = ["standing", "seated"] * 80
+    return learn_parts(JOINT_NAMES, people(), kinds, PartsParams(rows_per_component=60))
+
+
+@pytest.fixture(scope="module")
+def model(parts):
+    space = learn_points(JOINT_NAMES, people(), params=TrainingParams(n_prototypes=1))
+    return SkeletonModel(space, {}, 1.0, parts=parts)
+
+
+def shuffled(points, seed=0):
+    order = np.random.default_rng(seed).permutation(len(points))
+    names = (*JOINT_NAMES, *[None] * (len(points) - len(JOINT_NAMES)))
+    return points[order], tuple(names[i] for i in order)
+
+
+@pytest.mark.parametrize("view", HEADINGS_RAD)
+def test_shuffled_joints_find_their_names_in_every_view(model, view):
+    person = people(1, seed=5)[0] @ turn_back(HEADINGS_RAD[view] + 0.2) + [0.3, 0.1, 2.5]
+    points, truth = shuffled(person)
+    found = Namer(model).label(points, view)
+    assert found.names == truth
+    assert abs(np.angle(np.exp(1j * (found.heading_rad - HEADINGS_RAD[view] - 0.2)))) < 0.15
+    np.testing.assert_allclose(found.masses.sum(axis=1), 1)
+
+
+def test_hidden_joints_are_not_replaced_and_chance_points_get_no_name(model):
+    person = np.concatenate([people(1, seed=6)[0], [[0.9, -1.0, 0.4], [-0.8, -0.2, -0.4]]])
+    points, truth = shuffled(person)
+    hidden = [truth.index("right_shoulder"), truth.index("left_hand")]
+    found = Namer(model).label(np.delete(points, hidden, axis=0), "anterior")
+    assert found.names == tuple(np.delete(np.array(truth, object), hidden))
+
+
+def test_names_without_a_view_are_right_or_none(model):
+    points, truth = shuffled(people(1, seed=7)[0] @ turn_back(1.0))
+    for name, right in zip(Namer(model).label(points).names, truth, strict=True):
+        assert name in (None, right)
+
+
+def test_points_in_one_place_are_no_person(model):
+    assert set(Namer(model).label(np.zeros((15, 3)), "anterior").names) == {None}
+
+
+def test_a_file_of_the_model_names_as_the_model_did(model, tmp_path):
+    path = tmp_path / "model.json"
+    write_model(model, path)
+    again = read_model(path)
+    points, truth = shuffled(people(1, seed=9)[0])
+    assert Namer(again).label(points, "anterior").names == truth
+    np.testing.assert_allclose(again.parts.core.means, model.parts.core.means, rtol=1e-5)
+    assert again.parts.limbs.labels.dtype == np.int64
+
+
+def test_right_limbs_are_left_ones_mirrored(parts):
+    mirror = np.array(mirror_order(CORE_NAMES))
+    np.testing.assert_allclose(parts.core.mean, parts.core.mean[mirror] * [-1, 1, 1], atol=1e-12)
+    for field in parts.limbs._fields[3:]:
+        array = getattr(parts.limbs, field)
+        np.testing.assert_array_equal(array[0], array[1])
+
+
+def test_a_core_is_turned_onto_its_mean(parts):
+    own = np.array([JOINT_NAMES.index(name) for name in CORE_NAMES])
+    turned = FIGURE @ turn_back(0.7)
+    moved, angle_rad = cores.turned_to_mean(turned, own, parts.core.mean)
+    assert angle_rad == pytest.approx(-0.7, abs=0.05)
+    back = moved[own] - moved[own].mean(axis=0)
+    assert np.abs(back - parts.core.mean).max() < 0.08
+
+
+def test_a_hidden_point_of_the_core_is_expected_where_the_normal_distribution_says(parts):
+    core, own = parts.core, np.array([0, 1, -1, 3, 4, 5, 6])
+    moved = core.means[0] + 0.01
+    rows, values = cores.known_rows(moved, own)
+    places, spreads = cores.leave_one_out_core(rows, values, own, core, 0)
+    mean, covariance = core.means[0].ravel(), core.covariances[0]
+    for i in range(len(own)):
+        mine = np.arange(3 * i, 3 * i + 3)
+        others = np.setdiff1d(rows, mine)
+        slope = covariance[np.ix_(mine, others)] @ np.linalg.inv(covariance[np.ix_(others, others)])
+        off = moved.ravel()[others] - mean[others]
+        np.testing.assert_allclose(places[i], mean[mine] + slope @ off, atol=1e-8)
+        rest = covariance[np.ix_(mine, mine)] - slope @ covariance[np.ix_(others, mine)]
+        np.testing.assert_allclose(spreads[i], rest, atol=1e-8)
+    whole = cores.whole_core(rows, values, core, 0)
+    np.testing.assert_allclose(whole[2], places[2], atol=1e-8)
+
+
+def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts):
+    core, limbs = parts.core, parts.limbs
+    person = people(1, seed=12)[0]
+    person = np.ascontiguousarray(person - person.mean(axis=0))
+    odds = Odds(
+        2, math.log(3.0), np.arange(16.0), np.arange(16.0), 0.5, 4.0, 0.3, 9.0, 7.0, 6, 1, 15.0
+    )
+    pool = Pool(np.empty(500), np.empty(500), np.empty((500, 15), np.int64), np.zeros(1, np.int64))
+    own = core.labels.copy()
+    lowest = judge_core(person, own, core, limbs, odds, np.inf, pool)
+    n = int(pool.n_filled[0])
+    best = int(np.argmin(pool.energies[:n]))
+    np.testing.assert_array_equal(pool.partners[best], np.arange(15))
+    assert pool.energies[best] == pytest.approx(lowest)
+    heading = 4.0 * (1.0 - math.cos(pool.headings[best] - 0.3))
+    expected = heading - logsumexp(log_odds_by_kind(person, own, core, limbs, odds))
+    assert lowest == pytest.approx(expected, abs=1e-6)
+
+
+def log_odds_by_kind(person, own, core, limbs, odds):
+    """Return the log odds of the right names for each kind of posture, by SciPy."""
+    moved, _ = cores.turned_to_mean(person, own, core.mean)
+    whole = moved[own]
+    logs = np.array([
+        weight + multivariate_normal(mean.ravel(), covariance).logpdf(whole.ravel())
+        for weight, mean, covariance in zip(
+            core.log_weights, core.means, core.covariances, strict=True
+        )
+    ])  # fmt: skip
+    result = np.array([logsumexp(logs[core.kinds == q]) for q in range(odds.n_kinds)])
+    plain, mirrored, size_m = cores.core_numbers(whole, core)
+    for limb, points in enumerate(limbs.labels):
+        sign = limbs.signs[limb]
+        way = (moved[points] - whole[limbs.roots[limb]]) / size_m * [sign, 1, 1]
+        numbers = plain if sign > 0 else mirrored
+        weights, places = place_limb(numbers, limbs, limb, odds.n_kinds)
+        densities = np.array([
+            multivariate_normal(place, lower @ lower.T).logpdf(way.ravel())
+            for place, lower in zip(places, limbs.factors[limb], strict=True)
+        ])  # fmt: skip
+        for q in range(odds.n_kinds):
+            chosen = limbs.kinds[limb] == q
+            result[q] += logsumexp((weights + densities)[chosen])
+    return result + 15 * odds.log_room - 8 * 3 * math.log(size_m)
+
+
+def test_only_the_joints_have_core_and_limbs():
+    assert has_parts(JOINT_NAMES)
+    assert not has_parts(JOINT_NAMES[1:])
+    assert {name for limb in LIMB_NAMES for name in limb} <= set(JOINT_NAMES)
+
+
+def test_too_few_shapes_make_no_parts():
+    with pytest.raises(ValueError, match="shapes"):
+        learn_parts(JOINT_NAMES, people(20), ["standing"] * 20)
+
+
+def test_parts_of_other_names_are_refused(parts):
+    space = learn_points(JOINT_NAMES[::-1], people(), params=TrainingParams(n_prototypes=1))
+    with pytest.raises(ValueError, match="same names"):
+        SkeletonModel(space, {}, 1.0, parts=parts)
+
+
+def test_two_namers_together_are_surer_where_they_agree():
+    names = ("left_hand", "right_hand")
+    nobody = (None, None)
+    sure = np.array([[0.7, 0.2, 0.1], [0.2, 0.6, 0.2]])
+    one = Labelling(nobody, nobody, np.zeros(2), None, 0.0, sure.copy())
+    both = combined(one, one, names, 0.5, 0.25)
+    np.testing.assert_allclose(both.masses, sure)
+    assert both.names == names
+    other = Labelling(nobody, nobody, np.zeros(2), None, 0.0, sure[::-1].copy())
+    assert combined(one, other, names, 0.5, 0.25).names == nobody
+    assert is_in_doubt(one)
+    assert not is_in_doubt(Labelling((None,), (None,), np.zeros(1), None, 0.0, np.eye(3)[:1]))
