@@ -1,0 +1,225 @@
+"""Alignment of moments: real frames with given poses, and simulated rooms with exact ones.
+
+The re-projection error of a pair is the median distance along z between the source's pixels,
+moved, and what the target measured there.
+"""
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from adibas.alignment.joint_fit import JointFit
+from adibas.alignment.key_frames import Tracker
+from adibas.alignment.pairing import Moment, align, align_anywhere
+from adibas.alignment.sights import see
+from adibas.arrays import BoolArray, Float32Array, UInt8Array
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.frames import depth_in_metres
+from adibas.geometry.pinhole import Intrinsics
+from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
+from benchmarks.mapping_rooms import room_pair
+from benchmarks.table import Row
+
+REAL_DATA = "ADIBAS_REAL_DATA"
+NEAR_SEEDS = range(1000, 1040)
+FAR_SEEDS = range(2000, 3000)
+NEAR_TURN_RAD, NEAR_SHIFT_M = np.radians(1.5), 0.03
+MOST_TURN_RAD, MOST_SHIFT_M = np.radians(40.0), 0.5
+WRONG_M, WRONG_RAD = 0.02, np.radians(1.0)
+"""An alignment that is farther off than that is wrong."""
+MIDDLE_M = np.array([0.0, 0.0, 2.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Frame:
+    depth_m: Float32Array
+    mask: BoolArray
+    moment: Moment
+    world_from_camera: RigidTransform
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` a few pairs of each."""
+    folder = os.environ.get(REAL_DATA)
+    if folder is not None:
+        yield from _turntable(Path(folder) / "person_turntable", quick=quick)
+        yield from _open3d(Path(folder) / "open3d_rgbd")
+    yield from _near(NEAR_SEEDS[:6] if quick else NEAR_SEEDS)
+    yield from _far(FAR_SEEDS[:10] if quick else FAR_SEEDS)
+
+
+def _turntable(folder: Path, *, quick: bool) -> Iterator[Row]:
+    """Neighbours, then the whole turn without and with loops."""
+    camera = CameraCalibration(640, 480, Intrinsics(525.0, 525.0, 320.0, 240.0))
+    numbers = range(8 if quick else 50)
+    frames = [_turntable_frame(folder, number, camera) for number in numbers]
+    told = f"turning person, {len(frames)} frames"
+    ours, given, chain, n_refused = [], [], [IDENTITY], 0
+    for source, target in zip(frames[1:], frames, strict=False):
+        true = target.world_from_camera.inverse() @ source.world_from_camera
+        fit = align(target.moment, source.moment, IDENTITY)
+        if not isinstance(fit, JointFit):
+            n_refused += 1
+            continue
+        ours.append(_reprojection_mm(target, source, fit.target_from_source, camera))
+        given.append(_reprojection_mm(target, source, true, camera))
+        chain.append(chain[-1] @ fit.target_from_source)
+    yield Row(f"{told}: neighbours re-projected, median", np.median(ours), "mm", 2.0, "goal <=")
+    yield Row("same, by the given poses", float(np.median(given)), "mm")
+    yield Row("same, refused", float(n_refused), "pairs")
+    tracker = Tracker()
+    for frame in frames:
+        tracker.add(frame.moment)
+    track = tracker.track()
+    first = frames[0].world_from_camera.inverse()
+    truths = [first @ frame.world_from_camera for frame in frames]
+    if not n_refused:
+        yield Row(f"{told}: drift at the end, chained", _apart_mm(chain[-1], truths[-1]), "mm")
+    placed = [
+        _apart_mm(pose, truth)
+        for pose, truth in zip(track.world_from, truths, strict=True)
+        if pose is not None
+    ]
+    yield Row("same, by key-frames and loops", placed[-1], "mm")
+    yield Row(
+        "same, root mean square of all frames", float(np.sqrt(np.mean(np.square(placed)))), "mm"
+    )
+    yield Row("same, loops closed", float(track.n_loops), "")
+
+
+def _turntable_frame(folder: Path, number: int, camera: CameraCalibration) -> _Frame:
+    stem = str(folder / f"{number:010d}")
+    depth_m = _depth(Path(f"{stem}_depth.png"))
+    mask: BoolArray = np.asarray(cv2.imread(f"{stem}_mask.jpg", cv2.IMREAD_GRAYSCALE)) > 127
+    store = cv2.FileStorage(f"{stem}_camera.xml", cv2.FILE_STORAGE_READ)
+    left, _, right = np.linalg.svd(store.getNode("R").mat().astype(float))
+    shift_m = store.getNode("t").mat().astype(float).ravel()
+    color_rgb = np.asarray(cv2.imread(f"{stem}.jpg"))[..., ::-1].astype(np.uint8)
+    return _Frame(
+        depth_m,
+        mask,
+        _moment(depth_m, color_rgb, camera, mask),
+        RigidTransform(left @ right, shift_m),
+    )
+
+
+def _depth(path: Path) -> Float32Array:
+    """Return metres of a 16-bit picture of millimetres."""
+    raw = np.asarray(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), np.uint16)
+    return depth_in_metres(raw, 0.001)
+
+
+def _open3d(folder: Path) -> Iterator[Row]:
+    camera = CameraCalibration(640, 480, Intrinsics(525.0, 525.0, 319.5, 239.5))
+    frames = []
+    poses = np.loadtxt(
+        line for k, line in enumerate((folder / "trajectory.log").open()) if k % 5
+    ).reshape(-1, 4, 4)
+    for number, pose in enumerate(poses):
+        depth_m = _depth(folder / "depth" / f"{number:05d}.png")
+        color = np.asarray(cv2.imread(str(folder / "color" / f"{number:05d}.jpg")))[
+            ..., ::-1
+        ].astype(np.uint8)
+        left, _, right = np.linalg.svd(pose[:3, :3])
+        world_from = RigidTransform(left @ right, pose[:3, 3])
+        everything = np.ones(depth_m.shape, np.bool_)
+        frames.append(
+            _Frame(depth_m, everything, _moment(depth_m, color, camera, None), world_from)
+        )
+    ours, given = [], []
+    for source, target in zip(frames[1:], frames, strict=False):
+        true = target.world_from_camera.inverse() @ source.world_from_camera
+        fit = align(target.moment, source.moment, IDENTITY)
+        if not isinstance(fit, JointFit):
+            fit = align_anywhere(target.moment, source.moment)
+        if isinstance(fit, JointFit):
+            ours.append(_reprojection_mm(target, source, fit.target_from_source, camera))
+        given.append(_reprojection_mm(target, source, true, camera))
+    told = f"Open3D's room, {len(ours)} of {len(given)} pairs aligned"
+    yield Row(f"{told}: re-projected, median", float(np.median(ours)), "mm", 6.0, "goal <=")
+    yield Row("same, by the true poses", float(np.median(given)), "mm")
+
+
+def _near(seeds: range) -> Iterator[Row]:
+    shifts, turns, ratios, n_refused = [], [], [], 0
+    for seed in seeds:
+        pair = room_pair(seed, NEAR_TURN_RAD, NEAR_SHIFT_M)
+        if pair is None:
+            continue
+        fit = align(pair.target, pair.source, IDENTITY)
+        if not isinstance(fit, JointFit):
+            n_refused += 1
+            continue
+        shift_m, turn_rad = _error(fit.target_from_source, pair.target_from_source)
+        shifts.append(1e3 * shift_m)
+        turns.append(np.degrees(turn_rad))
+        sd_m = np.sqrt(np.trace(np.linalg.inv(fit.information)[3:, 3:]))
+        ratios.append(shift_m / sd_m)
+    told = f"noisy rooms 1.5 deg and 3 cm apart, seeds {seeds[0]}-{seeds[-1]}"
+    yield Row(f"{told}: shift, median error", float(np.median(shifts)), "mm", 0.5, "goal <=")
+    yield Row("same: turn, median error", float(np.median(turns)), "deg", 0.015, "goal <=")
+    yield Row("same: shift, root mean square", float(np.sqrt(np.mean(np.square(shifts)))), "mm")
+    yield Row(
+        "same: error of the shift over its stated deviation, median", float(np.median(ratios)), ""
+    )
+    yield Row("same: refused", float(n_refused), "pairs")
+
+
+def _far(seeds: range) -> Iterator[Row]:
+    n_aligned, n_wrong, n = 0, 0, 0
+    for seed in seeds:
+        rng = np.random.default_rng([seed, 9])
+        apart = rng.uniform(0.0, 1.0, 2)
+        pair = room_pair(seed, float(apart[0] * MOST_TURN_RAD), float(apart[1] * MOST_SHIFT_M))
+        if pair is None:
+            continue
+        n += 1
+        fit = align_anywhere(pair.target, pair.source)
+        if isinstance(fit, JointFit):
+            shift_m, turn_rad = _error(fit.target_from_source, pair.target_from_source)
+            is_wrong = shift_m > WRONG_M or turn_rad > WRONG_RAD
+            n_wrong += is_wrong
+            n_aligned += not is_wrong
+    told = f"noisy rooms up to 40 deg and 0.5 m apart without a guess, {n} pairs"
+    yield Row(f"{told}: aligned", 100.0 * n_aligned / n, "%", 80.0, "goal >=")
+    yield Row(
+        "same: wrong by more than 2 cm or 1 deg, and not told", float(n_wrong), "pairs", 0.0, "goal"
+    )
+
+
+def _moment(
+    depth_m: Float32Array, color_rgb: UInt8Array, camera: CameraCalibration, mask: BoolArray | None
+) -> Moment:
+    """Return a moment of a sensor that registered its depth itself."""
+    calibration = RgbdCalibration(depth=camera, color=camera, color_from_depth=IDENTITY)
+    return Moment(see(depth_m, np.ascontiguousarray(color_rgb, np.uint8), calibration, mask))
+
+
+def _reprojection_mm(
+    target: _Frame, source: _Frame, motion: RigidTransform, camera: CameraCalibration
+) -> float:
+    v, u = np.nonzero(source.mask & np.isfinite(source.depth_m))
+    z = source.depth_m[v, u].astype(float)
+    lens = camera.intrinsics
+    points = np.stack([(u - lens.cx) / lens.fx * z, (v - lens.cy) / lens.fy * z, z], axis=1)
+    points = motion.apply(points)
+    columns = np.rint(points[:, 0] / points[:, 2] * lens.fx + lens.cx).astype(int)
+    rows_v = np.rint(points[:, 1] / points[:, 2] * lens.fy + lens.cy).astype(int)
+    inside = (columns >= 0) & (columns < camera.width) & (rows_v >= 0) & (rows_v < camera.height)
+    off_m = np.abs(target.depth_m[rows_v[inside], columns[inside]] - points[inside, 2])
+    return 1e3 * float(np.nanmedian(off_m))
+
+
+def _error(motion: RigidTransform, truth: RigidTransform) -> tuple[float, float]:
+    apart = motion @ truth.inverse()
+    turn_rad = float(np.linalg.norm(rotation_vector(apart.rotation)))
+    return float(np.linalg.norm(apart.translation_m)), turn_rad
+
+
+def _apart_mm(pose: RigidTransform, truth: RigidTransform) -> float:
+    """Return how far what lies 2 m before the camera is put wrong."""
+    return 1e3 * float(np.linalg.norm(pose.apply(MIDDLE_M) - truth.apply(MIDDLE_M)))
