@@ -225,6 +225,8 @@ def _shared(codings: Sequence[Coding]) -> Span:
 
 def _clipped(coding: Coding, within: Span) -> Coding:
     """Return what lies within; states that reach out of it are cut."""
+    if (coding.begin_ms, coding.end_ms) == within:
+        return coding
     begin, end = within
     kept = tuple(
         Occurrence(

@@ -4,6 +4,7 @@ Durations are whole milliseconds and intervals are closed at their beginning and
 (the last one is closed), so that bins and conditions add up to the session exactly.
 """
 
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -114,20 +115,7 @@ def budgets(coding: Coding, spans: Sequence[Span] | None = None) -> tuple[Budget
         Observed time, in order and not overlapping; the whole session if not given.
     """
     observed = [(coding.begin_ms, coding.end_ms)] if spans is None else list(spans)
-    by_kind: dict[tuple[str, str], list[Occurrence]] = {}
-    for one in coding.occurrences:
-        by_kind.setdefault((one.subject, one.behaviour), []).append(one)
-    return tuple(
-        _budget(
-            (subject, behaviour.name),
-            by_kind.get((subject, behaviour.name), []),
-            observed,
-            coding.end_ms,
-            is_state=behaviour.kind == "state",
-        )
-        for subject in coding.subjects
-        for behaviour in coding.ethogram.behaviours
-    )
+    return _budgets(_kinds(coding), observed, coding.end_ms)
 
 
 def time_bins(coding: Coding, length_ms: int) -> tuple[TimeBin, ...]:
@@ -139,7 +127,8 @@ def time_bins(coding: Coding, length_ms: int) -> tuple[TimeBin, ...]:
         The length is not above zero.
     """
     spans = bin_spans(coding.begin_ms, coding.end_ms, length_ms)
-    return tuple(TimeBin(*span, budgets(coding, [span])) for span in spans)
+    kinds = _kinds(coding)
+    return tuple(TimeBin(*span, _budgets(kinds, [span], coding.end_ms)) for span in spans)
 
 
 def bin_spans(begin_ms: int, end_ms: int, length_ms: int) -> list[Span]:
@@ -215,39 +204,66 @@ def merged(spans: Iterable[Span]) -> list[Span]:
 
 def shared_ms(spans: Sequence[Span], others: Sequence[Span]) -> int:
     """Return the time in both; each in order and not overlapping."""
-    total = at = 0
+    total = 0
     for begin, end in spans:
-        while at < len(others) and others[at][1] <= begin:
-            at += 1
-        k = at
+        k = bisect_right(others, begin, key=lambda other: other[1])
         while k < len(others) and others[k][0] < end:
             total += min(end, others[k][1]) - max(begin, others[k][0])
             k += 1
     return total
 
 
-def _budget(
-    whose: tuple[str, str],
-    occurrences: Sequence[Occurrence],
-    observed: Sequence[Span],
-    session_end_ms: int,
-    *,
-    is_state: bool,
-) -> Budget:
-    begun = [one for one in occurrences if _is_within(one.begin_ms, observed, session_end_ms)]
-    lasting = merged((one.begin_ms, one.end_ms) for one in occurrences)
-    observed_ms = sum(end - begin for begin, end in observed)
-    first_ms = min((one.begin_ms for one in begun), default=None)
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """Everything that one subject did of one behaviour, in the order of time."""
+
+    subject: str
+    behaviour: str
+    is_state: bool
+    occurrences: tuple[Occurrence, ...]
+    lasting: tuple[Span, ...]
+
+    def begun(self, spans: Sequence[Span], session_end_ms: int) -> list[Occurrence]:
+        """Return what begins in the spans; the last moment of the session belongs to its end."""
+        found: list[Occurrence] = []
+        for begin, end in spans:
+            first = bisect_left(self.occurrences, begin, key=_begin_ms)
+            find_last = bisect_right if end == session_end_ms else bisect_left
+            found += self.occurrences[first : find_last(self.occurrences, end, key=_begin_ms)]
+        return found
+
+
+def _begin_ms(one: Occurrence) -> int:
+    return one.begin_ms
+
+
+def _kinds(coding: Coding) -> list[_Kind]:
+    by_kind: dict[tuple[str, str], list[Occurrence]] = {}
+    for one in coding.occurrences:
+        by_kind.setdefault((one.subject, one.behaviour), []).append(one)
+    found = []
+    for subject in coding.subjects:
+        for behaviour in coding.ethogram.behaviours:
+            some = by_kind.get((subject, behaviour.name), [])
+            is_state = behaviour.kind == "state"
+            lasting = merged((one.begin_ms, one.end_ms) for one in some) if is_state else []
+            found.append(_Kind(subject, behaviour.name, is_state, tuple(some), tuple(lasting)))
+    return found
+
+
+def _budgets(
+    kinds: Sequence[_Kind], observed: Sequence[Span], session_end_ms: int
+) -> tuple[Budget, ...]:
+    return tuple(_budget(kind, observed, session_end_ms) for kind in kinds)
+
+
+def _budget(kind: _Kind, observed: Sequence[Span], session_end_ms: int) -> Budget:
+    begun = kind.begun(observed, session_end_ms)
+    first_ms = min(map(_begin_ms, begun), default=None)
     return Budget(
-        *whose,
-        is_state,
-        len(begun),
-        shared_ms(lasting, observed) if is_state else 0,
-        observed_ms,
+        *(kind.subject, kind.behaviour, kind.is_state, len(begun)),
+        shared_ms(observed, kind.lasting),
+        sum(end - begin for begin, end in observed),
         tuple(one.duration_ms for one in begun),
         None if first_ms is None else first_ms - observed[0][0],
     )
-
-
-def _is_within(time_ms: int, spans: Sequence[Span], session_end_ms: int) -> bool:
-    return any(begin <= time_ms < end or time_ms == end == session_end_ms for begin, end in spans)

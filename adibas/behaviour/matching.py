@@ -1,5 +1,6 @@
 """Which event of one observer is which of another, and when they saw different things."""
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -111,8 +112,42 @@ def _pairs(
     *,
     is_same: bool,
 ) -> list[tuple[int, int]]:
-    if not mine or not theirs:
-        return []
+    """Return places of events that belong together, group by group: hours take no more memory."""
+    pairs = []
+    for here, there in _groups(mine, theirs, tolerance_ms):
+        if here and there:
+            found = _assigned(
+                [mine[i] for i in here], [theirs[j] for j in there], tolerance_ms, is_same=is_same
+            )
+            pairs += [(here[i], there[j]) for i, j in found]
+    return pairs
+
+
+def _groups(
+    mine: Sequence[Occurrence], theirs: Sequence[Occurrence], tolerance_ms: int
+) -> list[tuple[list[int], list[int]]]:
+    """Return places of events, divided where for longer than the tolerance none begins."""
+    order = sorted(
+        [(one.begin_ms, 0, i) for i, one in enumerate(mine)]
+        + [(one.begin_ms, 1, j) for j, one in enumerate(theirs)]
+    )
+    groups: list[tuple[list[int], list[int]]] = []
+    latest_ms = 0
+    for begin_ms, side, place in order:
+        if not groups or begin_ms - latest_ms > tolerance_ms:
+            groups.append(([], []))
+        groups[-1][side].append(place)
+        latest_ms = begin_ms
+    return groups
+
+
+def _assigned(
+    mine: Sequence[Occurrence],
+    theirs: Sequence[Occurrence],
+    tolerance_ms: int,
+    *,
+    is_same: bool,
+) -> list[tuple[int, int]]:
     begins = np.array([one.begin_ms for one in mine], float)
     others = np.array([one.begin_ms for one in theirs], float)
     apart_ms = np.abs(begins[:, None] - others[None])
@@ -131,5 +166,11 @@ def _left(events: Sequence[Occurrence], taken: set[int]) -> list[Occurrence]:
 
 
 def _both(spans: Sequence[Span], others: Sequence[Span]) -> list[Span]:
-    shared = [(max(begin, first), min(end, last)) for begin, end in spans for first, last in others]
+    """Return the time in both; each in order and not overlapping."""
+    shared = []
+    for begin, end in spans:
+        k = bisect_right(others, begin, key=lambda other: other[1])
+        while k < len(others) and others[k][0] < end:
+            shared.append((max(begin, others[k][0]), min(end, others[k][1])))
+            k += 1
     return [(begin, end) for begin, end in shared if end > begin]
