@@ -223,14 +223,17 @@ class MainWindow(QMainWindow):
 
     def show_help(self) -> None:
         """Open the help of the screen that is seen."""
+        self._place_help()  # before it is seen: the window would grow for it
         self._help.show_page(self.shown or self.unlock_page.name)
-        self._find_room_for_help()
 
     def _find_room_for_help(self) -> None:
-        """Let the help float where it would push the screen out of the window."""
         if not self._help.isHidden():
-            screen_px = self._outer.minimumSizeHint().width()
-            self._help.stand_beside(self, self.width() - screen_px)
+            self._place_help()
+
+    def _place_help(self) -> None:
+        """Let the help float where it would push the screen out of the window."""
+        screen_px = self._outer.minimumSizeHint().width()
+        self._help.stand_beside(self, self.width() - screen_px)
 
     def _on_rail(self, name: str) -> None:
         if name == "help":

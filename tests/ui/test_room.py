@@ -43,11 +43,13 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
         user.window.resize(*size)
         user.qapp.processEvents()
         assert_fits(user, size, name)
+    user.window.resize(*size)
     user.window.show_help()
     for name in TITLES:
         user.window.show_screen(name)
         user.settle()
         user.qapp.processEvents()
+        assert user.window.width() == size[0], f"{name} with its help"
         assert user.window.findChild(HelpDock).isVisible()
         assert_fits(user, size, f"{name} with its help")
     user.close()

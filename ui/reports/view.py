@@ -3,7 +3,7 @@
 import html
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QUrl
+from PySide6.QtCore import QEvent, Qt, QUrl
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -45,6 +45,8 @@ PICTURES = {
     PictureChoice.DEPTH: message("Depth only"),
 }
 FACTS_HEIGHT_PX = 190
+LEAST_LINES = 5
+"""Of the list of sessions: one takes three or four."""
 
 
 class ReportsScreen(Screen):
@@ -146,6 +148,12 @@ class ReportsScreen(Screen):
         self._picture.setAccessibleName(_("Preview of the picture"))
         self._facts.setAccessibleName(_("Preview of the text"))
         self._pages_bar.setAccessibleName(_("Views"))
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
+        """Let a whole session be read in letters of another size; the panel scrolls for it."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.FontChange:
+            self._sessions.setMinimumHeight(LEAST_LINES * self.fontMetrics().height())
 
     def entered(self) -> None:
         self._presenter.enter()

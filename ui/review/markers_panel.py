@@ -11,7 +11,7 @@ from ui.review.name_delegate import NameDelegate
 from ui.theme import Theme
 from ui.widgets.line_table import LineTable
 
-LEAST_LETTERS = 26
+LEAST_LETTERS = 30
 """Of the usual width that a line always has room for."""
 
 
