@@ -32,14 +32,13 @@ class MixtureParams:
     least_sd : float
         Of a number, in sizes of the body: 0.03, about the noise of a sensor's joints.
     pooled : float
-        The mean variance over all frames of all gestures counts as so many examples: 20, since a
-        dozen examples say little of one frame's variance.
+        The variance over all frames of the gesture counts as so many examples: 5.
     """
 
     n_components: int = 2
     fewest_each: int = 4
     least_sd: float = 0.03
-    pooled: float = 20.0
+    pooled: float = 5.0
 
 
 def mixtures_of(
@@ -63,14 +62,23 @@ def mixtures_of(
     params : MixtureParams, optional
     """
     params = params or MixtureParams()
-    aligned = []
+    found = []
     for label in range(n_labels):
         mine = [one for one, owner in zip(examples, owners, strict=True) if owner == label]
         if mine:
-            aligned.append(_filled(aligned_examples(mine)))
-    within = np.concatenate([some.var(axis=0) for some in aligned])
-    pooled = np.maximum(within.mean(axis=0), params.least_sd**2)
-    return tuple(_fitted(some, pooled, rng, params) for some in aligned)
+            found.append(mixture_model(mine, rng, params))
+    return tuple(found)
+
+
+def mixture_model(
+    examples: Sequence[FloatArray], rng: np.random.Generator, params: MixtureParams
+) -> MixtureModel:
+    """Return the mixtures of one gesture."""
+    aligned = aligned_examples(examples)  # (k, m, d)
+    filled = _filled(aligned)
+    pooled = np.maximum(filled.var(axis=0).mean(axis=0), params.least_sd**2)
+    n = params.n_components if len(examples) >= params.n_components * params.fewest_each else 1
+    return _fitted(filled, pooled, n, rng, params)
 
 
 def aligned_examples(examples: Sequence[FloatArray]) -> FloatArray:
@@ -93,11 +101,10 @@ def aligned_examples(examples: Sequence[FloatArray]) -> FloatArray:
 
 
 def _fitted(
-    filled: FloatArray, pooled: FloatArray, rng: np.random.Generator, params: MixtureParams
+    filled: FloatArray, pooled: FloatArray, n: int, rng: np.random.Generator, params: MixtureParams
 ) -> MixtureModel:
     """Fit all frames at once by expectation and maximisation, numbers independent."""
     k, m = filled.shape[:2]
-    n = params.n_components if k >= params.n_components * params.fewest_each else 1
     belongs = np.ones((k, m, n))
     if n > 1:
         # The same examples begin together in every frame: styles of a gesture, not of a frame.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from adibas.gestures.mixtures import MixtureParams, aligned_examples, mixtures_of
+from adibas.gestures.mixtures import MixtureParams, aligned_examples, mixture_model, mixtures_of
 from adibas.timeseries.mixture_stream import MixtureModel, MixtureStream
 from adibas.timeseries.stream import StreamAligner
 
@@ -68,7 +68,7 @@ def test_where_examples_vary_a_frame_may():
     examples = [
         np.column_stack([np.linspace(0, 2, 20), np.full(20, rng.normal(0, 1.0))]) for _ in range(30)
     ]
-    (model,) = mixtures_of(examples, np.zeros(30, int), 1, rng, MixtureParams(n_components=1))
+    model = mixture_model(examples, rng, MixtureParams(n_components=1))
     middle = model.means[10, 0]
     off_first, off_second = middle + np.array([0.3, 0.0]), middle + np.array([0.0, 0.3])
     costs = MixtureStream([model]).local_costs(np.array([middle, off_first, off_second]))[:, 10]
@@ -81,7 +81,7 @@ def test_two_styles_are_two_components():
     examples = [
         np.full((10, 2), 3.0 * (number % 2)) + rng.normal(0, 0.05, (10, 2)) for number in range(20)
     ]
-    (model,) = mixtures_of(examples, np.zeros(20, int), 1, rng, MixtureParams(pooled=0.0))
+    model = mixture_model(examples, rng, MixtureParams(pooled=0.0))
     centres = np.sort(model.means[:, :, 0], axis=1)
     np.testing.assert_allclose(centres, np.tile([0.0, 3.0], (len(centres), 1)), atol=0.1)
     np.testing.assert_allclose(model.shares, 0.5, atol=0.01)
@@ -93,7 +93,7 @@ def test_examples_are_aligned_with_the_one_of_median_length():
     aligned = aligned_examples([slow, fast, fast])
     assert aligned.shape == (3, 8, 1)
     np.testing.assert_allclose(aligned[:, :, 0], np.tile(np.arange(8.0), (3, 1)), atol=0.51)
-    (model,) = mixtures_of([fast, hidden, fast], np.zeros(3, int), 1, np.random.default_rng(0))
+    model = mixture_model([fast, hidden, fast], np.random.default_rng(0), MixtureParams())
     assert np.isfinite(model.means).all()
 
 
