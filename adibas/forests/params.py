@@ -18,7 +18,10 @@ class ForestParams:
     n_images : int or None
         Drawn for each tree; None takes all.
     n_pixels : int
-        Drawn from each image, evenly over the labelled ones.
+        Drawn from each image, evenly over the labelled ones (but see `evenness`).
+    evenness : float
+        0: every labelled pixel is drawn as likely as any other, as in the thesis; 1: every label of
+        an image as likely as any other; 0.5 is between. Ours.
     n_candidates : int
         Depth-comparison features tried at a node.
     n_gradient_candidates : int
@@ -45,6 +48,7 @@ class ForestParams:
     max_depth: int = 20
     n_images: int | None = 130
     n_pixels: int = 1000
+    evenness: float = 0.0
     n_candidates: int = 100
     n_gradient_candidates: int = 0
     n_thresholds: int = 20
@@ -65,5 +69,5 @@ class ForestParams:
             raise ValueError("candidates and depth must not be negative")
         if not min(self.max_offset_m, self.far_m, self.smoothing_px) > 0:
             raise ValueError("lengths must be positive")
-        if min(self.min_gain, self.shrinkage) < 0:
-            raise ValueError("the least gain and the shrinkage must not be negative")
+        if min(self.min_gain, self.shrinkage, self.evenness) < 0:
+            raise ValueError("least gain, shrinkage and evenness must not be negative")

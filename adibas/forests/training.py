@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from adibas.arrays import AnyArray, Float32Array, Int32Array, IntArray, UInt8Array
+from adibas.arrays import AnyArray, Float32Array, FloatArray, Int32Array, IntArray, UInt8Array
 from adibas.forests.candidates import draw_candidates
 from adibas.forests.forest import Forest
 from adibas.forests.images import ForestImage, ImageBatch, join_images, prepare_image
@@ -312,7 +312,8 @@ class _Sample:
             rng = np.random.default_rng([*self.seed, _DRAW_PIXELS, begin + place])
             rows, columns = np.nonzero(labels)
             n_pixels = min(self.params.n_pixels, len(rows))
-            chosen = np.sort(rng.choice(len(rows), n_pixels, replace=False))
+            odds = _odds(labels[rows, columns], self.params.evenness)
+            chosen = np.sort(rng.choice(len(rows), n_pixels, replace=False, p=odds))
             pixels = np.empty((n_pixels, 4), np.int32)
             pixels[:, IMAGE] = place
             pixels[:, ROW] = rows[chosen] - box[0]
@@ -344,3 +345,11 @@ class _Sample:
             image = prepare_image(depth_m, mask, focal_px, params.far_m, smoothing_px)
             known = np.where(np.isfinite(depth_m), labels, 0)
             yield place, image, known, (image.top, image.left)
+
+
+def _odds(labels: AnyArray, evenness: float) -> FloatArray | None:
+    """Return the (N,) probability of drawing each pixel; None where all are as likely."""
+    if evenness == 0.0 or not len(labels):
+        return None
+    weights = np.bincount(labels)[labels].astype(np.float64) ** -evenness
+    return np.asarray(weights / weights.sum())

@@ -27,7 +27,9 @@ _SETTINGS = "settings.json"
 _FRAMES = "frames"
 
 
-SHIPPED = ForestParams(n_trees=2, n_images=None, n_pixels=300, min_pixels=40, shrinkage=50.0)
+SHIPPED = ForestParams(
+    n_trees=2, n_images=None, n_pixels=300, evenness=0.5, min_pixels=40, shrinkage=50.0
+)
 """Many images with few pixels each: they differ more than pixels of one image."""
 SHIPPED_FRAMES, SHIPPED_SEED = 3000, 6215
 

@@ -395,3 +395,25 @@ def test_leaves_are_drawn_to_the_node_above_by_as_many_pixels_as_asked():
     np.testing.assert_allclose(drawn.sum(axis=1), 1.0, rtol=1e-6)
     with pytest.raises(ValueError, match="shrinkage"):
         ForestParams(shrinkage=-1.0)
+
+
+class OneImage:
+    """A large label beside a small one."""
+
+    labels = ("large", "small")
+
+    def __len__(self):
+        return 1
+
+    def read(self, _index):
+        labels = np.ones((40, 40), np.uint8)
+        labels[:4, :10] = 2
+        return np.full(labels.shape, 2.0, np.float32), labels, FOCAL_PX
+
+
+@pytest.mark.parametrize(("evenness", "low", "high"), [(0.0, 0, 8), (0.5, 8, 22), (1.0, 22, 40)])
+def test_small_labels_are_drawn_as_often_as_asked(evenness, low, high):
+    params = ForestParams(n_trees=1, max_depth=0, n_images=None, n_pixels=80, evenness=evenness)
+    counts = train_tree(OneImage(), params, 3, 0).counts[0]
+    assert counts.sum() == 80
+    assert low <= counts[1] < high
