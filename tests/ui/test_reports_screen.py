@@ -111,7 +111,7 @@ def test_sessions_are_ticked_with_the_space_bar(screen, workspace):
 
 
 def test_language_and_pictures_are_chosen_with_the_keyboard(screen):
-    language, pictures = screen.findChildren(QComboBox)
+    language, pictures, _compared_with = screen.findChildren(QComboBox)
     QTest.keyClick(language, Key.Key_Down)
     assert screen._presenter._wish.language == "es"
     assert "Paciente" in screen.findChild(QTextBrowser).toPlainText()
