@@ -18,7 +18,6 @@ from adibas.reports.pdf_layout import (
     title,
 )
 from adibas.reports.trend_plots import plotted, trend_figures, trend_legend
-from adibas.reports.vector_figures import FigureFlowable
 from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
@@ -88,6 +87,8 @@ def _trends(trends: tuple[Trend, ...]) -> list[Flowable]:
     shown = plotted(trends)
     if not shown:
         return []
+    from adibas.reports.vector_figures import FigureFlowable
+
     figures = [FigureFlowable(figure) for figure in trend_figures(shown, WIDTH, ROW_HEIGHT)]
     return [
         CondPageBreak(figures[0].height + HEADING_HEIGHT),

@@ -10,7 +10,6 @@ import numpy as np
 from adibas.arrays import UInt8Array
 from adibas.data.trends import Trend
 from adibas.reports.facts import view_name
-from adibas.reports.vector_figures import new_figure
 from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
@@ -50,6 +49,8 @@ def trend_figures(trends: Sequence[Trend], width_pt: float, row_pt: float) -> li
     width_pt, row_pt : float
         Width of a figure and height of one row of plots, points.
     """
+    from adibas.reports.vector_figures import new_figure
+
     per_page = N_ACROSS * N_DOWN
     figures = []
     for first in range(0, len(trends), per_page):
