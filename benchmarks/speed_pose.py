@@ -15,6 +15,7 @@ import numpy as np
 from adibas.body.people import find_people
 from adibas.body.rays import viewing_rays
 from adibas.data.frames import depth_in_metres
+from adibas.limbs.facing import front_evidence
 from adibas.limbs.model import load_model
 from adibas.limbs.proposals import part_points, propose_joints
 from adibas.pipeline.limb_segmenting import shipped_model
@@ -31,7 +32,7 @@ SCENES = ("greet", "clap", "bend", "idle")
 N_FRAMES = 60
 WARM_UP = 2
 FRAME_MS = 33.0
-OWN = ("points", "modes", "choice")
+OWN = ("points", "modes", "facing", "cloud", "choice")
 
 
 class _Watch:
@@ -87,4 +88,6 @@ def _follow(name: str, n_frames: int, watch: _Watch) -> None:
         points = watch.timed("points", partial(part_points, depth_m, parts, rays))
         proposals = watch.timed("modes", partial(propose_joints, points, joints.offsets))
         time_s = frame.timestamp_ns * 1e-9
-        watch.timed("choice", partial(follower.follow, proposals, time_s))
+        facing = watch.timed("facing", partial(front_evidence, points))
+        cloud = watch.timed("cloud", points.cloud)
+        watch.timed("choice", partial(follower.follow, proposals, time_s, facing, cloud))
