@@ -11,6 +11,8 @@ from adibas.arrays import FloatArray
 from adibas.behaviour.budget import Span, gaps, merged
 from adibas.data.coding import Coding, Occurrence
 
+SHARE_OF_TIME, SHARE_OF_NAME = 1e-4, 1e-8
+
 
 @dataclass(frozen=True, slots=True)
 class Match:
@@ -155,10 +157,27 @@ def _assigned(
     if is_same:
         names = np.array([one.behaviour for one in mine])
         may_be &= names[:, None] == np.array([one.behaviour for one in theirs])[None]
+    apart_ms = apart_ms + _preferences(mine)[:, None] + _preferences(theirs)[None]
     # One pair more outweighs any distances.
     never = (tolerance_ms + 1.0) * (min(len(mine), len(theirs)) + 1)
     rows, columns = linear_sum_assignment(np.where(may_be, apart_ms, never))
     return [(int(i), int(j)) for i, j in zip(rows, columns, strict=True) if may_be[i, j]]
+
+
+def _preferences(events: Sequence[Occurrence]) -> FloatArray:
+    """Return parts of a millisecond that decide between equals: the earlier, then by name.
+
+    So the same events are paired, whichever observer comes first.
+    """
+    first, last = events[0].begin_ms, events[-1].begin_ms
+    names = sorted({one.behaviour for one in events})
+    return np.array(
+        [
+            SHARE_OF_TIME * (one.begin_ms - first) / max(last - first, 1)
+            + SHARE_OF_NAME * names.index(one.behaviour) / len(names)
+            for one in events
+        ]
+    )
 
 
 def _left(events: Sequence[Occurrence], taken: set[int]) -> list[Occurrence]:
