@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     )
     results: dict[str, object] = {}
     for name in arguments.names or available:
-        module = importlib.import_module(f"benchmarks.{arguments.kind}_{name}")
+        module = importlib.import_module(f"benchmarks.{arguments.kind}_{name.replace('-', '_')}")
         console.say(f"\n{arguments.kind} {name}\n{table.HEADER}")
         rows = []
         for row in module.rows(quick=arguments.quick):
@@ -68,7 +68,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 def _available(kind: str) -> list[str]:
     """Return the names of the benchmarks beside the package."""
     folder = Path(__file__).parents[2] / "benchmarks"
-    names = sorted(path.stem.removeprefix(f"{kind}_") for path in folder.glob(f"{kind}_*.py"))
+    stems = sorted(path.stem.removeprefix(f"{kind}_") for path in folder.glob(f"{kind}_*.py"))
+    names = [stem.replace("_", "-") for stem in stems]
     if not names:
         raise FileError(
             "The benchmarks are not part of an installed program. Run this command in a source "
