@@ -40,6 +40,8 @@ class LimbFitParams:
         points: 100, 60, 3 and 5.
     length_weight : float
         Of a bone's length, in points: 400.
+    least_limb : float
+        Squares count in which the limb has more than this share of all parts: 0.02.
     least_points : int
         Squares of surface from which on a limb is laid: 12.
     reach_m : float
@@ -59,6 +61,7 @@ class LimbFitParams:
     middle_pull: float = 3.0
     end_pull: float = 5.0
     length_weight: float = 400.0
+    least_limb: float = 0.02
     least_points: int = 12
     reach_m: float = 0.14
     least_near: float = 0.02
@@ -102,7 +105,7 @@ def _fitted(
 ) -> FloatArray:
     weights = cloud.weights_m2[:, columns]
     total = weights.sum(axis=1)
-    used = total > 0
+    used = total > params.least_limb * cloud.weights_m2.sum(axis=1)
     if used.sum() < params.least_points or not np.isfinite(joints_m[0, 0]):
         return joints_m
     is_leg = columns[0] in _LEGS
