@@ -189,7 +189,7 @@ def _notices(
     if track.n_wrong_loops:
         notices.append(
             Sentence(
-                message("{n} loops did not fit the rest and count nothing."),
+                message("Loops that did not fit the rest and count nothing: {n}."),
                 {"n": track.n_wrong_loops},
             )
         )
