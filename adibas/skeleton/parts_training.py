@@ -33,13 +33,13 @@ class PartsParams:
     rows_per_component : int
         100: shapes for each component of a kind of posture.
     most_core, most_limb : int
-        Components of a kind: 8 and 20.
+        Components of a kind: 5 and 8; more take longer and know real people no better.
     n_anchors : int
         Components for `Anchors`: 4.
     n_numbers : int
         That limbs depend on: 6, of which the last moves the core's points by some millimetres.
     noise_m : float
-        Of a palpation and the skin: 15 mm.
+        Of a palpation and the skin: 20 mm.
     shift_m, turn_rad : float
         By which a core may be beside where it was laid: 0.5 m (the middle is of the points that
         are seen) and 0.08 rad.
@@ -53,11 +53,11 @@ class PartsParams:
     """
 
     rows_per_component: int = 100
-    most_core: int = 8
-    most_limb: int = 20
+    most_core: int = 5
+    most_limb: int = 8
     n_anchors: int = 4
     n_numbers: int = 6
-    noise_m: float = 0.015
+    noise_m: float = 0.02
     shift_m: float = 0.5
     turn_rad: float = 0.08
     anchor_turn_rad: float = 0.15
