@@ -20,6 +20,7 @@ FOOT_M = 0.03
 """By so much a leg or a head grows wider on either side where it is carried on."""
 WIDENING = 0.5
 """How fast it does: by so much to either side for each unit of the way."""
+HALF_PERCENT = 50
 HOLE_RADIUS_M = 0.05
 """A place without depth inside the body, up to a disc of this radius, is taken for the body."""
 
@@ -72,8 +73,9 @@ def body_in_color(
 def _smooth(body: BoolArray, radius_px: int) -> BoolArray:
     """Round off what sticks out of the border or into it and is narrower than the radius."""
     side = 2 * radius_px + 1
-    share = cv2.blur(body.view(np.uint8) * np.uint8(255), (side, side), borderType=cv2.BORDER_REPLICATE)
-    smooth: BoolArray = share > 127
+    percent = body.view(np.uint8) * np.uint8(100)
+    share = cv2.blur(percent, (side, side), borderType=cv2.BORDER_REPLICATE)
+    smooth: BoolArray = share >= HALF_PERCENT
     return smooth
 
 

@@ -154,7 +154,7 @@ def _shapes(names: tuple[str, ...], sets: Sequence[PointSet]) -> FloatArray:
 
 def _learn(called: str, names: tuple[str, ...], sets: Sequence[PointSet]) -> PointModel:
     shapes_m = _shapes(names, sets)
-    is_whole = ~np.isnan(shapes_m).any(axis=(1, 2))
+    is_whole: BoolArray = np.asarray(~np.isnan(shapes_m).any(axis=(1, 2)))
     if np.count_nonzero(is_whole) < LEAST_SHAPES:
         raise FileError(
             "{file} has {n} shapes with all {n_names} names, and a model needs at least three. Add "

@@ -17,7 +17,9 @@ from adibas.simulation.furnished_room import FurnishedRoom
 
 CALIBRATION = RgbdCalibration(
     depth=CameraCalibration(320, 240, Intrinsics(290.0, 290.0, 159.5, 119.5)),
-    color=CameraCalibration(320, 240, Intrinsics(280.0, 281.0, 161.0, 118.0), (0.03, -0.02, 0.0, 0.0)),
+    color=CameraCalibration(
+        320, 240, Intrinsics(280.0, 281.0, 161.0, 118.0), (0.03, -0.02, 0.0, 0.0)
+    ),
     color_from_depth=RigidTransform(
         Rotation.from_euler("y", 0.4, degrees=True).as_matrix(), np.array([0.025, 0.0, 0.001])
     ),

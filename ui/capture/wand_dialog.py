@@ -44,7 +44,7 @@ class WandDialog(QDialog):
         self._length = QDoubleSpinBox(self)
         self._length.setRange(SHORTEST_MM, LONGEST_MM)
         self._length.setDecimals(1)
-        self._length.setSuffix(" mm")
+        self._length.setSuffix(_(" mm"))
         self._length.setKeyboardTracking(False)
         self._ends = (QComboBox(self), QComboBox(self))
         self._measure = QPushButton(_("&Measure"), self)
