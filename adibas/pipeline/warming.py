@@ -151,10 +151,18 @@ def _write(note: Path) -> None:
 
 
 def _note(folder: Path) -> Path:
-    """Return the note's place: another program, version or compiler needs another one."""
+    """Return the note's place: other sources, another version or compiler need another one."""
     compiler = importlib.metadata.version("numba")
-    program = zlib.crc32(str(Path(adibas.__file__).resolve()).encode())
-    return folder / f"compiled-{adibas.__version__}-{program:08x}-numba-{compiler}"
+    package = Path(adibas.__file__).resolve().parent
+    marks = [f"{source} {_age(source)}" for source in sorted(package.rglob("*kernels.py"))]
+    sources = zlib.crc32("\n".join(marks).encode())
+    return folder / f"compiled-{adibas.__version__}-{sources:08x}-numba-{compiler}"
+
+
+def _age(source: Path) -> tuple[int, int]:
+    """Return what numba, too, knows a source by."""
+    facts = source.stat()
+    return facts.st_mtime_ns, facts.st_size
 
 
 def _say_nothing(_done: int, _total: int) -> None:

@@ -66,12 +66,19 @@ def screen(store, jobs, preferences, theme, qtbot, simulated):  # noqa: ARG001
 
 @pytest.fixture
 def settle(jobs, qtbot):
-    return lambda: qtbot.waitUntil(lambda: not jobs.is_busy, timeout=PATIENCE_MS)
+    def wait():
+        qtbot.waitUntil(lambda: not jobs.is_busy, timeout=PATIENCE_MS)
+        QApplication.processEvents()  # what a layout has taken up is shown a moment later
+
+    return wait
 
 
 def at(screen, u, v):
-    QApplication.processEvents()  # the picture has its place when all is laid out
-    x, y = screen.findChild(ImageView).placement.to_widget(u, v)
+    view, placement = screen.findChild(ImageView), None
+    while placement != view.placement:  # the picture has its place when all is laid out
+        placement = view.placement
+        QApplication.processEvents()
+    x, y = placement.to_widget(u, v)
     return QPoint(round(x), round(y))
 
 
