@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, positive
+from adibas.cli.options import add_json, positive, seconds_range
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -67,20 +67,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("report, or what was found as a coding; may be given several times"),
     )
     add_json(parser)
-
-
-def seconds_range(text: str) -> tuple[float, float]:
-    """Read ``A:B`` in seconds."""
-    first, _colon, last = text.partition(":")
-    try:
-        begin, end = float(first), float(last)
-    except ValueError:
-        begin, end = 0.0, 0.0
-    if not 0.0 <= begin < end < float("inf"):
-        raise argparse.ArgumentTypeError(
-            _("{text} is no time: give A:B in seconds such as 10:25.5").format(text=text)
-        )
-    return begin, end
 
 
 def named_section(text: str) -> tuple[str, float, float]:

@@ -13,9 +13,10 @@ from adibas.cli.calibrate_depth import (
 from adibas.cli.calibrate_infrared import add_infrared_arguments, run_infrared
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive
+from adibas.cli.report_options import add_language
 from adibas.errors import CalibrationError, FileError
 from adibas.files import check_place
-from adibas.texts import LANGUAGES, message, spoken_language
+from adibas.texts import message
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -34,6 +35,15 @@ SMALLEST_SIDE, LARGEST_SIDE = 3, 100
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
+    _add_board(parser)
+    _add_results(parser)
+    add_depth_arguments(parser)
+    add_infrared_arguments(parser)
+    add_json(parser)
+
+
+def _add_board(parser: argparse.ArgumentParser) -> None:
+    """Ask for images of a board, and offer what says how they are looked at."""
     parser.add_argument(
         "images",
         nargs="*",
@@ -68,6 +78,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             "edges if not given"
         ),
     )
+
+
+def _add_results(parser: argparse.ArgumentParser) -> None:
+    """Ask for the files to write."""
     parser.add_argument(
         "--report",
         type=Path,
@@ -76,12 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("REPORT.xlsx|.pdf"),
         help=_("report to write, whatever the verdict; may be given twice, for Excel and PDF"),
     )
-    parser.add_argument(
-        "--language",
-        choices=tuple(LANGUAGES),
-        default=spoken_language(),
-        help=_("of the report; the program's own if not given"),
-    )
+    add_language(parser)
     parser.add_argument(
         "--keep-bad",
         action="store_true",
@@ -99,9 +108,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_("calibration.json to write, or the PDF of the board"),
     )
-    add_depth_arguments(parser)
-    add_infrared_arguments(parser)
-    add_json(parser)
 
 
 def board_size(text: str) -> tuple[int, int]:

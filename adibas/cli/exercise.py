@@ -4,9 +4,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from adibas.cli.behaviour import seconds_range
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, positive_count
+from adibas.cli.options import add_json, seconds_range
+from adibas.cli.recording_options import add_person
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
@@ -33,12 +33,7 @@ def add_check_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help=_("seconds of the therapist's recording that are one repetition; all if not given"),
     )
-    parser.add_argument(
-        "--person",
-        type=positive_count,
-        metavar="N",
-        help=_("of the patient's table; the one who was seen longest if not given"),
-    )
+    add_person(parser, _("of the patient's table; the one who was seen longest if not given"))
     add_patient(parser)
     add_language(parser)
     parser.add_argument("--out", type=Path, metavar="report.xlsx", help=_("report to write"))

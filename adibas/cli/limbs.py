@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, frame_range, positive, positive_count, sentence
+from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
+from adibas.cli.recording_options import add_calibration, add_frames
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -122,19 +123,8 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
         default="",
         help=_("of the shipped model; all 15 if not given"),
     )
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        metavar=_("FILE"),
-        help=_("in place of the recording's own calibration"),
-    )
-    parser.add_argument(
-        "--frames",
-        type=frame_range,
-        default=(0, None),
-        metavar="A:B",
-        help=_("frames to look at; all if not given"),
-    )
+    add_calibration(parser)
+    add_frames(parser, _("frames to look at; all if not given"))
     _add_cut(parser)
     parser.add_argument(
         "--behind", action="store_true", help=_("the person turns the back to the camera")

@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, frame_range
+from adibas.cli.options import add_json
+from adibas.cli.recording_options import add_calibration, add_frames, add_recording
 from adibas.errors import FileError
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
@@ -15,22 +16,9 @@ SUMMARY = message("put the frames of a moving camera together into one surface")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.add_argument(
-        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
-    )
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        metavar=_("FILE"),
-        help=_("in place of the recording's own calibration"),
-    )
-    parser.add_argument(
-        "--frames",
-        type=frame_range,
-        default=(0, None),
-        metavar="A:B",
-        help=_("frames to look at, B not included; all of them if not given"),
-    )
+    add_recording(parser)
+    add_calibration(parser)
+    add_frames(parser, _("frames to look at, B not included; all of them if not given"))
     parser.add_argument(
         "--out",
         type=Path,

@@ -4,11 +4,12 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, positive_count
+from adibas.cli.options import add_json
+from adibas.cli.recording_options import add_calibration, add_person
+from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.data.posture import VIEWS
-from adibas.errors import FileError, MarkerError
-from adibas.files import check_place
-from adibas.texts import LANGUAGES, message, spoken_language, translate_plural
+from adibas.errors import MarkerError
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 SUMMARY = message("measure joint angles over time and how far each joint moves")
@@ -39,30 +40,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="model.npz",
         help=_("of limbs, with --markerless; the program's own if not given"),
     )
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        metavar=_("FILE"),
-        help=_("in place of the recording's own calibration"),
-    )
+    add_calibration(parser)
     parser.add_argument(
         "--view", choices=VIEWS, default="", help=_("which side is seen in the first frame")
     )
-    parser.add_argument(
-        "--person",
-        type=positive_count,
-        metavar="N",
-        help=_("where there are several people; the one who was seen longest if not given"),
+    add_person(
+        parser, _("where there are several people; the one who was seen longest if not given")
     )
-    parser.add_argument(
-        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
-    )
-    parser.add_argument(
-        "--language",
-        choices=tuple(LANGUAGES),
-        default=spoken_language(),
-        help=_("of the report; the program's own if not given"),
-    )
+    add_patient(parser)
+    add_language(parser)
     parser.add_argument(
         "--out",
         type=Path,
@@ -81,13 +67,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.reports.movement_json import movement_to_json
 
     for path in arguments.out:
-        if path.suffix.lower() not in MOVEMENT_KINDS:
-            raise FileError(
-                "{file} is no report. Give --out a name that ends in one of: {endings}.",
-                file=path.name or str(path),
-                endings=", ".join(MOVEMENT_KINDS),
-            )
-        check_place(path)
+        check_report(path, MOVEMENT_KINDS)
     _check_markers(arguments, is_table=arguments.source.suffix.lower() == JOINT_FILE)
     request = MovementRequest(
         arguments.source,

@@ -4,9 +4,7 @@ import argparse
 import math
 from pathlib import Path
 
-from adibas.data.report import PictureChoice
 from adibas.errors import RecordingError
-from adibas.texts import LANGUAGES, spoken_language
 from adibas.texts import translate as _
 
 LARGEST_SIDE_PX = 65_535
@@ -17,22 +15,6 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     """Offer `--json`."""
     parser.add_argument(
         "--json", action="store_true", help=_("print one JSON document and nothing else on stdout")
-    )
-
-
-def add_report_options(parser: argparse.ArgumentParser) -> None:
-    """Offer `--language` and `--pictures`."""
-    parser.add_argument(
-        "--language",
-        choices=tuple(LANGUAGES),
-        default=spoken_language(),
-        help=_("of the report; the program's own if not given"),
-    )
-    parser.add_argument(
-        "--pictures",
-        choices=tuple(choice.value for choice in PictureChoice),
-        default=PictureChoice.AS_IS.value,
-        help=_("how much of the patient the report's pictures show; as they are if not given"),
     )
 
 
@@ -93,6 +75,20 @@ def frame_range(text: str) -> tuple[int, int | None]:
     if not colon or begin < 0 or (end is not None and end <= begin):
         raise argparse.ArgumentTypeError(
             _("{text} is no range of frames: give A:B such as 0:30").format(text=text)
+        )
+    return begin, end
+
+
+def seconds_range(text: str) -> tuple[float, float]:
+    """Read ``A:B`` in seconds."""
+    first, _colon, last = text.partition(":")
+    try:
+        begin, end = float(first), float(last)
+    except ValueError:
+        begin, end = 0.0, 0.0
+    if not 0.0 <= begin < end < float("inf"):
+        raise argparse.ArgumentTypeError(
+            _("{text} is no time: give A:B in seconds such as 10:25.5").format(text=text)
         )
     return begin, end
 

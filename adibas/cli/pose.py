@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, frame_range, positive_count
+from adibas.cli.options import add_json
+from adibas.cli.recording_options import add_calibration, add_frames, add_person, add_recording
 from adibas.errors import FileError, RecordingError
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
@@ -23,39 +24,24 @@ LAGS = range(11)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.add_argument(
-        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
-    )
+    add_recording(parser)
     parser.add_argument(
         "--model",
         type=Path,
         metavar="model.npz",
         help=_("of the limbs of the full body; the program's own if not given"),
     )
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        metavar=_("FILE"),
-        help=_("in place of the recording's own calibration"),
-    )
+    add_calibration(parser)
     parser.add_argument(
         "--view",
         choices=VIEWS,
         default="",
         help=_("which side everybody shows to the camera; found out if not given"),
     )
-    parser.add_argument(
-        "--frames",
-        type=frame_range,
-        default=(0, None),
-        metavar="A:B",
-        help=_("frames to look at, B not included; all of them if not given"),
-    )
-    parser.add_argument(
-        "--person",
-        type=positive_count,
-        metavar="N",
-        help=_("for TRC and C3D, which hold one person; the one who was seen longest if not given"),
+    add_frames(parser, _("frames to look at, B not included; all of them if not given"))
+    add_person(
+        parser,
+        _("for TRC and C3D, which hold one person; the one who was seen longest if not given"),
     )
     parser.add_argument(
         "--lag",

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, add_report_options, frame_range, positive_count
+from adibas.cli.options import add_json, add_out, positive_count
 from adibas.cli.protocol_options import add_protocol, wished_protocol
+from adibas.cli.recording_options import add_calibration, add_frames, add_markers, add_recording
+from adibas.cli.report_options import add_patient, add_report_options, check_report
 from adibas.data.posture import VIEWS
 from adibas.data.report import PictureChoice
-from adibas.errors import FileError
-from adibas.files import check_place
 from adibas.reports import KINDS, write_report
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -27,21 +27,9 @@ MOST_REASONS = 10
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
-    parser.add_argument(
-        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
-    )
-    parser.add_argument(
-        "--markers",
-        required=True,
-        metavar="colours.json|led",
-        help=_("learned colours, or led for LED markers"),
-    )
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        metavar=_("FILE"),
-        help=_("in place of the recording's own calibration"),
-    )
+    add_recording(parser)
+    add_markers(parser)
+    add_calibration(parser)
     parser.add_argument(
         "--oldest-calibration",
         type=positive_count,
@@ -56,16 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("names of markers: a table with marker,label or u,v,label (pixels)"),
     )
     parser.add_argument("--view", choices=VIEWS, default="", help=_("which side is seen"))
-    parser.add_argument(
-        "--frames",
-        type=frame_range,
-        default=(0, None),
-        metavar="A:B",
-        help=_("frames of the burst, B not included; all of them if not given"),
-    )
-    parser.add_argument(
-        "--patient", default="", metavar=_("PSEUDONYM"), help=_("shown on the report; never a name")
-    )
+    add_frames(parser, _("frames of the burst, B not included; all of them if not given"))
+    add_patient(parser)
     add_report_options(parser)
     endings = "|".join(f"report{kind}" for kind in KINDS)
     add_out(parser, endings, _("report to write; an older one is replaced"))
@@ -80,13 +60,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.session_report import report_of_analysis
     from adibas.reports.json_report import posture_to_json
 
-    if arguments.out.suffix.lower() not in KINDS:
-        raise FileError(
-            "{file} is no report. Give --out a name that ends in one of: {endings}.",
-            file=arguments.out.name or str(arguments.out),
-            endings=", ".join(KINDS),
-        )
-    check_place(arguments.out)
+    check_report(arguments.out, KINDS)
     protocol = wished_protocol(arguments)
     request = PostureRequest(
         recording=arguments.recording,

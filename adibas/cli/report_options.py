@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from adibas.data.report import PictureChoice
 from adibas.errors import FileError
 from adibas.files import check_place
 from adibas.texts import LANGUAGES, spoken_language
@@ -24,6 +25,17 @@ def add_language(parser: argparse.ArgumentParser) -> None:
         choices=tuple(LANGUAGES),
         default=spoken_language(),
         help=_("of the report; the program's own if not given"),
+    )
+
+
+def add_report_options(parser: argparse.ArgumentParser) -> None:
+    """Offer `--language` and `--pictures`."""
+    add_language(parser)
+    parser.add_argument(
+        "--pictures",
+        choices=tuple(choice.value for choice in PictureChoice),
+        default=PictureChoice.AS_IS.value,
+        help=_("how much of the patient the report's pictures show; as they are if not given"),
     )
 
 

@@ -6,15 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adibas.cli.console import Console
-from adibas.cli.options import (
-    add_out,
-    add_overwrite,
-    add_report_options,
-    positive_count,
-    refuse_to_replace,
-)
+from adibas.cli.options import add_out, add_overwrite, positive_count, refuse_to_replace
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
+from adibas.cli.report_options import add_report_options
 from adibas.cli.store_options import add_store, open_existing
 from adibas.errors import StoreError
 from adibas.files import check_place

@@ -27,7 +27,11 @@ N_BODIES, N_POSES, SEED = 240, 60, 1
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
-    train = actions.add_parser("train", help=_(TRAIN), description=sentence(_(TRAIN)))
+    _add_train(actions.add_parser("train", help=_(TRAIN), description=sentence(_(TRAIN))))
+    _add_label(actions.add_parser("label", help=_(LABEL), description=sentence(_(LABEL))))
+
+
+def _add_train(train: argparse.ArgumentParser) -> None:
     train.add_argument(
         "shapes",
         type=Path,
@@ -69,7 +73,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(train, "model.json", _("model to write; an older one is replaced"))
     add_store(train)
     train.set_defaults(action=_train)
-    label = actions.add_parser("label", help=_(LABEL), description=sentence(_(LABEL)))
+
+
+def _add_label(label: argparse.ArgumentParser) -> None:
     label.add_argument(
         "points",
         type=Path,

@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, frame_range, positive
+from adibas.cli.options import add_json, positive
+from adibas.cli.recording_options import add_calibration, add_frames, add_markers
 from adibas.texts import message
 from adibas.texts import translate as _
 
@@ -29,18 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         help=_("between the middles of its two markers, measured with a ruler"),
     )
-    parser.add_argument(
-        "--markers",
-        required=True,
-        metavar="colours.json|led",
-        help=_("learned colours, or led for LED markers"),
-    )
-    parser.add_argument(
-        "--calibration",
-        type=Path,
-        metavar=_("FILE"),
-        help=_("in place of the recording's own calibration"),
-    )
+    add_markers(parser)
+    add_calibration(parser)
     parser.add_argument(
         "--tolerance-mm",
         type=positive,
@@ -48,13 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         help=_("how far off is still good; 5 if not given"),
     )
-    parser.add_argument(
-        "--frames",
-        type=frame_range,
-        default=(0, None),
-        metavar="A:B",
-        help=_("frames of the burst, B not included; all of them if not given"),
-    )
+    add_frames(parser, _("frames of the burst, B not included; all of them if not given"))
     add_json(parser)
 
 

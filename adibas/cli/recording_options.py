@@ -1,0 +1,46 @@
+"""Options of commands that read a recording."""
+
+import argparse
+from pathlib import Path
+
+from adibas.cli.options import frame_range, positive_count
+from adibas.texts import translate as _
+
+
+def add_recording(parser: argparse.ArgumentParser) -> None:
+    """Ask for the recording."""
+    parser.add_argument(
+        "recording", type=Path, metavar=_("RECORDING"), help=_(".mcap, .oni or a TUM RGB-D folder")
+    )
+
+
+def add_calibration(parser: argparse.ArgumentParser) -> None:
+    """Offer `--calibration`."""
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("in place of the recording's own calibration"),
+    )
+
+
+def add_markers(parser: argparse.ArgumentParser) -> None:
+    """Ask for `--markers`."""
+    parser.add_argument(
+        "--markers",
+        required=True,
+        metavar="colours.json|led",
+        help=_("learned colours, or led for LED markers"),
+    )
+
+
+def add_frames(parser: argparse.ArgumentParser, help_text: str) -> None:
+    """Offer `--frames`, all of them if not given."""
+    parser.add_argument(
+        "--frames", type=frame_range, default=(0, None), metavar="A:B", help=help_text
+    )
+
+
+def add_person(parser: argparse.ArgumentParser, help_text: str) -> None:
+    """Offer `--person`, None if not given."""
+    parser.add_argument("--person", type=positive_count, metavar="N", help=help_text)
