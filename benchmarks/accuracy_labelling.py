@@ -16,10 +16,9 @@ import numpy as np
 from scipy.stats import beta
 
 from adibas.arrays import FloatArray
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
-from adibas.skeleton.model import mirrored_name
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
 from adibas.skeleton.tracking import name_movement
 from benchmarks.mocap_files import read_c3d_joints, read_mocap_joints
@@ -50,7 +49,7 @@ class Count:
         self.right += list(names) == truth
         pairs = [(a, b) for a, b in zip(names, truth, strict=True) if a is not None and a != b]
         self.wrong += bool(pairs)
-        self.swapped += any(b is not None and mirrored_name(b) == a for a, b in pairs)
+        self.swapped += any(b is not None and other_side(b) == a for a, b in pairs)
 
 
 def rows(*, quick: bool) -> Iterable[Row]:
@@ -120,7 +119,7 @@ def _rows(told: str, count: Count, goal: float | None) -> Iterator[Row]:
 def facing(shapes_m: FloatArray) -> FloatArray:
     """Turn each of (S, 15, 3) people about the vertical to face the camera."""
     lefts = [i for i, name in enumerate(JOINT_NAMES) if name in ("left_shoulder", "left_hip")]
-    rights = [JOINT_NAMES.index(mirrored_name(JOINT_NAMES[i])) for i in lefts]
+    rights = [mirror_order(JOINT_NAMES)[i] for i in lefts]
     across = (shapes_m[:, lefts] - shapes_m[:, rights]).mean(axis=1)
     headings = -np.arctan2(across[:, 2], across[:, 0])
     turned = [one @ turn_back(angle).T for one, angle in zip(shapes_m, headings, strict=True)]

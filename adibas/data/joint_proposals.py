@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from adibas.arrays import FloatArray, check_shape, read_only
-from adibas.data.joints import JOINT_NAMES, other_side
+from adibas.data.joints import JOINT_NAMES, mirror_order
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,5 +30,5 @@ class JointProposals:
 
     def with_sides_swapped(self) -> "JointProposals":
         """Return the proposals of which every left joint is a right one, and the other way."""
-        swapped = [JOINT_NAMES.index(other_side(name)) for name in JOINT_NAMES]
+        swapped = mirror_order(JOINT_NAMES)
         return JointProposals(self.positions_m[swapped].copy(), self.weights_m2[swapped].copy())

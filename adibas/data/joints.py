@@ -1,5 +1,8 @@
 """The 15 joints in the order of the thesis and of NiTE; left and right are the patient's."""
 
+from collections.abc import Sequence
+
+SIDES = ("left_", "right_")
 JOINT_NAMES = (
     "head",
     "neck",
@@ -32,8 +35,14 @@ BODY_PART_NAMES = (
 
 
 def other_side(name: str) -> str:
-    """Return the joint or part of the other side; the same one in the middle of the body."""
-    for side, other in (("left_", "right_"), ("right_", "left_")):
+    """Return the joint, part or landmark of the other side; the name itself where it has none."""
+    for side, other in zip(SIDES, SIDES[::-1], strict=True):
         if name.startswith(side):
             return other + name.removeprefix(side)
     return name
+
+
+def mirror_order(names: Sequence[str]) -> list[int]:
+    """Return for each name the index of its mirror image, of itself where there is none."""
+    other = (other_side(name) for name in names)
+    return [names.index(one) if one in names else i for i, one in enumerate(other)]

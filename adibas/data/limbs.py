@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, check_shape, read_only
-from adibas.data.joints import BODY_PART_NAMES
+from adibas.data.joints import BODY_PART_NAMES, mirror_order
 
 NO_LABEL = -1
 MOST_LABELS = 120
 """One byte of an image holds them, 0 for none, and something that is no limb besides."""
-_SIDES = {"left_": "right_", "right_": "left_"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,17 +39,7 @@ class LimbLabels:
     @property
     def mirrored(self) -> tuple[int, ...]:
         """Return for each label that of the other side; its own where there is none."""
-        return tuple(
-            self.names.index(other) if other in self.names else label
-            for label, other in enumerate(map(_other_side, self.names))
-        )
-
-
-def _other_side(name: str) -> str:
-    for side, other in _SIDES.items():
-        if name.startswith(side):
-            return other + name.removeprefix(side)
-    return name
+        return tuple(mirror_order(self.names))
 
 
 UPPER_BODY = LimbLabels(

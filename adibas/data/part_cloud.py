@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from adibas.arrays import FloatArray, check_shape, read_only
-from adibas.data.joints import BODY_PART_NAMES, other_side
+from adibas.data.joints import BODY_PART_NAMES, mirror_order
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,5 +29,5 @@ class PartCloud:
 
     def with_sides_swapped(self) -> "PartCloud":
         """Return the cloud of which every left part is a right one, and the other way round."""
-        swapped = [BODY_PART_NAMES.index(other_side(name)) for name in BODY_PART_NAMES]
+        swapped = mirror_order(BODY_PART_NAMES)
         return PartCloud(self.points_m, self.weights_m2[:, swapped].copy())

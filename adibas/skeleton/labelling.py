@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
+from adibas.data.joints import mirror_order
 from adibas.shapes import labelling_exchange_kernels as exchanging
 from adibas.shapes import labelling_search_kernels as search
-from adibas.skeleton.model import PointModel, mirror_order
+from adibas.skeleton.model import PointModel
 from adibas.skeleton.prepared import PoseSpread, PreparedModel
 from adibas.skeleton.starts import heading_cost, heading_of_turn, list_turns, log_radius
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
+from adibas.data.joints import SIDES, mirror_order
 from adibas.skeleton.parts import PartsModel
-
-SIDES = ("left_", "right_")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,20 +158,6 @@ class SkeletonModel:
     def names(self) -> tuple[str, ...]:
         """Return the names of the points."""
         return self.models()[0].names
-
-
-def mirrored_name(name: str) -> str:
-    """Return the name of the other side; the name itself where it has none."""
-    for side, other in zip(SIDES, SIDES[::-1], strict=True):
-        if name.startswith(side):
-            return other + name.removeprefix(side)
-    return name
-
-
-def mirror_order(names: tuple[str, ...]) -> list[int]:
-    """Return for each name the index of its mirror image, of itself where there is none."""
-    other = (mirrored_name(name) for name in names)
-    return [names.index(one) if one in names else i for i, one in enumerate(other)]
 
 
 def left_of(shapes: FloatArray, names: tuple[str, ...]) -> FloatArray:

@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape
+from adibas.data.joints import mirror_order
 from adibas.shapes.gaussian_mixture import Mixture, fit_mixture
 from adibas.shapes.parts_types import Anchors, Core, Limbs
-from adibas.skeleton.model import left_of, mirror_order
+from adibas.skeleton.model import left_of
 from adibas.skeleton.parts import ANCHOR_NAMES, CORE_NAMES, LIMB_NAMES, PartsModel
 from adibas.skeleton.training import heading_of, turned_about_y
 

@@ -6,7 +6,8 @@ from itertools import combinations
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
-from adibas.skeleton.model import PointModel, Prototype, mirror_order
+from adibas.data.joints import mirror_order
+from adibas.skeleton.model import PointModel, Prototype
 
 PLANE, SPACE = 2, 3
 SIZE_GUESS_SD = 0.1

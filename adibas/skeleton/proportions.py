@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
-from adibas.data.joints import JOINT_NAMES, other_side
+from adibas.data.joints import JOINT_NAMES, mirror_order
 
 ROOT = JOINT_NAMES.index("torso")
 _PARENT_OF = {
@@ -44,7 +44,7 @@ ORDER: tuple[int, ...] = tuple(
     )
 )
 """Every joint after its parent."""
-MIRRORED: tuple[int, ...] = tuple(JOINT_NAMES.index(other_side(name)) for name in JOINT_NAMES)
+MIRRORED: tuple[int, ...] = tuple(mirror_order(JOINT_NAMES))
 """The joint of the other side; the same one in the middle of the body."""
 FORMAT, VERSION = "adibas-proportions", 1
 

@@ -7,9 +7,9 @@ Computation 14 (2002), for the product; the weights were chosen on simulated peo
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
+from adibas.data.joints import mirror_order
 from adibas.shapes.assignment_kernels import assign
 from adibas.skeleton.labelling import Labelling
-from adibas.skeleton.model import mirror_order
 
 DOUBT = 0.97
 """A point of which no name has this share is in doubt."""

@@ -7,13 +7,13 @@ import pytest
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.shapes import parts_core_kernels as cores
 from adibas.shapes.parts_choice_kernels import judge_core
 from adibas.shapes.parts_limb_kernels import place_limb
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton.labelling import Labelling
-from adibas.skeleton.model import SkeletonModel, mirror_order, mirrored_name
+from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.model_files import read_model, write_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.parts import CORE_NAMES, LIMB_NAMES, has_parts
@@ -30,7 +30,7 @@ PLACES = {
     "left_knee": (0.11, -0.48, -0.03), "left_foot": (0.12, -0.06, 0.03),
 }  # fmt: skip
 FIGURE = np.array([
-    PLACES[name] if name in PLACES else np.array(PLACES[mirrored_name(name)]) * [-1, 1, 1]
+    PLACES[name] if name in PLACES else np.array(PLACES[other_side(name)]) * [-1, 1, 1]
     for name in JOINT_NAMES
 ])  # fmt: skip
 
@@ -199,11 +199,11 @@ def test_two_namers_together_are_surer_where_they_agree():
     names = ("left_hand", "right_hand")
     nobody = (None, None)
     sure = np.array([[0.7, 0.2, 0.1], [0.2, 0.6, 0.2]])
-    one = Labelling(nobody, nobody, np.zeros(2), None, 0.0, sure.copy())
+    one = Labelling(nobody, nobody, np.zeros(2), 0.0, sure.copy())
     both = combined(one, one, names, 0.5, 0.25)
     np.testing.assert_allclose(both.masses, sure)
     assert both.names == names
-    other = Labelling(nobody, nobody, np.zeros(2), None, 0.0, sure[::-1].copy())
+    other = Labelling(nobody, nobody, np.zeros(2), 0.0, sure[::-1].copy())
     assert combined(one, other, names, 0.5, 0.25).names == nobody
     assert is_in_doubt(one)
-    assert not is_in_doubt(Labelling((None,), (None,), np.zeros(1), None, 0.0, np.eye(3)[:1]))
+    assert not is_in_doubt(Labelling((None,), (None,), np.zeros(1), 0.0, np.eye(3)[:1]))
