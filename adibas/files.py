@@ -4,6 +4,8 @@ import errno
 import os
 import re
 import uuid
+import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +14,9 @@ from adibas.errors import FileError
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """No space on the disk, in the user's share of it, or in one file."""
+DAMAGED_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError)
+"""What zipfile raises of a damaged archive, be it a workbook or arrays. RuntimeError where the part
+seems encrypted, and its child NotImplementedError where it seems packed in another way."""
 _UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 
 

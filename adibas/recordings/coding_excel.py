@@ -1,24 +1,23 @@
 """Codings from Excel workbooks that `adibas.reports.coding_excel` wrote."""
 
 import zipfile
-import zlib
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
 
 from adibas.data.coding import Coding
 from adibas.data.ethogram import Ethogram
 from adibas.errors import BehaviourError
+from adibas.files import DAMAGED_ARCHIVE
 from adibas.recordings.coding_table import NEEDED, codings_of_rows, unshielded
 from adibas.recordings.ethogram_json import ethogram_of_text
 
 EVENTS_SHEET, SCHEME_SHEET = "Coding", "Scheme"
 LARGEST_SHEET_BYTES = 400_000_000
 MOST_ROWS = 1_048_576
-BROKEN = (
-    *(OSError, zipfile.BadZipFile, zlib.error, EOFError, ParseError, KeyError, ValueError),
-    *(TypeError, IndexError, AttributeError, NotImplementedError, RuntimeError),
-)
-"""What zipfile and openpyxl raise of a damaged workbook."""
+NO_WORKBOOK = (KeyError, ValueError, TypeError, IndexError, ParseError)
+"""What openpyxl raises of a whole archive that is no workbook: a part, an attribute or a shared
+text is missing or unknown, or is no number or XML."""
+
 
 
 def read_coding_excel(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
@@ -30,8 +29,9 @@ def read_coding_excel(path: Path, ethogram: Ethogram | None = None) -> tuple[Cod
         The file is missing or no such workbook, or a row does not fit; its line is told.
     """
     try:
+        _check_archive(path)
         sheets = _sheets(path)
-    except BROKEN as error:
+    except (OSError, *DAMAGED_ARCHIVE, *NO_WORKBOOK) as error:
         raise BehaviourError(
             "{file} cannot be read: {reason}. Give a workbook that `adibas coding convert` wrote.",
             file=path.name,
@@ -56,13 +56,20 @@ def read_coding_excel(path: Path, ethogram: Ethogram | None = None) -> tuple[Cod
     return codings_of_rows(path.name, rows, ethogram)
 
 
+def _check_archive(path: Path) -> None:
+    """See that all parts are whole, so that openpyxl gets what somebody wrote."""
+    with zipfile.ZipFile(path) as archive:
+        if sum(part.file_size for part in archive.infolist()) > LARGEST_SHEET_BYTES:
+            raise ValueError("the sheets are larger than those of any session")
+        damaged = archive.testzip()
+        if damaged is not None:
+            raise zipfile.BadZipFile(f"{damaged} is damaged")
+
+
 def _sheets(path: Path) -> dict[str, list[list[str]]]:
     """Return the texts of all cells, by sheet."""
     from openpyxl import load_workbook
 
-    with zipfile.ZipFile(path) as archive:
-        if sum(part.file_size for part in archive.infolist()) > LARGEST_SHEET_BYTES:
-            raise ValueError("the sheets are larger than those of any session")
     workbook = load_workbook(path, read_only=True, data_only=True)
     try:
         return {

@@ -79,7 +79,9 @@ def test_the_same_state_may_last_twice_with_other_modifiers_only():
 
 
 def test_states_may_touch_and_other_behaviours_may_last_meanwhile():
-    coding(("seated", 0, 6), ("up", 6, 9), ("fidgets", 2, 8), ("nods", 3, 3))
+    found = coding(("seated", 0, 6), ("up", 6, 9), ("fidgets", 2, 8), ("nods", 3, 3))
+    assert [one.behaviour for one in found.occurrences] == ["seated", "fidgets", "nods", "up"]
+    assert list(problems_of(ETHOGRAM, found.occurrences, (0, 60_000))) == []
 
 
 def test_a_coding_that_cannot_be_is_never_built():
