@@ -3,7 +3,6 @@
 Image ``i`` depends on the seed and ``i`` alone: making can stop and go on, on any number of cores.
 """
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
@@ -18,16 +17,10 @@ from adibas.simulation.device import DEPTH_UNIT_M
 from adibas.simulation.limb_frames import FRAMES_A_PERSON, FrameSettings, LimbFrames
 
 Progress = Callable[[int, int], None]
+SIMULATED_LABELS = (*BODY_PART_NAMES, CLUTTER)
 
 
-def simulate_folder(
-    folder: Path,
-    n_frames: int,
-    seed: int,
-    progress: Progress,
-    settings: FrameSettings | None = None,
-    n_workers: int | None = None,
-) -> None:
+def simulate_folder(folder: Path, n_frames: int, seed: int, progress: Progress) -> None:
     """Write `n_frames` images to a folder; those that are there already stay.
 
     Raises
@@ -35,11 +28,11 @@ def simulate_folder(
     FileError
         The folder cannot be written.
     """
-    settings = settings or FrameSettings()
+    settings = FrameSettings()
     camera = LimbFrames(seed, settings).camera.intrinsics
     names = [image_name(index) for index in range(n_frames)]
     header = FolderHeader(
-        (*BODY_PART_NAMES, CLUTTER),
+        SIMULATED_LABELS,
         DEPTH_UNIT_M,
         camera.fx,
         camera.fy,
@@ -55,21 +48,14 @@ def simulate_folder(
         people.setdefault(index // FRAMES_A_PERSON, []).append(index)
     done = n_frames - len(missing)
     progress(done, n_frames)
-    jobs = [(folder, seed, settings, indices) for indices in people.values()]
-    n_workers = n_workers or os.cpu_count() or 1
-    if n_workers == 1 or len(jobs) < 2:  # noqa: PLR2004  (nothing to share)
-        for job in jobs:
-            done += _simulate(*job)
-            progress(done, n_frames)
-        return
-    with ProcessPoolExecutor(n_workers, get_context("spawn")) as processes:
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as processes:
         try:
-            for finished in as_completed([processes.submit(_simulate, *job) for job in jobs]):
+            jobs = [processes.submit(_simulate, folder, seed, one) for one in people.values()]
+            for finished in as_completed(jobs):
                 done += finished.result()
                 progress(done, n_frames)
-        except BaseException:
-            processes.shutdown(wait=True, cancel_futures=True)
-            raise
+        finally:
+            processes.shutdown(cancel_futures=True)
 
 
 def image_name(index: int) -> str:
@@ -77,9 +63,9 @@ def image_name(index: int) -> str:
     return f"{index:05d}"
 
 
-def _simulate(folder: Path, seed: int, settings: FrameSettings, indices: list[int]) -> int:
+def _simulate(folder: Path, seed: int, indices: list[int]) -> int:
     """Write the images of one person; return how many."""
-    frames = LimbFrames(seed, settings)
+    frames = LimbFrames(seed)
     for index in indices:
         frame = frames.frame(index)
         write_image(folder, image_name(index), frame.depth_mm, frame.labels)

@@ -18,7 +18,7 @@ from adibas.forests.params import ForestParams
 from adibas.forests.training import Memory, TrainingImages, Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
 from adibas.limbs.training_set import TO_TORSO, LimbFolder, Relabelled
-from adibas.pipeline.limb_simulator import simulate_folder
+from adibas.pipeline.limb_simulator import SIMULATED_LABELS, simulate_folder
 
 Progress = Callable[[str, int, int], None]
 """Told the step (``simulating``, ``training``), what is done and all there is."""
@@ -26,12 +26,14 @@ _UNFINISHED = ".training"
 _SETTINGS = "settings.json"
 _FRAMES = "frames"
 
-
 SHIPPED = ForestParams(
     n_trees=2, n_images=None, n_pixels=300, evenness=0.5, min_pixels=40, shrinkage=50.0
 )
-"""Many images with few pixels each: they differ more than pixels of one image."""
-SHIPPED_FRAMES, SHIPPED_SEED = 3000, 6215
+"""Many images with few pixels each: they differ more than pixels of one image.
+
+The shipped files are of before: without `evenness`, grown with `min_pixels` 8, and pruned to 40.
+"""
+SHIPPED_FRAMES = 3000
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,16 +73,20 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
         Something cannot be written.
     """
     work = request.out.with_name(request.out.name + _UNFINISHED)
-    images = _images(request, work, progress)
+    folder = None if request.folder is None else LimbFolder(request.folder)
+    labels = _labels_of(SIMULATED_LABELS if folder is None else folder.labels, request.labels)
     settings = {
         "version": __version__,
         "images": "simulator" if request.folder is None else request.folder.name,
-        "n_images": len(images),
-        "labels": list(images.labels),
+        "n_images": request.n_frames if folder is None else len(folder),
+        "labels": list(labels),
         "seed": request.seed,
         "params": asdict(request.params),
     }
     _check_same(work, settings)
+    images: TrainingImages = folder or _simulated(work, request, progress)
+    if images.labels != labels:
+        images = Relabelled(images, labels, TO_TORSO)
     trees = [
         _grown(work, images, request, number, progress) for number in range(request.params.n_trees)
     ]
@@ -113,29 +119,25 @@ def merge_model(source: Path, out: Path) -> LimbModel:
     return fewer
 
 
-def _images(request: TrainingRequest, work: Path, progress: Progress) -> TrainingImages:
-    if request.folder is not None:
-        images: TrainingImages = LimbFolder(request.folder)
-    else:
-        frames = work / _FRAMES
-        simulate_folder(
-            frames,
-            request.n_frames,
-            request.seed,
-            lambda done, total: progress("simulating", done, total),
-        )
-        images = LimbFolder(frames)
-    return _relabelled(images, request.labels)
+def _simulated(work: Path, request: TrainingRequest, progress: Progress) -> LimbFolder:
+    frames = work / _FRAMES
+    simulate_folder(
+        frames,
+        request.n_frames,
+        request.seed,
+        lambda done, total: progress("simulating", done, total),
+    )
+    return LimbFolder(frames)
 
 
-def _relabelled(images: TrainingImages, wanted: str) -> TrainingImages:
-    """Return the images with the labels of a set; the seven can be made of the fifteen."""
-    limbs = tuple(name for name in images.labels if name != CLUTTER)
-    rest = (CLUTTER,) if CLUTTER in images.labels else ()
+def _labels_of(names: tuple[str, ...], wanted: str) -> tuple[str, ...]:
+    """Return the labels to train: the images' own, or the seven that are made of the fifteen."""
+    limbs = tuple(name for name in names if name != CLUTTER)
+    rest = (CLUTTER,) if CLUTTER in names else ()
     if not wanted or LABEL_SETS[wanted].names == limbs:
-        return images
+        return names
     if LABEL_SETS[wanted] is UPPER_BODY and set(limbs) == set(FULL_BODY.names):
-        return Relabelled(images, (*UPPER_BODY.names, *rest), TO_TORSO)
+        return (*UPPER_BODY.names, *rest)
     raise LimbError(
         "The images have other labels than {wanted}: {found}. Choose other images or other labels.",
         wanted=wanted,

@@ -23,7 +23,9 @@ from adibas.limbs.training_set import (
 from adibas.pipeline import limb_training
 from adibas.pipeline.limb_evaluation import EvaluationParams, groups_of
 from adibas.pipeline.limb_pictures import limb_colors, limb_picture
+from adibas.pipeline.limb_simulator import simulate_folder
 from adibas.pipeline.limb_training import TrainingRequest, train_model
+from adibas.simulation.limb_frames import LimbFrames
 
 PARAMS = ForestParams(n_trees=2, max_depth=4, n_images=None, n_pixels=40, n_candidates=12)
 NAMES = ("torso", "left_hand")
@@ -127,10 +129,39 @@ def test_other_settings_do_not_go_on_with_a_training_that_broke_off(folder, tmp_
         train_model(TrainingRequest(tmp_path / "m.npz", folder, seed=2, params=PARAMS), stop)
 
 
-def test_labels_that_the_images_do_not_have_are_refused(folder, tmp_path):
-    request = TrainingRequest(tmp_path / "m.npz", folder, "hand-6", params=PARAMS)
+def test_other_settings_do_not_go_on_with_images_of_another_seed(tmp_path):
+    def stop(*_told):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train_model(TrainingRequest(tmp_path / "m.npz", n_frames=2, seed=1, params=PARAMS), stop)
+    with pytest.raises(LimbError, match="other settings"):
+        train_model(TrainingRequest(tmp_path / "m.npz", n_frames=2, seed=2, params=PARAMS), stop)
+
+
+@pytest.mark.parametrize("is_simulated", [True, False])
+def test_labels_that_the_images_do_not_have_are_refused_at_once(folder, tmp_path, is_simulated):
+    told = []
+    images = None if is_simulated else folder
+    request = TrainingRequest(tmp_path / "m.npz", images, "hand-6", params=PARAMS)
     with pytest.raises(LimbError, match="hand-6"):
-        train_model(request, lambda *_told: None)
+        train_model(request, lambda *step: told.append(step))
+    assert not told
+    assert not list(tmp_path.glob("m.npz*"))
+
+
+def test_simulating_that_broke_off_makes_what_is_missing(tmp_path):
+    told = []
+    made = LimbFrames(5).frame(1)
+    write_image(tmp_path, "00000", made.depth_mm, made.labels)  # any: it must stay
+    before = (tmp_path / f"00000{DEPTH}").read_bytes()
+    simulate_folder(tmp_path, 2, 5, lambda *step: told.append(step))
+    assert told == [(1, 2), (2, 2)]
+    for name in ("00000", "00001"):
+        assert (tmp_path / f"{name}{DEPTH}").read_bytes() == before
+    images = LimbFolder(tmp_path)
+    assert images.people == ("p000", "p000")
+    np.testing.assert_array_equal(images.read(1)[1], made.labels)
 
 
 def test_groups_are_folds_or_people(folder):
