@@ -8,19 +8,25 @@ Ecology and Evolution 7 (2016); files of format 7.0 as versions 7 to 9 of the pr
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from adibas.data.coding import Coding, Occurrence, Section, problems_of
 from adibas.data.ethogram import Behaviour, Ethogram, Modifier, Subject
 from adibas.errors import BehaviourError
-from adibas.recordings.boris_writing import NOT_TOLD, OBSERVER, SECTIONS, SELECTIONS
+from adibas.recordings.boris_writing import (
+    NOBODY,
+    OBSERVER,
+    SECTIONS,
+    SELECTIONS,
+    modifier_values,
+)
 from adibas.recordings.coding_times import milliseconds
 
 LARGEST_FILE_BYTES = 200_000_000
 POINT_TYPES = ("Point event", "Point event with coding map")
 N_FIELDS = 5
-NO_SUBJECT = ("", "No focal subject")
 
 
 def read_boris(path: Path) -> tuple[Coding, ...]:
@@ -42,13 +48,6 @@ def read_boris(path: Path) -> tuple[Coding, ...]:
             "and save it again.",
             file=path.name,
         ) from error
-
-
-def modifier_texts(behaviour: Behaviour | None, told: str) -> tuple[str, ...]:
-    """Return the value of each modifier from BORIS' ``a|b``, where None stands for nothing."""
-    if behaviour is not None and not behaviour.modifiers and told in ("", NOT_TOLD):
-        return ()
-    return tuple("" if one == NOT_TOLD else one for one in told.split("|"))
 
 
 def _document(path: Path) -> Mapping[str, Any]:
@@ -73,11 +72,9 @@ def _ethogram(document: Mapping[str, Any]) -> Ethogram:
     behaviours = [_behaviour(one, sources) for one in _ordered(document["behaviors_conf"])]
     names = {one.name for one in behaviours}
     known = tuple(
-        Behaviour(
-            *(one.name, one.kind, one.description, one.key, one.category, one.color),
-            one.modifiers,
-            tuple(other for other in one.excludes if other in names and other != one.name),
-            one.sources,
+        replace(
+            one,
+            excludes=tuple(other for other in one.excludes if other in names and other != one.name),
         )
         for one in behaviours
     )
@@ -195,7 +192,7 @@ def _paired(
             begun[key] = place
             continue
         first = begun.pop(key) if is_state else place
-        found.append(_occurrence(events[first], events[place], behaviour, is_state=is_state))
+        found.append(_occurrence(events[first], events[place], is_state=is_state))
         places.append(first)
     if begun:
         (_subject, code, _told), place = min(begun.items(), key=lambda item: item[1])
@@ -211,15 +208,13 @@ def _paired(
     return found, places
 
 
-def _occurrence(
-    first: Sequence[Any], last: Sequence[Any], behaviour: Behaviour | None, *, is_state: bool
-) -> Occurrence:
+def _occurrence(first: Sequence[Any], last: Sequence[Any], *, is_state: bool) -> Occurrence:
     return Occurrence(
         str(first[2]),
         milliseconds(first[0]),
         milliseconds(last[0]),
-        "" if str(first[1]) in NO_SUBJECT else str(first[1]),
-        modifier_texts(behaviour, str(first[3])),
+        "" if str(first[1]) == NOBODY else str(first[1]),
+        modifier_values(str(first[3])),
         str(first[4]),
         str(last[4]) if is_state else "",
     )

@@ -10,6 +10,7 @@ from pathlib import Path
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.errors import BehaviourError
 from adibas.files import written_whole
+from adibas.recordings.boris_writing import NOBODY, NOT_TOLD
 from adibas.recordings.coding_table import POINT, SESSION, STATE, Row
 from adibas.recordings.coding_times import milliseconds, seconds_text
 
@@ -98,7 +99,7 @@ def _told(coding: Coding, modifiers: Sequence[str]) -> Iterator[dict[str, str]]:
             "Time offset (s)": "0.0",
             "Coding duration": length,
             "Media duration (s)": length,
-            "Subject": one.subject or "No focal subject",
+            "Subject": one.subject or NOBODY,
             "Observation duration by subject by observation": length,
             "Behavior": one.behaviour,
             "Behavioral category": "" if behaviour is None else behaviour.category,
@@ -148,6 +149,8 @@ def _paired(file: str, told: Sequence[Row]) -> list[Row]:
         kind = (cells.get("Behavior type") or cells["Status"]).strip()
         key = (_name(cells), cells["Subject"], cells["Behavior"], _modifiers(cells))
         if kind == "START":
+            if key in begun:
+                raise _unpaired(file, *begun[key])
             begun[key] = (line, cells)
             continue
         if kind == "STOP" and key not in begun:
@@ -183,7 +186,7 @@ def _row(
         "label": cells["Behavior"].strip(),
         "begin_s": start,
         "end_s": stop,
-        "subject": "" if subject == "No focal subject" else subject,
+        "subject": "" if subject == NOBODY else subject,
         "kind": POINT if is_point else STATE,
         "modifiers": _modifiers(cells),
         "comment": comment,
@@ -197,7 +200,7 @@ def _modifiers(cells: Mapping[str, str]) -> str:
     told = [cells.get(f"Modifier #{number + 1}", "") for number in range(N_MODIFIERS)]
     while told and not told[-1]:
         told.pop()
-    return "|".join(one or "None" for one in told)
+    return "|".join(one or NOT_TOLD for one in told)
 
 
 def _name(cells: Mapping[str, str]) -> str:
@@ -207,6 +210,6 @@ def _name(cells: Mapping[str, str]) -> str:
 def _is_number(text: str) -> bool:
     try:
         milliseconds(text)
-    except (ValueError, OverflowError):
+    except ValueError:
         return False
     return True

@@ -16,6 +16,8 @@ OBSERVER, SECTIONS = "observer", "adibas sections"
 STATE_TYPE, POINT_TYPE = "State event", "Point event"
 SELECTIONS: tuple[Selection, ...] = ("one", "several", "number", "number")
 NOT_TOLD = "None"
+NOBODY = "No focal subject"
+"""What tables of BORIS have in place of a subject; projects leave it empty."""
 
 
 def write_boris(path: Path, codings: Sequence[Coding]) -> None:
@@ -106,6 +108,11 @@ def told_modifiers(behaviour: Behaviour | None, values: Sequence[str]) -> str:
     n_modifiers = 0 if behaviour is None else len(behaviour.modifiers)
     padded = [*values, *[""] * (n_modifiers - len(values))]
     return "|".join(one or NOT_TOLD for one in padded)
+
+
+def modifier_values(told: str) -> tuple[str, ...]:
+    """Return the values that `told_modifiers` gave; empty where none was told."""
+    return tuple("" if one == NOT_TOLD else one for one in told.split("|"))
 
 
 def _behaviour_document(one: Behaviour) -> dict[str, Any]:

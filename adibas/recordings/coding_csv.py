@@ -109,7 +109,7 @@ def _own_ethogram(path: Path, rows: Sequence[Row]) -> Ethogram | None:
         if row.get("kind") == SESSION and row.get("details"):
             try:
                 details = json.loads(row["details"])
-            except json.JSONDecodeError:
+            except (json.JSONDecodeError, RecursionError):
                 return None  # told with its line when the row is read
             if isinstance(details, dict) and "ethogram" in details:
                 return ethogram_of_text(json.dumps(details["ethogram"]), path.name)

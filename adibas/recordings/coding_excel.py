@@ -19,7 +19,6 @@ NO_WORKBOOK = (KeyError, ValueError, TypeError, IndexError, ParseError)
 text is missing or unknown, or is no number or XML."""
 
 
-
 def read_coding_excel(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
     """Read the sheets Coding and, where no ethogram is given, Scheme.
 

@@ -7,12 +7,11 @@ to when was observed and under which condition.
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from adibas.data.coding import Coding, Occurrence, Section, problems_of
 from adibas.data.ethogram import Behaviour, Ethogram, Subject
 from adibas.errors import BehaviourError
-from adibas.recordings.boris_writing import told_modifiers
+from adibas.recordings.boris_writing import modifier_values, told_modifiers
 from adibas.recordings.coding_times import milliseconds, seconds_text
 
 NEEDED = ("recording", "label", "begin_s", "end_s")
@@ -33,7 +32,9 @@ class _Session:
 
     line: int
     observed_ms: tuple[int, int] | None = None
-    details: dict[str, Any] = field(default_factory=dict)
+    date: str = ""
+    media: tuple[str, ...] = ()
+    variables: tuple[tuple[str, str], ...] = ()
     description: str = ""
     occurrences: list[Occurrence] = field(default_factory=list)
     lines: list[int] = field(default_factory=list)
@@ -93,7 +94,7 @@ def codings_of_rows(
     for line, row in rows:
         try:
             _take(sessions, line, row)
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise BehaviourError(
                 "{file}, line {line} is no event: it needs a recording, a label, and times in "
                 "seconds.",
@@ -132,13 +133,12 @@ def _take(sessions: dict[tuple[str, str], _Session], line: int, row: Mapping[str
     session = sessions.setdefault((name, row.get("observer", "")), _Session(line))
     if kind == SESSION:
         session.observed_ms = (begin_ms, end_ms)
-        session.details = json.loads(row.get("details") or "{}")
+        _take_details(session, row.get("details") or "{}")
         session.description = row.get("comment", "")
     elif kind == SECTION:
         session.sections.append(Section(label, begin_ms, end_ms))
     else:
-        told = row.get("modifiers", "")
-        modifiers = tuple("" if one == "None" else one for one in told.split("|")) if told else ()
+        modifiers = modifier_values(row.get("modifiers", ""))
         session.occurrences.append(
             Occurrence(
                 *(label, begin_ms, end_ms, row.get("subject", ""), modifiers),
@@ -147,6 +147,22 @@ def _take(sessions: dict[tuple[str, str], _Session], line: int, row: Mapping[str
             )
         )
         session.lines.append(line)
+
+
+def _take_details(session: _Session, text: str) -> None:
+    """Take what columns have no place for.
+
+    Raises
+    ------
+    ValueError, TypeError, RecursionError
+        It is no JSON, or not of `rows_of`.
+    """
+    details = json.loads(text)
+    if not isinstance(details, dict):
+        raise TypeError("the details of a session are an object")
+    session.date = str(details.get("date", ""))
+    session.media = tuple(map(str, details.get("media", ())))
+    session.variables = tuple((str(a), str(b)) for a, b in details.get("variables", ()))
 
 
 def _ethogram(rows: Sequence[Row]) -> Ethogram:
@@ -176,15 +192,14 @@ def _coding(file: str, name: str, observer: str, session: _Session, ethogram: Et
             line=session.lines[problem.place],
             problem=problem.sentence.text,
         )
-    details = session.details
     try:
         return Coding(
             *(name, ethogram, *observed, tuple(session.occurrences), observer),
             tuple(session.sections),
             session.description,
-            str(details.get("date", "")),
-            tuple(map(str, details.get("media", ()))),
-            tuple((str(a), str(b)) for a, b in details.get("variables", ())),
+            session.date,
+            session.media,
+            session.variables,
         )
     except ValueError as error:
         raise BehaviourError(

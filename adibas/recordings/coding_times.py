@@ -17,9 +17,9 @@ def milliseconds(value: object) -> int:
     Raises
     ------
     ValueError
-        It is no finite number.
+        It is no finite number, in milliseconds either.
     """
-    seconds = float(str(value))
-    if not math.isfinite(seconds):
+    time_ms = float(str(value)) * MS_PER_S
+    if not math.isfinite(time_ms):
         raise ValueError(f"no time: {value}")
-    return round(seconds * MS_PER_S)
+    return round(time_ms)

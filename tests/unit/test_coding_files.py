@@ -5,6 +5,7 @@ import dataclasses
 import io
 import json
 import xml.etree.ElementTree as ET
+import zipfile
 from itertools import pairwise
 from pathlib import Path
 
@@ -240,6 +241,10 @@ def test_half_a_state_in_a_table_is_told_with_its_line(tmp_path):
     path.write_text("\n".join(TABLE_7.splitlines()[:-1]))
     with pytest.raises(BehaviourError, match=r"line 5: seated at 1.5 s is only half of a state"):
         read_coding_csv(path)
+    lines = TABLE_7.splitlines()
+    path.write_text("\n".join([*lines[:5], lines[4].replace("1.5", "1.75"), *lines[5:]]))
+    with pytest.raises(BehaviourError, match=r"line 5: seated at 1.5 s is only half of a state"):
+        read_coding_csv(path)
     path.write_text(TABLE_7 + TABLE_7.splitlines()[-1])
     with pytest.raises(BehaviourError, match=r"line 8: seated at 4.25 s is only half"):
         read_coding_csv(path)
@@ -268,6 +273,7 @@ def test_events_of_gestures_are_a_coding(tmp_path):
         ("lunch,task,9,2,section", "the session ends before"),
         ("lunch,,9,2,session", "outside the session"),
         ("lunch,wave,nan,2,state", "line 4 is no event"),
+        ("lunch,wave,1,1e308,state", "line 4 is no event"),
     ],
 )
 def test_a_wrong_row_is_told_with_its_line(tmp_path, row, words):
@@ -276,6 +282,17 @@ def test_a_wrong_row_is_told_with_its_line(tmp_path, row, words):
     with pytest.raises(BehaviourError) as caught:
         read_codings(path)
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "details", ["[]", "3", '{"media": 3}', '{"variables": [1]}', '{"variables": 1}', "[" * 100_000]
+)
+def test_wrong_details_of_a_session_are_told_with_their_line(tmp_path, details):
+    path = tmp_path / "events.csv"
+    cell = details.replace('"', '""')
+    path.write_text(f'recording,label,begin_s,end_s,kind,details\nlunch,,0,9,session,"{cell}"\n')
+    with pytest.raises(BehaviourError, match="line 2 is no event"):
+        read_codings(path)
 
 
 def test_a_file_of_elan_follows_its_schema(tmp_path):
@@ -381,6 +398,36 @@ def test_any_change_of_bytes_is_read_or_told(tmp_path, kind, at, noise):
     except AdibasError:
         return
     assert all(isinstance(part, Coding) for part in found)
+
+
+def parts_of(path):
+    with zipfile.ZipFile(path) as archive:
+        return {part: archive.read(part).decode() for part in archive.namelist()}
+
+
+@pytest.mark.parametrize(
+    ("part", "old", "new"),
+    [
+        ("[Content_Types].xml", "<Types", "<Tapes"),
+        ("[Content_Types].xml", "PartName", "Port"),
+        ("xl/_rels/workbook.xml.rels", 'Id="rId1"', 'Id="rId9"'),
+        ("xl/workbook.xml", "</sheets>", ""),
+        ("xl/workbook.xml", 'sheetId="1"', 'sheetId="one"'),
+        ("xl/worksheets/sheet1.xml", '<row r="2"', '<row r="two"'),
+        ("xl/worksheets/sheet1.xml", '<c r="B3" t="inlineStr">', '<c r="B3" t="s"><v>99</v>'),
+    ],
+)
+def test_a_whole_archive_that_is_no_workbook_is_told(tmp_path, part, old, new):
+    path = tmp_path / "c.xlsx"
+    write_coding_excel(path, [coding(("seated", 1, 2, "child"))], "en")
+    parts = parts_of(path)
+    assert old in parts[part]
+    parts[part] = parts[part].replace(old, new, 1)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, text in parts.items():
+            archive.writestr(name, text)
+    with pytest.raises(BehaviourError, match=r"c\.xlsx cannot be read: "):
+        read_codings(path)
 
 
 def test_other_files_are_told(tmp_path):
