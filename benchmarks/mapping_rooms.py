@@ -6,7 +6,7 @@ import numpy as np
 
 from adibas.alignment.pairing import Moment
 from adibas.alignment.sights import see
-from adibas.arrays import Float32Array, FloatArray
+from adibas.arrays import FloatArray
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
@@ -15,6 +15,7 @@ from adibas.simulation.depth_noise import DepthNoise, DepthSensor
 from adibas.simulation.device import DEPTH_UNIT_M, Device, draw_device
 from adibas.simulation.furnished_room import FurnishedRoom
 from adibas.simulation.light import draw_illumination
+from adibas.simulation.looks import linear_from_srgb
 
 COLOR_SIZE = (480, 640)
 N_ATTEMPTS = 400
@@ -77,16 +78,9 @@ class _Eye:
         raw = self._depth.measure(view.inverse_depth, view.reflectance, moment)
         depth_m = self._calibration.corrected_depth(depth_in_metres(raw, DEPTH_UNIT_M))
         color_from_world = self._calibration.color_from_depth @ camera_from_world
-        linear = _linear(self._room.look(color_camera, color_from_world).rgb)
-        color_rgb = self._color.take(linear, moment)
+        srgb = 255.0 * self._room.look(color_camera, color_from_world).rgb.astype(float)
+        color_rgb = self._color.take(linear_from_srgb(srgb).astype(np.float32), moment)
         return Moment(see(np.ascontiguousarray(depth_m, np.float32), color_rgb, self._calibration))
-
-
-def _linear(rgb: Float32Array) -> Float32Array:
-    """Return light from sRGB."""
-    dim = rgb / 12.92
-    bright = ((rgb + 0.055) / 1.055) ** 2.4
-    return np.where(rgb <= 0.04045, dim, bright).astype(np.float32)
 
 
 def _pose(rng: np.random.Generator, room: FurnishedRoom) -> RigidTransform | None:

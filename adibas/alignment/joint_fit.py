@@ -23,6 +23,7 @@ from adibas.alignment.projective_kernels import (
 )
 from adibas.alignment.registration import twelve_coefficients
 from adibas.alignment.sights import Sight
+from adibas.alignment.views import View
 from adibas.arrays import FloatArray, read_only
 from adibas.geometry.distortion import undistort_pixels
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
@@ -131,6 +132,19 @@ def fit_joint(
     return fit
 
 
+def look_through(
+    target: Sight, source: Sight, motion: RigidTransform, params: JointParams | None = None
+) -> tuple[float, float]:
+    """Return `JointFit.overlap` and `JointFit.before` of a motion, target from source, as it is."""
+    return _shares(_dense_sums(target, source, motion, 0, params or JointParams()).sum(axis=0))
+
+
+def _shares(total: FloatArray) -> tuple[float, float]:
+    """Return overlap and what lies before, of summed counts; 0 of nothing."""
+    overlap = total[USED] / max(total[KNOWN], 1.0)
+    return float(overlap), float(total[BEFORE] / max(total[FACED], 1.0))
+
+
 def moved(motion: RigidTransform, twist: FloatArray) -> RigidTransform:
     """Return the motion with a small turn (first three) and a shift after it."""
     turn = rotation_from_vector(twist[:3])
@@ -173,8 +187,7 @@ def _step(
         moved(motion, step),
         matrix,
         float(np.sqrt(variance)),
-        float(total[USED] / total[KNOWN]),
-        float(total[BEFORE] / total[FACED]),
+        *_shares(total),
         0 if pairs is None else len(pairs.pixels),
         n_kept,
     )
@@ -189,15 +202,15 @@ def _dense_sums(
         own.inverse_per_m,
         own.rays,
         params.strides_px[number],
-        goal_of(target, number),
+        goal_of(target.view, number),
         np.hstack([motion.rotation, motion.translation_m[:, None]]),
         params.scales_per_m[number],
     )
 
 
-def goal_of(sight: Sight, number: int) -> Goal:
-    """Return what a level of a sight offers to kernels."""
-    level, camera = sight.view.levels[number], sight.view.camera
+def goal_of(view: View, number: int) -> Goal:
+    """Return what a level of a view offers to kernels."""
+    level, camera = view.levels[number], view.camera
     lens = camera.intrinsics
     return Goal(
         level.planes,

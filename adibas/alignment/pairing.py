@@ -17,7 +17,7 @@ from adibas.alignment.features import (
     follow_corners,
     pair_features,
 )
-from adibas.alignment.joint_fit import JointFit, JointParams, fit_joint
+from adibas.alignment.joint_fit import JointFit, JointParams, fit_joint, look_through
 from adibas.alignment.sights import Sight
 from adibas.alignment.start_search import StartParams, search_start
 from adibas.arrays import FloatArray
@@ -149,18 +149,16 @@ def _judged(
     fit = fit_joint(target.sight, source.sight, start, pairs, params.joint)
     if fit is None:
         return Unaligned.TOO_LITTLE_OVERLAP
-    back = fit_joint(source.sight, target.sight, fit.target_from_source.inverse(), None, LOOK_ONCE)
-    if back is None or min(fit.overlap, back.overlap) < params.least_overlap:
+    overlap, before = look_through(
+        source.sight, target.sight, fit.target_from_source.inverse(), params.joint
+    )
+    if min(fit.overlap, overlap) < params.least_overlap:
         return Unaligned.TOO_LITTLE_OVERLAP
-    if max(fit.before, back.before) > params.most_before:
+    if max(fit.before, before) > params.most_before:
         return Unaligned.CONTRADICTION
     if not _is_determined(fit.information, params):
         return Unaligned.UNDETERMINED
     return fit
-
-
-LOOK_ONCE = JointParams(rounds=(1, 0, 0))
-"""One step at the finest level, for its counts."""
 
 
 def _is_determined(information: FloatArray, params: PairingParams) -> bool:

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 from adibas.alignment.joint_fit import cross_matrices, moved
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
-from adibas.geometry.rigid import RigidTransform, rotation_vector
+from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
 
 N_UNKNOWNS = 6
 DOUBT_RATIO = 3.0
@@ -108,16 +108,13 @@ def optimise(
     for _ in range(params.rounds if len(poses) > 1 else 0):
         step, weights = _step(poses, edges, doubt)
         poses[1:] = [
-            pose @ moved(IDENTITY_MOTION, twist)
+            pose @ moved(IDENTITY, twist)
             for pose, twist in zip(poses[1:], step.reshape(-1, N_UNKNOWNS), strict=True)
         ]
         if doubt == params.doubt and np.abs(step).max() < params.least_step:
             break
         doubt = max(params.doubt, doubt / DOUBT_RATIO)
     return Graph(tuple(poses), weights)
-
-
-IDENTITY_MOTION = RigidTransform(np.eye(3), np.zeros(3))
 
 
 def _step(
@@ -161,13 +158,12 @@ def _linear(
     motion = poses[edge.target].inverse() @ poses[edge.source]
     apart = motion @ edge.target_from_source.inverse()
     error = np.concatenate([rotation_vector(apart.rotation), apart.translation_m])
-    by_target = np.eye(N_UNKNOWNS)
     by_source = np.zeros((N_UNKNOWNS, N_UNKNOWNS))
     by_source[:3, :3] = by_source[3:, 3:] = motion.rotation
     by_source[3:, :3] = cross_matrices(motion.translation_m[None])[0] @ motion.rotation
     turned = np.eye(N_UNKNOWNS)
     turned[3:, :3] = -cross_matrices(apart.translation_m[None])[0]
-    return error, -turned @ by_target, turned @ by_source
+    return error, -turned, turned @ by_source
 
 
 def _triplets(

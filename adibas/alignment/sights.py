@@ -70,11 +70,7 @@ class Sight:
 
     def pixels_of(self, points_m: FloatArray) -> FloatArray:
         """Return the (N, 2) pixels of colour where (N, 3) points of the depth camera are seen."""
-        camera = self.color_camera
-        pixels: FloatArray = project_distorted(
-            self.calibration.color_from_depth.apply(points_m), camera.intrinsics, camera.distortion
-        )
-        return pixels
+        return color_pixels(points_m, self.calibration)
 
     def _planes(self, pixels: FloatArray) -> FloatArray:
         """Return the (N, 3) planes at pixels of colour; NaN where no surface is seen."""
@@ -128,6 +124,15 @@ def see(
     gray = np.asarray(cv2.cvtColor(color_rgb, cv2.COLOR_RGB2GRAY), np.uint8)
     source = register_pixels(depth_m, calibration).source
     return Sight(view, gray, source, calibration)
+
+
+def color_pixels(points_m: FloatArray, calibration: RgbdCalibration) -> FloatArray:
+    """Return the (N, 2) pixels of colour where (N, 3) points of the depth camera are seen."""
+    camera = color_camera(calibration)
+    pixels: FloatArray = project_distorted(
+        calibration.color_from_depth.apply(points_m), camera.intrinsics, camera.distortion
+    )
+    return pixels
 
 
 def color_camera(calibration: RgbdCalibration) -> CameraCalibration:

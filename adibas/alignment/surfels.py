@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.alignment.joint_fit import goal_of
-from adibas.alignment.sights import Sight
+from adibas.alignment.sights import color_pixels
 from adibas.alignment.surfel_kernels import (
     COLOR,
     CONFIDENCE,
@@ -22,11 +22,14 @@ from adibas.alignment.surfel_kernels import (
     add_shot,
     find_surfels,
 )
+from adibas.alignment.views import View
 from adibas.arrays import Float32Array, FloatArray, UInt8Array, check_shape, read_only
+from adibas.data.calibration import RgbdCalibration
 from adibas.geometry.rigid import RigidTransform
 
 UNSEEN = 128
 """Grey where the colour camera does not look."""
+FEWEST_ROWS = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,22 +99,40 @@ class SurfelMap:
 
     def __init__(self, params: SurfelParams | None = None) -> None:
         self._params = params or SurfelParams()
-        self._surfels = np.zeros((1 << 16, N_COLUMNS), np.float32)
+        self._surfels = np.zeros((min(FEWEST_ROWS, self._params.capacity), N_COLUMNS), np.float32)
         self._n = 0
+        self._was_full = False
 
     def __len__(self) -> int:
         """Return the number of surfels."""
         return self._n
 
-    def add(self, sight: Sight, color_rgb: UInt8Array, world_from_camera: RigidTransform) -> None:
-        """Fuse a frame seen from a pose."""
+    @property
+    def was_full(self) -> bool:
+        """Whether no more surfels fitted in at some moment, so that some may have been left out."""
+        return self._was_full
+
+    def add(
+        self,
+        view: View,
+        color_rgb: UInt8Array,
+        calibration: RgbdCalibration,
+        world_from_camera: RigidTransform,
+    ) -> None:
+        """Fuse a frame seen from a pose of the depth camera; the finest level is enough."""
         params = self._params
-        shot = _shot(sight, color_rgb, world_from_camera)
+        shot = Shot(
+            goal_of(view, 0),
+            view.levels[0].rays,
+            _cell_colors(view, color_rgb, calibration),
+            np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]]),
+        )
         cells = shot.colors.shape[0] * shot.colors.shape[1]
         self._reserve(min(self._n + cells, params.capacity))
         seen = find_surfels(self._surfels, self._n, shot, params.gate_per_m)
         limits = (float(np.cos(params.largest_angle_rad)), float(np.cos(params.alike_rad)))
         self._n = add_shot(self._surfels, self._n, shot, seen, limits)
+        self._was_full |= self._n >= params.capacity
         self._remove_missed()
 
     def surface(self) -> Surface:
@@ -140,18 +161,9 @@ class SurfelMap:
             self._surfels[: self._n] = kept
 
 
-def _shot(sight: Sight, color_rgb: UInt8Array, world_from_camera: RigidTransform) -> Shot:
-    return Shot(
-        goal_of(sight, 0),
-        sight.view.levels[0].rays,
-        _cell_colors(sight, color_rgb),
-        np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]]),
-    )
-
-
-def _cell_colors(sight: Sight, color_rgb: UInt8Array) -> UInt8Array:
+def _cell_colors(view: View, color_rgb: UInt8Array, calibration: RgbdCalibration) -> UInt8Array:
     """Return the colour that each cell of the finest planes has in the picture."""
-    level = sight.view.levels[0]
+    level = view.levels[0]
     middle = level.cell_px // 2
     n_rows, n_columns, _ = level.planes.shape
     rays = level.rays[middle :: level.cell_px, middle :: level.cell_px][:n_rows, :n_columns]
@@ -159,8 +171,8 @@ def _cell_colors(sight: Sight, color_rgb: UInt8Array) -> UInt8Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         z = np.where(inverse > 0, 1.0 / inverse, np.nan)
     points = np.stack([rays[..., 0] * z, rays[..., 1] * z, z], axis=-1).reshape(-1, 3)
-    pixels: FloatArray = np.rint(sight.pixels_of(points))
-    height, width = sight.gray.shape
+    pixels: FloatArray = np.rint(color_pixels(points, calibration))
+    height, width, _ = color_rgb.shape
     with np.errstate(invalid="ignore"):
         is_inside = ((pixels >= 0) & (pixels < (width, height))).all(axis=1, keepdims=True)
     columns, rows = np.where(is_inside, pixels, 0).astype(int).T

@@ -9,9 +9,10 @@ import numpy as np
 
 from adibas.alignment.key_frames import KeyFrameParams, Track, Tracker, path_length_m
 from adibas.alignment.pairing import TEXTS, Moment
-from adibas.alignment.sights import Sight, see
+from adibas.alignment.sights import see
 from adibas.alignment.surfels import Surface, SurfelMap, SurfelParams
-from adibas.arrays import IntArray, UInt8Array
+from adibas.alignment.views import ViewParams, prepare_view
+from adibas.arrays import Float32Array, IntArray, UInt8Array
 from adibas.calibration.files import check_fits
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import depth_in_metres
@@ -28,7 +29,10 @@ Progress = Callable[[int, int], None]
 
 INCOMPLETE = message("The frame lacks depth or colour.")
 BACKWARD = message("The frame is not after the one before.")
+FULL = message("The surface is too large: parts of it were left out. Choose fewer frames.")
 FEWEST_PLACED = 2
+FINEST = ViewParams(n_levels=1)
+"""Of the resolutions, a surface takes the finest alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +108,8 @@ def map_recording(request: MapRequest, progress: Progress) -> MappedRecording:
             )
         frames = _Frames(recording, wanted, calibration)
         tracker = Tracker(request.tracking)
-        for number, (_, sight, _color) in enumerate(frames, 1):
+        for number, (_, depth_m, color_rgb) in enumerate(frames, 1):
+            sight = see(depth_m, color_rgb, calibration)
             tracker.add(Moment(sight, request.tracking.pairing.features))
             progress(number, 2 * len(wanted))
         track = tracker.track()
@@ -117,13 +122,16 @@ def map_recording(request: MapRequest, progress: Progress) -> MappedRecording:
             )
         surfels = SurfelMap(request.surfels)
         times_ns: list[int] = []
-        for number, (time_ns, sight, color_rgb) in enumerate(frames, 1):
+        for number, (time_ns, depth_m, color_rgb) in enumerate(frames, 1):
             pose = track.world_from[number - 1]
             if pose is not None:
-                surfels.add(sight, color_rgb, pose)
+                view = prepare_view(depth_m, calibration.depth, FINEST)
+                surfels.add(view, color_rgb, calibration, pose)
                 times_ns.append(time_ns)
             progress(len(wanted) + number, 2 * len(wanted))
         notices = _notices(recording, frames, track, len(wanted))
+        if surfels.was_full:
+            notices = (*notices, Sentence(FULL))
     placed = tuple(pose for pose in track.world_from if pose is not None)
     return MappedRecording(
         np.array(times_ns, np.int64),
@@ -149,8 +157,8 @@ class _Frames:
         self._calibration = calibration
         self.left_out: Counter[Message] = Counter()
 
-    def __iter__(self) -> Iterator[tuple[int, Sight, UInt8Array]]:
-        """Yield time, sight and colour picture."""
+    def __iter__(self) -> Iterator[tuple[int, Float32Array, UInt8Array]]:
+        """Yield time (nanoseconds), corrected depth (metres) and colour picture."""
         self.left_out.clear()
         last_ns = None
         for index in self._wanted:
@@ -167,7 +175,7 @@ class _Frames:
                 check_fits(self._calibration, color_rgb.shape[:2], depth_m.shape)
             last_ns = frame.timestamp_ns
             depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
-            yield frame.timestamp_ns, see(depth_m, color_rgb, self._calibration), color_rgb
+            yield frame.timestamp_ns, depth_m, color_rgb
 
 
 IN_FRAMES = message("{notice} (In {n} of {total} frames.)")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from adibas.alignment.surfels import SurfelParams
 from adibas.cli.command_line import main
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo
@@ -110,3 +111,10 @@ def test_frames_of_different_rooms_are_not_put_together(tmp_path):
         recording.write(frame(FurnishedRoom(9), pose(0.0, 0), 1))
     with pytest.raises(RecordingError, match="No two frames could be put together"):
         map_recording(MapRequest(path), lambda _done, _total: None)
+
+
+def test_a_surface_that_does_not_fit_in_says_so(taken):
+    request = MapRequest(taken[0], frames=(0, 3), surfels=SurfelParams(capacity=1000))
+    mapped = map_recording(request, lambda _done, _total: None)
+    assert len(mapped.surface.points_m) <= 1000
+    assert [notice.text for notice in mapped.notices if "left out" in notice.text]
