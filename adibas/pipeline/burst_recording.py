@@ -165,7 +165,7 @@ class BurstRecording:
                 self._writer.write(frame)
                 frames.append(frame)
                 self._progress(len(frames), self._n_frames)
-        except BaseException as error:
+        except BaseException as error:  # kept for the thread that hands over frames
             self._failure = self._failure or error  # no more frames are taken
             raise
         return Burst(tuple(frames), self._info, self._calibration, self._n_restarts)

@@ -234,10 +234,10 @@ def record_burst(
     try:
         while not wait([future], timeout=POLL_S).done:
             progress(min(writer.n_frames, n_frames), 2 * n_frames)
-    except BaseException:
-        live.cancel_capture()
-        wait([future])  # the writer is not ours before
-        raise
+    finally:
+        if not future.done():
+            live.cancel_capture()
+            wait([future])  # the writer is not ours before
     return future.result()
 
 

@@ -120,7 +120,7 @@ class _Transfer:
         self._seconds = seconds
         self._stop = stop
         self._is_read = threading.Event()
-        self._has_failed = threading.Event()
+        self._is_written = threading.Event()
         self._queue: queue.Queue[SensorFrame] = queue.Queue(QUEUE_FRAMES)
         self._n_lost_last = 0
         self._first_ns: int | None = None
@@ -160,7 +160,7 @@ class _Transfer:
 
     def _read_all(self) -> None:
         try:
-            while not (self._stop.is_set() or self._has_failed.is_set()):
+            while not (self._stop.is_set() or self._is_written.is_set()):
                 frame = self._camera.read()
                 if frame is None or self._is_over(frame):
                     return
@@ -180,7 +180,7 @@ class _Transfer:
 
     def _hand_over(self, frame: SensorFrame) -> None:
         """Queue `frame`; a file or the simulator waits for room, a live sensor cannot."""
-        while not self._has_failed.is_set():
+        while not self._is_written.is_set():
             try:
                 self._queue.put(frame, timeout=0 if self._camera.is_live else POLL_S)
             except queue.Full:
@@ -204,9 +204,8 @@ class _Transfer:
                 self._writer.write(frame)
                 self._last_ns = frame.timestamp_ns
                 self.n_written += 1
-        except BaseException:
-            self._has_failed.set()
-            raise
+        finally:
+            self._is_written.set()  # before everything is read: writing failed
 
 
 def _with_place(error: AdibasError, path: Path, n_frames: int) -> BaseException:

@@ -1,5 +1,6 @@
 """Sensors with the newest calibration that was made of them on this computer."""
 
+from contextlib import ExitStack
 from dataclasses import replace
 
 from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
@@ -38,11 +39,10 @@ class CalibratedOpener:
         camera = open_source(text, options)
         if not (camera.is_live or text.partition(":")[0] == SIMULATOR):
             return camera
-        try:
+        with ExitStack() as if_that_fails:
+            if_that_fails.callback(camera.close)
             info = self._calibrated(camera.info)
-        except BaseException:
-            camera.close()
-            raise
+            if_that_fails.pop_all()
         return camera if info is camera.info else CalibratedCamera(camera, info)
 
     def _calibrated(self, info: SourceInfo) -> SourceInfo:

@@ -1,6 +1,7 @@
 """Sensors of the PrimeSense family (Carmine, Xtion, ...), and .oni files, by OpenNI2."""
 
 import atexit
+from contextlib import ExitStack
 from pathlib import Path
 
 from adibas.data.frames import SensorFrame, SourceInfo
@@ -43,14 +44,14 @@ class OpenNI2Camera(DepthCamera):
         self._is_live = file is None
         self._thread: PermanentThread | None = _THREADS.borrow()
         opening = self._thread.begin(lambda: OpenNI2Device(file, sensor, options))
-        try:
+        with ExitStack() as if_that_fails:
+            if_that_fails.callback(self._give_thread_back)
+            # Ctrl-C does not stop what opens the sensor.
+            if_that_fails.callback(self._thread.begin, lambda: opening.result().close())
             self._device = wait_for(opening)
             # Before the library is unloaded, which fails where a stream is still waited for.
             atexit.register(self.close)
-        except BaseException:  # Ctrl-C does not stop what opens the sensor
-            self._thread.begin(lambda: opening.result().close())
-            self._give_thread_back()
-            raise
+            if_that_fails.pop_all()
 
     @property
     def info(self) -> SourceInfo:

@@ -8,7 +8,7 @@ and removes the file then. What a crash leaves pending or left over goes at the 
 import secrets
 import uuid
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 
 from sqlalchemy import delete, select
 
@@ -42,14 +42,12 @@ class KeptFiles:
             for file_id, key in made:
                 add_row(transaction, FILES, file_id=file_id, key=key, sha256=None)
         ids = [file_id for file_id, _ in made]
-        try:
+        with ExitStack() as if_that_fails:
+            if_that_fails.callback(self._give_up, ids)
             for (file_id, key), payload in zip(made, payloads, strict=True):
                 self._files.write(file_id, key, payload)
             yield ids
-        except BaseException:
-            with suppress(StoreError):  # then they go at the next opening
-                self._remove(ids)
-            raise
+            if_that_fails.pop_all()
 
     def keep(self, transaction: Transaction, ids: Sequence[str]) -> None:
         """Mark files as kept, with the change that uses them."""
@@ -67,6 +65,11 @@ class KeptFiles:
         with self._database.reading() as transaction:
             key = transaction.scalars(select(FILES.c.key).where(FILES.c.file_id == file_id)).one()
         return self._files.read(file_id, key)
+
+    def _give_up(self, ids: Sequence[str]) -> None:
+        """Remove pending files; those that stay go at the next opening."""
+        with suppress(StoreError):
+            self._remove(ids)
 
     def _remove(self, ids: Sequence[str]) -> None:
         """Remove pending files, and then their keys."""

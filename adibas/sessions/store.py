@@ -5,6 +5,7 @@ Its parts are imported when they are first used: patients are listed before anyb
 
 import logging
 import threading
+from contextlib import ExitStack
 from functools import cached_property, partial
 from pathlib import Path
 from types import TracebackType
@@ -234,14 +235,12 @@ def open_store(
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
         raise cannot_use(folder, error) from error
-    lock = StoreLock(folder)
-    try:
+    with ExitStack() as if_that_fails:
+        lock = StoreLock(folder)
+        if_that_fails.callback(lock.release)
         key = _key(folder, passphrase, key_params or Argon2Params(), may_make=lock.is_held)
         database = Database(folder, key, is_read_only=not lock.is_held)
-    except BaseException:
-        lock.release()
-        raise
-    try:
+        if_that_fails.callback(database.close)
         bring_up_to_date(database, key)
         _mark_as_made(folder)
         audit = AuditLog(database, clock, operator)
@@ -250,10 +249,7 @@ def open_store(
         audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
         if not store.is_read_only:
             store.tidy()
-    except BaseException:
-        database.close()
-        lock.release()
-        raise
+        if_that_fails.pop_all()
     return store
 
 

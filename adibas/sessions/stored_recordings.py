@@ -4,6 +4,7 @@ import logging
 import secrets
 import uuid
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -160,11 +161,10 @@ class Recordings:
                 notice="",
             )
             self.in_the_making.add(recording_id)
-        try:
+        with ExitStack() as if_that_fails:
+            if_that_fails.callback(self.forget, recording_id)
             sealed = self.sealed.create(recording_id, key, info, options or RecordingOptions())
-        except BaseException:
-            self.forget(recording_id)
-            raise
+            if_that_fails.pop_all()
         return StoredRecordingWriter(sealed, self)
 
     def open(self, recording_id: str) -> RecordingReader:
