@@ -1,6 +1,6 @@
 """From a moving recording, or a table of joints, to joint angles over time."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -37,13 +37,14 @@ from adibas.pipeline.posture import (
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.session import calibration_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.pipeline.skeleton_names import upright_turn
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.sides import BACK, FRONT
-from adibas.skeleton.tracking import NameTracker
+from adibas.skeleton.tracking import name_movement
 from adibas.texts import message
 
 Progress = Callable[[int, int], None]
@@ -211,30 +212,31 @@ def _follow(
     progress: Progress,
 ) -> tuple[SkeletonTrack, float]:
     """Return the joints in the colour camera's axes, and the share of frames with unnamed ones."""
-    up = vertical_of(calibration).up
-    tracker = NameTracker(shipped_namer(), request.view)
+    upright_from_camera = upright_turn(vertical_of(calibration).up)
     n_frames = len(recording)
-    joints_m = np.full((n_frames, len(JOINT_NAMES), 3), np.nan)
-    confidence = np.full((n_frames, len(JOINT_NAMES)), np.nan)
     timestamps_ns = np.asarray(recording.timestamps_ns, np.int64)
-    n_unnamed = 0
+    times_s = (timestamps_ns - timestamps_ns[0]) * NANOSECONDS
+    points_m: list[FloatArray] = []
 
     def work(frame: RgbdFrame) -> FloatArray:
         return marker_points(frame, calibration, target, request.posture)
 
-    with in_order(work, _frames(recording, calibration), N_THREADS) as results:
-        for number, points_m in enumerate(results):
-            if len(points_m):
-                time_s = float(timestamps_ns[number] - timestamps_ns[0]) * NANOSECONDS
-                found = tracker.follow(points_m @ level_from_camera(up).T, time_s)
-                n_unnamed += None in found.names
-                for name, point_m, sure in zip(
-                    found.names, points_m, found.confidences, strict=True
-                ):
-                    if name is not None:
-                        place = JOINT_NAMES.index(name)
-                        joints_m[number, place], confidence[number, place] = point_m, sure
-            progress(number + 1, n_frames)
+    def upright(found: Iterable[FloatArray]) -> Iterator[FloatArray]:
+        for of_frame_m in found:
+            points_m.append(of_frame_m)
+            progress(len(points_m), n_frames)
+            yield of_frame_m @ upright_from_camera.T
+
+    with in_order(work, _frames(recording, calibration), N_THREADS) as found:
+        named = name_movement(shipped_namer(), upright(found), times_s.tolist(), request.view)
+    joints_m = np.full((n_frames, len(JOINT_NAMES), 3), np.nan)
+    confidence = np.full((n_frames, len(JOINT_NAMES)), np.nan)
+    for number, (of_frame_m, one) in enumerate(zip(points_m, named, strict=True)):
+        for name, point_m, sure in zip(one.names, of_frame_m, one.confidences, strict=True):
+            if name is not None:
+                place = JOINT_NAMES.index(name)
+                joints_m[number, place], confidence[number, place] = point_m, sure
+    n_unnamed = sum(None in one.names for one in named)
     return SkeletonTrack(timestamps_ns, joints_m, confidence), n_unnamed / n_frames
 
 
@@ -259,13 +261,6 @@ def marker_points(
     found = (finder.locate(np.array([b.u, b.v]), b.covariance_px2) for b in detections.blobs)
     positions = [position.position_m for position in found if position is not None]
     return np.array(positions).reshape(-1, 3)
-
-
-def level_from_camera(up: FloatArray) -> FloatArray:
-    """Return the turn (3, 3) into level axes: x to the picture's right, y down, z away."""
-    right = np.array([1.0, 0.0, 0.0]) - up[0] * up
-    right /= np.linalg.norm(right)
-    return np.stack([right, -up, np.cross(up, right)])
 
 
 def _frames(recording: RecordingReader, calibration: RgbdCalibration) -> Iterator[RgbdFrame]:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from adibas.errors import FileError
 from adibas.resources import resource_path
+from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.model_files import read_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
-from adibas.skeleton.tracking import name_movement
+from adibas.skeleton.tracking import TrackedNames, name_movement
 
 Progress = Callable[[int, int], None]
 
@@ -53,7 +54,8 @@ class LabelRequest:
     model : Path or None
         None: the shipped one.
     view : str
-        Of the shapes that tell none themselves; empty: the sides are inferred.
+        Of the shapes that tell none themselves, of a movement where no frame does; empty: the sides
+        are inferred.
     frames_per_s : float or None
         The shapes are frames of one movement, in their order, so many a second; None: each stands
         for itself.
@@ -63,15 +65,6 @@ class LabelRequest:
     model: Path | None = None
     view: str = ""
     frames_per_s: float | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Words:
-    """What is said of the points of one set."""
-
-    names: tuple[str | None, ...]
-    guesses: tuple[str | None, ...]
-    confidences: Sequence[float]
 
 
 def label_file(request: LabelRequest, out: Path, progress: Progress) -> LabelledFile:
@@ -109,7 +102,7 @@ def label_file(request: LabelRequest, out: Path, progress: Progress) -> Labelled
 
 def _all_words(
     namer: Namer, sets: Sequence[PointSet], request: LabelRequest
-) -> Iterator[tuple[PointSet, _Words]]:
+) -> Iterator[tuple[PointSet, Labelling | TrackedNames]]:
     """Give each set with what is said of its points; of a movement, by all other frames, too."""
     for one in sets:
         n_dimensions = one.positions_m.shape[1]
@@ -122,8 +115,7 @@ def _all_words(
             )
     if request.frames_per_s is None:
         for one in sets:
-            found = namer.label(one.positions_m, one.view or request.view)
-            yield one, _Words(found.names, found.guesses, found.confidences.tolist())
+            yield one, namer.label(one.positions_m, one.view or request.view)
         return
     if len({one.positions_m.shape[1] for one in sets}) > 1:
         raise FileError(
@@ -132,12 +124,11 @@ def _all_words(
         )
     frames_m = [one.positions_m for one in sets]
     times_s = [number / request.frames_per_s for number in range(len(sets))]
-    view = request.view or (sets[0].view if sets else "")
-    for one, tracked in zip(sets, name_movement(namer, frames_m, times_s, view), strict=True):
-        yield one, _Words(tracked.names, tracked.labelling.guesses, tracked.confidences)
+    view = next((one.view for one in sets if one.view), request.view)
+    yield from zip(sets, name_movement(namer, frames_m, times_s, view), strict=True)
 
 
-def _with_given(one: PointSet, result: _Words) -> PointSet:
+def _with_given(one: PointSet, result: Labelling | TrackedNames) -> PointSet:
     """Keep the names that the file gives; none of them is given twice."""
     given = set(one.labels)
     labels = tuple(

@@ -15,6 +15,7 @@ from adibas.skeleton.person_size import PersonSize, SizeParams
 from adibas.skeleton.proportions import ORDER, PARENTS, Proportions
 from adibas.skeleton.sides import SideKeeper, SideParams
 
+TREE = (np.array(PARENTS, np.int64), np.array(ORDER, np.int64))
 FAST_JOINTS = np.array([name.endswith(("hand", "elbow", "foot", "knee")) for name in JOINT_NAMES])
 
 
@@ -133,9 +134,8 @@ class PersonFollower:
         lengths_m, spreads_m = self.size.bones_m(self.size.guess_m(places_m[:, 0]))
         spreads_m = np.sqrt(spreads_m**2 + 2.0 * self._params.place_error_m**2)
         costs = self._costs(proposals, time_s)
-        tree = (np.array(PARENTS, np.int64), np.array(ORDER, np.int64))
         chosen, margins = choose(
-            places_m, costs, tree, (lengths_m, spreads_m), self._params.most_bone_cost
+            places_m, costs, TREE, (lengths_m, spreads_m), self._params.most_bone_cost
         )
         n_places = places_m.shape[1]
         joints_m = np.full((len(JOINT_NAMES), 3), np.nan)
@@ -215,9 +215,9 @@ class PersonFollower:
         seen = np.isfinite(joints_m[:, 0])
         since_s = time_s - self._seen_s
         moved = seen & (since_s <= self._params.memory_s) & (since_s > 0)
-        speeds = np.zeros_like(self._speeds_m_s)
-        speeds[moved] = (joints_m[moved] - self._places_m[moved]) / since_s[moved, None]
-        self._speeds_m_s[seen] = 0.5 * (self._speeds_m_s[seen] + speeds[seen])
+        speeds = (joints_m[moved] - self._places_m[moved]) / since_s[moved, None]
+        self._speeds_m_s[moved] = 0.5 * (self._speeds_m_s[moved] + speeds)
+        self._speeds_m_s[seen & ~moved] = 0.0
         self._places_m[seen] = joints_m[seen]
         self._seen_s[seen] = time_s
         self.sides.learn(joints_m, time_s)

@@ -119,18 +119,16 @@ class Labelling:
         The most probable name of each, however unsure; None: most probably none of the model's.
     confidences : (M,) array
         Of the guesses, 0 to 1.
-    best : Candidate or None
-        None where there are too few points.
     heading_rad : float
-        Of the patient, 0 facing the camera; NaN without a candidate.
+        Of the patient, 0 facing the camera; NaN where nothing was found, and in the plane.
     masses : (M, N + 1) array
-        Probability of each name for each point; the last: of none.
+        Probability of each name for each point; the last: of none. All alike where the search
+        cannot tell: too few points, or nothing was found.
     """
 
     names: tuple[str | None, ...]
     guesses: tuple[str | None, ...]
     confidences: FloatArray
-    best: Candidate | None
     heading_rad: float
     masses: FloatArray
 
@@ -166,8 +164,9 @@ def label_points(
         raise ValueError("points are named by at least one model")
     check_shape("points_m", points_m, (None, models[0].model.n_dimensions))
     nobody = (None,) * len(points_m)
-    masses = np.tile(np.eye(len(models[0].model.names) + 1)[-1], (len(points_m), 1))
-    nothing = Labelling(nobody, nobody, np.zeros(len(points_m)), None, math.nan, masses)
+    n_outcomes = len(models[0].model.names) + 1
+    masses = np.full((len(points_m), n_outcomes), 1.0 / n_outcomes)
+    nothing = Labelling(nobody, nobody, np.zeros(len(points_m)), math.nan, masses)
     if len(points_m) < LEAST_POINTS:
         return nothing
     points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
@@ -211,7 +210,7 @@ def _named(
         for guess, confidence in zip(guesses, confidences, strict=True)
     )
     heading = heading_of_turn(best.turn) if model.n_dimensions == len("xyz") else math.nan
-    return Labelling(names, guesses, confidences, best, heading, masses)
+    return Labelling(names, guesses, confidences, heading, masses)
 
 
 def _is_other_side(partners: IntArray, best: IntArray, names: tuple[str, ...]) -> bool:

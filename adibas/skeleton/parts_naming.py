@@ -13,7 +13,7 @@ from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.labelling_search_kernels import assign_by_tree
 from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
 from adibas.shapes.parts_types import Odds, Pool
-from adibas.skeleton.labelling import Candidate, Labelling
+from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.parts import PartsModel
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
@@ -22,11 +22,9 @@ from adibas.skeleton.starts import (
     heading_of_turn,
     list_turns,
     log_radius,
-    turn_back,
 )
 
 MOST_WAYS = 3000
-NO_PROTOTYPE = -1
 MOST_NATS = 500.0
 MOST_POINTS = 40
 """Of a set that is searched by parts; more take seconds, and are no markers of one person."""
@@ -100,7 +98,6 @@ class PartsFound:
     ----------
     partners : (N,) int array
         The most probable: of each name its point, -1 for none.
-    energy : float
     heading_rad : float
         Of the patient, 0 facing the camera.
     masses : (M, N + 1) array
@@ -108,7 +105,6 @@ class PartsFound:
     """
 
     partners: IntArray
-    energy: float
     heading_rad: float
     masses: FloatArray
 
@@ -232,9 +228,7 @@ def _weighed(
     )
     masses = masses[:n_points]
     masses[:, n_names] = np.maximum(1.0 - masses[:, :n_names].sum(axis=1), 0.0)
-    return PartsFound(
-        pool.partners[best].copy(), float(pool.energies[best]), float(pool.headings[best]), masses
-    )
+    return PartsFound(pool.partners[best].copy(), float(pool.headings[best]), masses)
 
 
 def label_parts(
@@ -259,7 +253,4 @@ def label_parts(
     names, guesses, confidences = names_of(
         index, found.masses, model.names, odds.sure, odds.side_sure
     )
-    turn = turn_back(found.heading_rad)
-    moved = (points_m - points_m.mean(axis=0)) @ turn.T
-    best = Candidate(found.partners, found.energy, NO_PROTOTYPE, turn, 1.0, moved)
-    return Labelling(names, guesses, confidences, best, found.heading_rad, found.masses)
+    return Labelling(names, guesses, confidences, found.heading_rad, found.masses)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from adibas.arrays import FloatArray, IntArray, check_shape, read_only
+from adibas.arrays import FloatArray, check_shape, read_only
 from adibas.data.joints import JOINT_NAMES, mirror_order
 
 ROOT = JOINT_NAMES.index("torso")
@@ -145,8 +145,3 @@ def proportions_from_json(document: Mapping[str, Any]) -> Proportions:
         np.array([float(row[key]) for row in rows]) for key in ("length", "spread", "area")
     )
     return Proportions(lengths, spreads, areas)
-
-
-def order_of_joints() -> IntArray:
-    """Return (15,) every joint after its parent."""
-    return np.array(ORDER, np.int64)

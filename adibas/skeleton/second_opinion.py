@@ -26,7 +26,7 @@ def is_in_doubt(labelling: Labelling) -> bool:
 def combined(
     first: Labelling, second: Labelling, names: tuple[str, ...], sure: float, side_sure: float
 ) -> Labelling:
-    """Return what both say together; candidate and heading are the first one's.
+    """Return what both say together; the heading is the first one's.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def combined(
     chosen = assign(np.ascontiguousarray(logs[:, -1:] - logs[:, :-1]))
     index = np.where(chosen < 0, len(names), chosen)
     given, guesses, confidences = names_of(index, masses, names, sure, side_sure)
-    return Labelling(given, guesses, confidences, first.best, first.heading_rad, masses)
+    return Labelling(given, guesses, confidences, first.heading_rad, masses)
 
 
 def names_of(

@@ -16,8 +16,6 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.skeleton.proportions import MIRRORED
 
 FRONT, BACK = "anterior", "posterior"
-_LEFT = [k for k, name in enumerate(JOINT_NAMES) if name.startswith("left")]
-_RIGHT = [MIRRORED[k] for k in _LEFT]
 _STEADY = [
     k for k, name in enumerate(JOINT_NAMES) if name.startswith("left") and "hand" not in name
 ]
@@ -98,7 +96,7 @@ class SideKeeper:
         shown = sideways(proposals.positions_m[:, 0], params.wide_share)
         odds = params.keep * self._odds + evidence + params.label_weight * shown
         self._odds = float(np.clip(odds, -params.most_odds, params.most_odds))
-        exchanged = self._is_exchanged(proposals, time_s)
+        exchanged = self._is_exchanged(proposals.positions_m[:, 0], shown, time_s)
         self.n_exchanged += exchanged
         return exchanged
 
@@ -108,11 +106,10 @@ class SideKeeper:
         self._latest_m[seen] = joints_m[seen]
         self._latest_s[seen] = time_s
 
-    def _is_exchanged(self, proposals: JointProposals, time_s: float) -> bool:
-        best_m = proposals.positions_m[:, 0]
-        shown = sideways(best_m, self._params.wide_share)
+    def _is_exchanged(self, best_m: FloatArray, shown: float, time_s: float) -> bool:
         is_sure = bool(self._view) or abs(self._odds) >= self._params.sure_odds
         if is_sure and shown:
+            self._doubted_since_s = math.inf
             return (shown > 0) != (self.front_probability > 0.5)  # noqa: PLR2004  (even odds)
         says = self._says_exchanged(best_m, time_s)
         if not says:

@@ -1,19 +1,19 @@
-"""Names that last from frame to frame: what a point was called counts for what it is called.
+"""Names of the points of a movement: what a point is called before and after counts, too.
 
-Points are followed by where they would be next; each followed point gathers what every frame says
-of its name, so that one clear frame names it also in those where it is ambiguous. A point that
-comes back within a second where it was expected goes on with what had been gathered.
+Points are followed by where they would be next, forwards and backwards; each followed point gathers
+what every frame says of its name, so that one clear frame names it also in those where it is
+ambiguous. A point that comes back within a second where it was expected goes on with what had been
+gathered.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.assignment_kernels import assign
-from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
 
 
@@ -67,70 +67,52 @@ class _Track:
         self.position_m, self.seen_s = position_m, time_s
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TrackedNames:
-    """Names of the points of one frame.
+    """Names of the M points of one frame.
 
     Attributes
     ----------
     names : tuple of str or None
         None where it is not sure.
-    confidences : tuple of float
-        Of the most probable names.
-    labelling : Labelling
-        What this frame alone says.
-    evidence : (M, N + 1) array
-        What was gathered for each point: logarithms, up to a constant of the point.
+    guesses : tuple of str or None
+        The most probable names, however unsure; None: most probably none of the model's.
+    confidences : (M,) array
+        Of the guesses, 0 to 1.
     """
 
     names: tuple[str | None, ...]
-    confidences: tuple[float, ...]
-    labelling: Labelling
-    evidence: FloatArray
+    guesses: tuple[str | None, ...]
+    confidences: FloatArray
 
 
-@dataclass(slots=True)
-class NameTracker:
-    """Names the points of a movement, one frame after the other.
+class _Tracks:
+    """Points that are followed one way through time, and what was said of each."""
 
-    Attributes
-    ----------
-    namer : Namer
-    view : str
-        As declared; empty: inferred.
-    """
+    def __init__(self, params: TrackingParams) -> None:
+        self._params = params
+        self._tracks: list[_Track] = []
 
-    namer: Namer
-    view: str = ""
-    params: TrackingParams = field(default_factory=TrackingParams)
-    _tracks: list[_Track] = field(default_factory=list)
+    def follow(self, points_m: FloatArray, time_s: float, words: FloatArray) -> FloatArray:
+        """Return what frames before said of (M, D) points: logarithms (M, N + 1), 0 of new ones.
 
-    def follow(
-        self, points_m: FloatArray, time_s: float, labelling: Labelling | None = None
-    ) -> TrackedNames:
-        """Name (M, D) points in metres, y down, of a frame later than the last one.
-
-        `labelling` is what the frame alone says, where that is known already.
+        `words` is what this frame says of them.
         """
-        labelling = labelling or self.namer.label(points_m, self.view)
-        self._tracks = [t for t in self._tracks if time_s - t.seen_s <= self.params.lost_s]
-        owners = self._linked(points_m, time_s)
-        said = np.log(np.maximum(labelling.masses, self.params.least_mass))
-        tracks = []
-        for point_m, owner, words in zip(points_m, owners, said, strict=True):
+        params = self._params
+        self._tracks = [t for t in self._tracks if time_s - t.seen_s <= params.lost_s]
+        gathered = np.zeros_like(words)
+        for i, owner in enumerate(self._linked(points_m, time_s)):
             if owner < 0:
-                track = _Track(point_m, time_s, np.zeros_like(point_m), words)
-                self._tracks.append(track)
-            else:
-                track = self._tracks[owner]
-                passed_s = time_s - track.seen_s
-                weight = min(1.0, passed_s * self.params.evidence_per_s)
-                fade = math.exp(-passed_s / self.params.memory_s)
-                track.evidence = fade * track.evidence + weight * words
-                track.see(point_m, time_s)
-            tracks.append(track)
-        evidence = np.stack([track.evidence for track in tracks]) if tracks else said
-        return _named(evidence, labelling, self.namer.names, self.params.sure)
+                still = np.zeros_like(points_m[i])
+                self._tracks.append(_Track(points_m[i], time_s, still, words[i]))
+                continue
+            track = self._tracks[owner]
+            passed_s = time_s - track.seen_s
+            gathered[i] = math.exp(-passed_s / params.memory_s) * track.evidence
+            weight = min(1.0, passed_s * params.evidence_per_s)
+            track.evidence = gathered[i] + weight * words[i]
+            track.see(points_m[i], time_s)
+        return gathered
 
     def _linked(self, points_m: FloatArray, time_s: float) -> IntArray:
         """Return for each point the index of its track, -1 for a new one."""
@@ -138,54 +120,55 @@ class NameTracker:
             return np.full(len(points_m), -1)
         expected = np.stack([track.expected_m(time_s) for track in self._tracks])
         since = np.array([time_s - track.seen_s for track in self._tracks])
-        reach = self.params.reach_m + self.params.speed_m_per_s * since
+        reach = self._params.reach_m + self._params.speed_m_per_s * since
         apart = np.linalg.norm(points_m[:, None] - expected[None], axis=-1)
         return assign(np.ascontiguousarray((apart / reach) ** 2 - 1.0))
 
 
 def name_movement(
     namer: Namer,
-    frames_m: Sequence[FloatArray],
-    times_s: Sequence[float],
+    frames_m: Iterable[FloatArray],
+    times_s: Iterable[float],
     view: str = "",
     params: TrackingParams | None = None,
-) -> Iterator[TrackedNames]:
-    """Name the points of a whole recording: later frames say what earlier ones were, too.
+) -> tuple[TrackedNames, ...]:
+    """Name the points of a whole recording: what earlier and later frames say of each counts.
 
     Parameters
     ----------
-    frames_m : sequence of (M, D) arrays
-        Of each frame, metres, y down; M may differ.
-    times_s : sequence of float
+    frames_m : iterable of (M, D) arrays
+        Of each frame, metres, y down; M may differ, and be 0.
+    times_s : iterable of float
         Ascending.
+    view : str
+        As declared; empty: inferred.
     """
     params = params or TrackingParams()
-    onward = NameTracker(namer, view, params)
-    first = [onward.follow(*frame) for frame in zip(frames_m, times_s, strict=True)]
-    backward = NameTracker(namer, view, params)
-    frames = list(zip(frames_m, times_s, first, strict=True))
-    second = [
-        backward.follow(points_m, -time_s, one.labelling)
-        for points_m, time_s, one in reversed(frames)
-    ]
-    for before, after in zip(first, reversed(second), strict=True):
-        evidence = before.evidence + after.evidence
-        yield _named(evidence, before.labelling, namer.names, params.sure)
+    onward, backward = _Tracks(params), _Tracks(params)
+    frames = []
+    before = []
+    for points_m, time_s in zip(frames_m, times_s, strict=True):
+        masses = namer.label(points_m, view).masses
+        words = np.log(np.maximum(masses, params.least_mass))
+        frames.append((points_m, time_s, words))
+        before.append(onward.follow(points_m, time_s, words))
+    after = [backward.follow(points_m, -time_s, words) for points_m, time_s, words in frames[::-1]]
+    return tuple(
+        _named(earlier + words + later, namer.names, params.sure)
+        for (_points, _time, words), earlier, later in zip(frames, before, after[::-1], strict=True)
+    )
 
 
-def _named(
-    evidence: FloatArray, labelling: Labelling, names: tuple[str, ...], sure: float
-) -> TrackedNames:
+def _named(evidence: FloatArray, names: tuple[str, ...], sure: float) -> TrackedNames:
     """Give each name to the point that has gathered most for it."""
     if not len(evidence):
-        return TrackedNames((), (), labelling, evidence)
+        return TrackedNames((), (), np.zeros(0))
     chosen = assign(np.ascontiguousarray(evidence[:, -1:] - evidence[:, :-1]))
-    chosen = np.where(chosen < 0, len(names), chosen)
     shares = np.exp(evidence - evidence.max(axis=1, keepdims=True))
     shares /= shares.sum(axis=1, keepdims=True)
-    confidences = shares[np.arange(len(evidence)), chosen]
+    confidences = shares[np.arange(len(evidence)), chosen]  # -1, no name, is the last one as well
+    guesses = tuple(names[i] if i >= 0 else None for i in chosen)
     given = tuple(
-        names[i] if i < len(names) and c >= sure else None
-        for i, c in zip(chosen, confidences, strict=True)
+        guess if c >= sure else None for guess, c in zip(guesses, confidences, strict=True)
     )
-    return TrackedNames(given, tuple(float(c) for c in confidences), labelling, evidence)
+    return TrackedNames(given, guesses, confidences)

@@ -16,7 +16,7 @@ from adibas.skeleton.model_files import read_model, write_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import read_points
 from adibas.skeleton.starts import HEADINGS_RAD, heading_of_turn, list_turns, turn_back
-from adibas.skeleton.tracking import NameTracker
+from adibas.skeleton.tracking import name_movement
 from adibas.skeleton.training import TrainingParams, learn_points
 
 NAMES = ("head", "neck", "left_hand", "right_hand", "left_foot", "right_foot", "torso", "pelvis")
@@ -136,26 +136,48 @@ def test_a_heading_survives_its_rotation(heading_rad):
     assert heading_of_turn(turn_back(heading_rad)) == pytest.approx(heading_rad)
 
 
+def walked(person, orders):
+    """Return the points of each frame: somebody who moves on, in any order, some points hidden."""
+    return [
+        person[order] + np.array([0.01 * number, 0.0, 0.0]) for number, order in enumerate(orders)
+    ]
+
+
 def test_names_last_through_frames_that_are_ambiguous(namer):
     person = people(1, seed=11)[0]
-    tracker = NameTracker(namer, "anterior")
     rng = np.random.default_rng(2)
-    for number in range(12):
-        moved = person + np.array([0.01 * number, 0.0, 0.0])
-        kept = [i for i in range(len(NAMES)) if i != 2 or not 4 <= number < 8]
-        order = rng.permutation(kept)
-        tracked = tracker.follow(moved[order], number / 30)
-        assert tracked.names == tuple(NAMES[i] for i in order)
+    orders = [
+        rng.permutation([i for i in range(len(NAMES)) if i != 2 or not 4 <= number < 8])
+        for number in range(12)
+    ]
     # Of one point alone no frame can tell what it is; who followed it knows.
-    assert tracker.follow(person[[2]] + np.array([0.12, 0.0, 0.0]), 12 / 30).names == ("left_hand",)
-    assert tracker.follow(np.zeros((0, 3)), 13 / 30).names == ()
+    orders += [np.array([2]), np.array([], int)]
+    times_s = np.arange(len(orders)) / 30
+    tracked = name_movement(namer, walked(person, orders), times_s, "anterior")
+    for one, order in zip(tracked, orders, strict=True):
+        assert one.names == tuple(NAMES[i] for i in order)
+
+
+def test_later_frames_name_a_point_that_was_alone_at_first(namer):
+    person = people(1, seed=11)[0]
+    orders = [np.array([2])] * 3 + [np.arange(len(NAMES))] * 6
+    tracked = name_movement(namer, walked(person, orders), np.arange(9) / 30, "anterior")
+    assert [one.names for one in tracked[:3]] == [("left_hand",)] * 3
+
+
+def test_a_single_frame_is_as_sure_as_it_is_alone(namer):
+    points, _ = shuffled(people(1, seed=8, n_dimensions=2)[0])
+    alone = namer.label(points)
+    (tracked,) = name_movement(namer, [points], [0.0])
+    assert tracked.confidences.max() < 0.99  # which side is which nobody can tell
+    np.testing.assert_allclose(tracked.confidences, alone.masses.max(axis=1), atol=0.08)
 
 
 def test_a_point_that_was_away_too_long_is_forgotten(namer):
     person = people(1, seed=12)[0]
-    tracker = NameTracker(namer, "anterior")
-    tracker.follow(person, 0.0)
-    assert tracker.follow(person[[2]], 5.0).names == (None,)
+    tracked = name_movement(namer, [person, person[[2]]], [0.0, 5.0], "anterior")
+    assert tracked[0].names == NAMES
+    assert tracked[1].names == (None,)
 
 
 def test_a_model_file_names_as_the_model_did(tmp_path):
@@ -260,11 +282,29 @@ def test_the_frames_of_a_movement_are_followed(tmp_path, capsys):
     command = ["skeleton", "label", str(points), "--model", str(model), "--out", str(out)]
     assert main([*command, "--view", "anterior", "--movement", "30", "--json"]) == 0
     assert read_points(out)[-1].labels == ("right_hand",)
+    *_, confidence, guess = out.read_text().splitlines()[-1].split(",")
+    assert (guess, float(confidence) > 0.75) == ("right_hand", True)
     assert main([*command, "--view", "anterior"]) == 0
     assert read_points(out)[-1].labels == ("",)
     points.write_text(points.read_text() + "s9,p,,0.1,0.2,\n")
     assert main([*command, "--movement", "30"]) == 1
     assert capsys.readouterr().err
+
+
+def test_the_view_that_the_frames_tell_comes_before_that_of_the_command(tmp_path):
+    shapes = write_csv(tmp_path / "shapes.csv", people(20), labelled=True)
+    model, out = tmp_path / "model.json", tmp_path / "labelled.csv"
+    assert main(["skeleton", "train", str(shapes), "--out", str(model)]) == 0
+    lines = ["shape,point,label,x_m,y_m,z_m,view"]
+    for name, (x, y, z) in zip(NAMES, people(1, seed=4)[0], strict=True):
+        lines += [f"{frame},{name},,{x:.4f},{y:.4f},{z:.4f},anterior" for frame in range(3)]
+    points = tmp_path / "points.csv"
+    points.write_text("\n".join(lines) + "\n")
+    command = ["skeleton", "label", str(points), "--model", str(model), "--out", str(out)]
+    for words in ([], ["--movement", "30"]):
+        assert main([*command, "--view", "posterior", *words]) == 0
+        for one in read_points(out):
+            assert one.labels == one.points
 
 
 def test_a_name_that_is_given_stays(tmp_path):

@@ -199,11 +199,11 @@ def test_two_namers_together_are_surer_where_they_agree():
     names = ("left_hand", "right_hand")
     nobody = (None, None)
     sure = np.array([[0.7, 0.2, 0.1], [0.2, 0.6, 0.2]])
-    one = Labelling(nobody, nobody, np.zeros(2), None, 0.0, sure.copy())
+    one = Labelling(nobody, nobody, np.zeros(2), 0.0, sure.copy())
     both = combined(one, one, names, 0.5, 0.25)
     np.testing.assert_allclose(both.masses, sure)
     assert both.names == names
-    other = Labelling(nobody, nobody, np.zeros(2), None, 0.0, sure[::-1].copy())
+    other = Labelling(nobody, nobody, np.zeros(2), 0.0, sure[::-1].copy())
     assert combined(one, other, names, 0.5, 0.25).names == nobody
     assert is_in_doubt(one)
-    assert not is_in_doubt(Labelling((None,), (None,), np.zeros(1), None, 0.0, np.eye(3)[:1]))
+    assert not is_in_doubt(Labelling((None,), (None,), np.zeros(1), 0.0, np.eye(3)[:1]))
