@@ -1,7 +1,9 @@
-"""The time of day, as everything asks for it that writes it down."""
+"""The time of day, as everything asks for it that writes it down, and the unit of timestamps."""
 
 from collections.abc import Callable
 from datetime import UTC, datetime
+
+NS_PER_S = 1_000_000_000
 
 Clock = Callable[[], datetime]
 """Returns an aware time; tests pass their own."""

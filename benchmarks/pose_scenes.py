@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array
+from adibas.clock import NS_PER_S
 from adibas.data.frames import depth_in_metres
 from adibas.data.limbs import FULL_BODY, NO_LABEL, LimbParts
 from adibas.limbs.model import LimbModel, load_model
@@ -122,7 +123,7 @@ def _watch(
             raise ValueError("a simulated frame has depth")
         depth_m = calibration.corrected_depth(depth_in_metres(raw, scene.info.depth_unit_m))
         now = estimator.look(
-            np.ascontiguousarray(depth_m, np.float32), frame.sensor_frame.timestamp_ns * 1e-9
+            np.ascontiguousarray(depth_m, np.float32), frame.sensor_frame.timestamp_ns / NS_PER_S
         )
         yield from _judged(name, frame, now.people, numbers, counts)
 

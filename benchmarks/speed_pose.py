@@ -14,6 +14,7 @@ import numpy as np
 
 from adibas.body.people import find_people
 from adibas.body.rays import viewing_rays
+from adibas.clock import NS_PER_S
 from adibas.data.frames import depth_in_metres
 from adibas.limbs.facing import front_evidence
 from adibas.limbs.model import load_model
@@ -87,7 +88,7 @@ def _follow(name: str, n_frames: int, watch: _Watch) -> None:
         parts = watch.timed("limbs", partial(segmented, depth_m, people[0].pixels))
         points = watch.timed("points", partial(part_points, depth_m, parts, rays))
         proposals = watch.timed("modes", partial(propose_joints, points, joints.offsets))
-        time_s = frame.timestamp_ns * 1e-9
+        time_s = frame.timestamp_ns / NS_PER_S
         facing = watch.timed("facing", partial(front_evidence, points))
         cloud = watch.timed("cloud", points.cloud)
         watch.timed("choice", partial(follower.follow, proposals, time_s, facing, cloud))

@@ -16,6 +16,7 @@ import numpy as np
 from adibas.arrays import BoolArray, FloatArray
 from adibas.calibration.closed_form import pose_from_homography
 from adibas.calibration.homography import fit_homography
+from adibas.clock import NS_PER_S
 from adibas.data.board import Board, BoardCorners
 from adibas.geometry.pinhole import Intrinsics
 from adibas.texts import Message, message
@@ -324,12 +325,12 @@ class StillWatch:
             return 0.0
         if self._still_since_ns is None:
             self._still_since_ns = before[0]
-        return min((timestamp_ns - self._still_since_ns) * 1e-9 / self.params.still_s, 1.0)
+        return min((timestamp_ns - self._still_since_ns) / NS_PER_S / self.params.still_s, 1.0)
 
     def _is_still(
         self, before: tuple[int, BoardCorners], corners: BoardCorners, timestamp_ns: int
     ) -> bool:
-        elapsed_s = (timestamp_ns - before[0]) * 1e-9
+        elapsed_s = (timestamp_ns - before[0]) / NS_PER_S
         moved_px = np.linalg.norm(corners.pixels - before[1].pixels, axis=1)
         moved_px = moved_px[~np.isnan(moved_px)]
         if elapsed_s <= 0 or moved_px.size == 0:

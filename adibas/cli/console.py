@@ -2,13 +2,12 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 
 from tqdm import tqdm
 
-Progress = Callable[[int, int], None]
-"""Called with (done, total); total is 0 where it is not known."""
+from adibas.progress import Progress
 
 SECONDS_BEFORE_A_BAR = 1.0
 

@@ -11,6 +11,7 @@ from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
 from adibas.cli.store_options import add_store, open_existing
+from adibas.clock import NS_PER_S
 from adibas.errors import StoreError
 from adibas.files import check_place
 from adibas.sessions.audit_words import action_text, subject_text
@@ -118,7 +119,7 @@ def _show(store: "SessionStore", arguments: argparse.Namespace, console: Console
                     "recording_id": facts.recording_id,
                     "n_frames": facts.n_frames,
                     "n_dropped": facts.n_dropped,
-                    "seconds": facts.duration_ns * 1e-9,
+                    "seconds": facts.duration_ns / NS_PER_S,
                     "size_bytes": facts.size_bytes,
                     "notice": facts.notice,
                 }

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, IntArray, check_shape, read_only
+from adibas.clock import NS_PER_S
 from adibas.data.joints import JOINT_NAMES
-
-NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,6 @@ that nobody is measured against himself.
 Source: thesis, equation 7.5 (leave one out); the false alarms that 7.5 does not see count, too.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,9 +20,9 @@ from adibas.gestures.model import GestureModel, Method
 from adibas.gestures.proposals import SHORTEST, chosen_examples
 from adibas.gestures.segments import Examples, Segment, at_one_length
 from adibas.gestures.weighting import N_JOINTS, joint_weights
+from adibas.progress import Progress
 from adibas.timeseries.mixture_stream import MixtureModel
 
-Progress = Callable[[int, int], None]
 RIGHT_OVERLAP = 0.5
 FEWEST = 2
 BARELY = 1e-9

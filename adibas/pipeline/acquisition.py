@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from adibas.clock import NS_PER_S
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, RecordingError, SensorError
 from adibas.pipeline.live_frames import SensorKind, SensorState
 from adibas.recordings.ports import DropCount
-from adibas.sensors.pace import NS_PER_S, Pacer
+from adibas.sensors.pace import Pacer
 from adibas.sensors.ports import READ_TIMEOUT_S, DepthCamera, SensorOptions
 
 Opener: TypeAlias = Callable[[str, SensorOptions], DepthCamera]

@@ -3,7 +3,7 @@
 Indicators beside a human's own coding, never a diagnosis or a score.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -30,13 +30,12 @@ from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events
 from adibas.pipeline.movement import JOINT_FILE
 from adibas.pipeline.pose import PoseRequest, pose_recording
+from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram
 from adibas.recordings.joints_csv import read_joints_csv, recording_name
 from adibas.texts import message
-
-Progress = Callable[[int, int], None]
 
 PROGRAM = "ADiBAS"
 POSTURE_CHANGE, OUT_OF_VIEW = "posture change", "out of view"

@@ -2,7 +2,7 @@
 
 import queue
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -11,12 +11,10 @@ import numpy as np
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
+from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.ports import count_gaps
-
-Progress = Callable[[int, int], None]
-"""Called with (frames done, frames in all)."""
 
 QUEUE_FRAMES = 60
 """Two seconds, about 270 MB at 1280 x 1024: outlasts a pause of the disk."""

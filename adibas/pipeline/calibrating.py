@@ -1,7 +1,7 @@
 """From images of a board to a calibrated colour camera, with a verdict."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from threading import Event
@@ -24,12 +24,11 @@ from adibas.data.calibration_verdict import Verdict
 from adibas.data.camera_fit import CameraFit
 from adibas.errors import CalibrationError
 from adibas.pipeline.in_order import in_order
+from adibas.progress import Progress
 
 N_THREADS = 2
 MAX_BYTES = 256 * 1024 * 1024
 """No image of a camera is that large: the file is something else."""
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)

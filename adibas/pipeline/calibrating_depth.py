@@ -40,8 +40,8 @@ from adibas.pipeline.calibrating_depth_types import (
     DepthCalibratingParams,
     DepthOutcome,
     DepthRequest,
-    Progress,
 )
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 
 __all__ = [

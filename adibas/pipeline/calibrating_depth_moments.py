@@ -12,6 +12,7 @@ from adibas.calibration.corners import as_gray
 from adibas.calibration.extrinsics_pose import BoardPose, find_pose
 from adibas.calibration.files import check_fits
 from adibas.calibration.finder import TEXTS, BoardSearch, search_board
+from adibas.clock import NS_PER_S
 from adibas.data.board import Board, BoardCorners
 from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.calibration_verdict import SENTENCES, Reason
@@ -19,18 +20,13 @@ from adibas.data.frames import depth_in_metres
 from adibas.data.surface import BurstDisparity
 from adibas.errors import CalibrationError, RecordingError
 from adibas.markers.disparity import fuse_depth
-from adibas.pipeline.calibrating_depth_types import (
-    DepthCalibratingParams,
-    DepthRequest,
-    Progress,
-)
+from adibas.pipeline.calibrating_depth_types import DepthCalibratingParams, DepthRequest
 from adibas.pipeline.still_moments import ChangeMeter, Moment, StillParams, still_moments
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.decoding import decode_color
 from adibas.recordings.ports import RecordingReader
 from adibas.texts import Message, message
-
-NANOSECONDS = 1e-9
 
 MOVED = message("The board moves. Hold it still for two seconds at each place.")
 UNCLEAR = message("It cannot be seen how the board stands. Hold it nearer, and tilt it.")
@@ -155,7 +151,7 @@ def look_at(
     """
     times_ns = reader.timestamps_ns
     for moment in moments_of(reader, watch, params.still):
-        time_s = float(times_ns[moment.middle] - times_ns[0]) * NANOSECONDS
+        time_s = float(times_ns[moment.middle] - times_ns[0]) / NS_PER_S
         disparity = fuse_depth(_depths(moment, reader, watch, start), DepthBias())
         gray = gray_of(reader, moment.middle)
         sight = BoardSight()

@@ -1,6 +1,5 @@
 """What a calibration of the depth is asked for, and what it gives."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,8 +17,6 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.calibration_verdict import Verdict
 from adibas.data.sentence import Sentence
 from adibas.pipeline.still_moments import StillParams
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,10 +24,10 @@ from adibas.pipeline.calibrating import (
     CalibratingParams,
     CameraOutcome,
     NamedImage,
-    Progress,
     calibrate_camera,
     read_images,
 )
+from adibas.progress import Progress
 from adibas.texts import message
 
 COLOR, DEPTH = "color.", "depth."

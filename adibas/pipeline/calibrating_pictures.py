@@ -14,7 +14,7 @@ from adibas.calibration.board_scale import ScaleParams
 from adibas.calibration.corners import as_gray
 from adibas.calibration.extrinsics_pose import BoardPose, find_pose
 from adibas.calibration.verdict import ScaleCheck
-from adibas.clock import Clock, utc_now
+from adibas.clock import NS_PER_S, Clock, utc_now
 from adibas.data.board import Board
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
@@ -28,7 +28,6 @@ from adibas.pipeline.calibrating_depth_moments import Seen
 from adibas.pipeline.calibration_pictures import KeptPicture, read_disparity
 from adibas.texts import Message, message
 
-NANOSECONDS = 1e-9
 LONGEST_S = 3600.0
 """Pictures that lie farther apart are of several days, or the sensor's clock began anew."""
 
@@ -138,7 +137,7 @@ def _seen(
 
 def _times_s(pictures: Sequence[KeptPicture]) -> list[float]:
     """Return when they were taken; 0 for all where that is not known."""
-    times_s = np.array([picture.taken_ns for picture in pictures], float) * NANOSECONDS
+    times_s = np.array([picture.taken_ns for picture in pictures], float) / NS_PER_S
     times_s -= times_s[:1]
     is_one_clock = bool((np.diff(times_s) > 0).all() and (times_s <= LONGEST_S).all())
     return list((times_s if is_one_clock else np.zeros(len(pictures))).tolist())

@@ -19,8 +19,8 @@ from adibas.pipeline.calibrating_depth_moments import (
     moments_of,
     nothing_stands_still,
 )
-from adibas.pipeline.calibrating_depth_types import Progress
 from adibas.pipeline.still_moments import StillParams
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 
 

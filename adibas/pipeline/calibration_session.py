@@ -1,6 +1,6 @@
 """One calibration in the making: pictures of a board, what they lack, what they give."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -42,9 +42,8 @@ from adibas.pipeline.calibration_report import report_of_depth_outcome
 from adibas.pipeline.calibration_watch import Moment, MomentWatch
 from adibas.pipeline.learning import PICTURE_SUFFIXES, read_picture
 from adibas.pipeline.live_frames import LiveFrame
+from adibas.progress import Progress
 from adibas.texts import Message, message
-
-Progress = Callable[[int, int], None]
 
 OTHER_SIZE = message("It has {width} x {height} pixels, not {wanted_width} x {wanted_height}.")
 

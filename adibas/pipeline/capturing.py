@@ -15,7 +15,7 @@ from adibas.data.sessions import Capture
 from adibas.data.surface import BurstDisparity
 from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorError, StoreError
 from adibas.markers.disparity import fuse_depth
-from adibas.pipeline.burst_recording import Burst, Progress
+from adibas.pipeline.burst_recording import Burst
 from adibas.pipeline.live import LiveView
 from adibas.pipeline.posture import (
     MarkerFindings,
@@ -25,6 +25,7 @@ from adibas.pipeline.posture import (
     doubts_about,
 )
 from adibas.pipeline.provenance import provenance_of
+from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
 from adibas.sessions import NewCapture, SessionStore

@@ -17,7 +17,7 @@ from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.reliability import LEAST_REPEATS, reliability_of
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.protocol_measuring import ProtocolWish
-from adibas.pipeline.session import Progress
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
 
 MOST_PATIENTS = 1_000_000

@@ -6,7 +6,8 @@ from pathlib import Path
 from adibas.clock import Clock, utc_now
 from adibas.data.posture import PostureAnalysis
 from adibas.pipeline.learning import LearningRequest, learn_from_file
-from adibas.pipeline.session import PostureRequest, Progress, analyse_recording
+from adibas.pipeline.session import PostureRequest, analyse_recording
+from adibas.progress import Progress
 from adibas.recordings import create_recording
 from adibas.recordings.ports import RecordingOptions
 from adibas.simulation.scenes import SimulatedScene, open_scene

@@ -10,8 +10,8 @@ from adibas.errors import SensorError
 from adibas.pipeline.capturing import CaptureRequest, take_capture
 from adibas.pipeline.live import LiveFrame, LiveView, SensorState
 from adibas.pipeline.posture import MarkerTarget
-from adibas.pipeline.session import Progress
 from adibas.pipeline.targets import target_to_document
+from adibas.progress import Progress
 from adibas.sensors.ports import SensorOptions
 from adibas.sessions import SessionStore
 from adibas.sessions.demo_patient import demo_patient

@@ -1,7 +1,6 @@
 """What `adibas gestures` does: train on a folder, detect in a recording, evaluate."""
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,10 +18,10 @@ from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
 from adibas.gestures.training import TrainingParams, check_examples, train
 from adibas.pipeline.gesture_examples import EVENTS_FILE, read_examples, unseen_joints
+from adibas.progress import Progress
 from adibas.recordings.joints_csv import read_joints_csv, recording_name
 from adibas.texts import message
 
-Progress = Callable[[int, int], None]
 FEWEST_GROUPS = 2
 
 

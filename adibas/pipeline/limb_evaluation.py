@@ -18,8 +18,8 @@ from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
 from adibas.limbs.training_set import Chosen, LimbFolder
 from adibas.pipeline.limb_pictures import limb_picture
+from adibas.progress import Progress
 
-Progress = Callable[[int, int], None]
 Split: TypeAlias = Literal["folds", "people"]
 N_FOLDS = 5
 WHOLE = LimbParams(step=1)

@@ -1,7 +1,6 @@
 """The limbs of the person in every frame of a recording: pictures, and images to train on."""
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -25,10 +24,10 @@ from adibas.limbs.segmentation import LimbParams, segment
 from adibas.limbs.training_set import FolderHeader, write_header, write_image
 from adibas.pipeline.limb_pictures import limb_picture
 from adibas.pipeline.session import calibration_of
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.resources import resource_path
 
-Progress = Callable[[int, int], None]
 PICTURE = ".limbs.png"
 NAMES_OF_MODELS = {"full-body-15": "limbs-15.npz", "upper-body-7": "limbs-7.npz"}
 

@@ -3,7 +3,6 @@
 Image ``i`` depends on the seed and ``i`` alone: making can stop and go on, on any number of cores.
 """
 
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from multiprocessing import get_context
@@ -13,10 +12,10 @@ from adibas import __version__
 from adibas.data.joints import BODY_PART_NAMES
 from adibas.limbs.model import CLUTTER
 from adibas.limbs.training_set import LABELS, FolderHeader, write_header, write_image
+from adibas.progress import Progress
 from adibas.simulation.device import DEPTH_UNIT_M
 from adibas.simulation.limb_frames import FRAMES_A_PERSON, FrameSettings, LimbFrames
 
-Progress = Callable[[int, int], None]
 SIMULATED_LABELS = (*BODY_PART_NAMES, CLUTTER)
 
 

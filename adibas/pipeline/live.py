@@ -13,11 +13,12 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SourceInfo
 from adibas.errors import SensorError
 from adibas.pipeline.acquisition import Arrival, Opener, Source
-from adibas.pipeline.burst_recording import Burst, BurstRecording, Progress
+from adibas.pipeline.burst_recording import Burst, BurstRecording
 from adibas.pipeline.live_frames import LiveFrame, LiveListener, SensorState
 from adibas.pipeline.live_threads import LiveThreads
 from adibas.pipeline.looking import Look, look_at
 from adibas.pipeline.posture import MarkerTarget, PostureParams
+from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.sensors.ports import DEFAULT_OPTIONS, SensorOptions
 from adibas.sensors.sources import open_source

@@ -1,7 +1,7 @@
 """From a recording of a moving camera to its path and one coloured surface."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,13 +19,13 @@ from adibas.data.frames import depth_in_metres
 from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError, RecordingError
 from adibas.geometry.rigid import RigidTransform
+from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.session import calibration_of
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.decoding import decode_color
 from adibas.recordings.ports import RecordingReader
 from adibas.texts import Message, message
-
-Progress = Callable[[int, int], None]
 
 INCOMPLETE = message("The frame lacks depth or colour.")
 BACKWARD = message("The frame is not after the one before.")
@@ -178,9 +178,6 @@ class _Frames:
             yield frame.timestamp_ns, depth_m, color_rgb
 
 
-IN_FRAMES = message("{notice} (In {n} of {total} frames.)")
-
-
 def _notices(
     recording: RecordingReader, frames: _Frames, track: Track, total: int
 ) -> tuple[Sentence, ...]:
@@ -190,10 +187,7 @@ def _notices(
     notices = (
         [Sentence(message("{notice}"), {"notice": recording.notice})] if recording.notice else []
     )
-    notices += [
-        Sentence(IN_FRAMES, {"notice": text, "n": n, "total": total})
-        for text, n in said.most_common()
-    ]
+    notices += counted(said.most_common(), total)
     if track.n_wrong_loops:
         notices.append(
             Sentence(

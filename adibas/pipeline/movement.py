@@ -1,6 +1,6 @@
 """From a moving recording, or a table of joints, to joint angles over time."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import numpy as np
 from adibas import __version__
 from adibas.arrays import FloatArray
 from adibas.calibration.files import check_fits
-from adibas.clock import Clock, to_text, utc_now
+from adibas.clock import NS_PER_S, Clock, to_text, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.joints import JOINT_NAMES
@@ -38,6 +38,7 @@ from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.session import calibration_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
@@ -47,10 +48,7 @@ from adibas.skeleton.sides import BACK, FRONT
 from adibas.skeleton.tracking import name_movement
 from adibas.texts import message
 
-Progress = Callable[[int, int], None]
-
 JOINT_FILE = ".csv"
-NANOSECONDS = 1e-9
 
 OTHER_PEOPLE = message(
     "The file has joints of {n} people; these are of person {person}. Choose another with --person."
@@ -215,7 +213,7 @@ def _follow(
     upright_from_camera = upright_turn(vertical_of(calibration).up)
     n_frames = len(recording)
     timestamps_ns = np.asarray(recording.timestamps_ns, np.int64)
-    times_s = (timestamps_ns - timestamps_ns[0]) * NANOSECONDS
+    times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
     points_m: list[FloatArray] = []
 
     def work(frame: RgbdFrame) -> FloatArray:

@@ -1,7 +1,6 @@
 """From a recording to the joints of everybody in it, without markers."""
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import numpy as np
 from adibas import __version__
 from adibas.arrays import Float32Array, FloatArray
 from adibas.calibration.files import check_fits
-from adibas.clock import Clock, to_text, utc_now
+from adibas.clock import NS_PER_S, Clock, to_text, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.data.limbs import FULL_BODY
@@ -18,13 +17,15 @@ from adibas.data.movement import Movement
 from adibas.data.posture import Provenance
 from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
-from adibas.data.skeleton_track import NS_PER_S, SkeletonTrack
+from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, RecordingError
 from adibas.limbs.model import LimbModel, load_model
 from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
 from adibas.pipeline.session import calibration_of
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.ports import RecordingReader
@@ -33,10 +34,7 @@ from adibas.skeleton.smoothing import Smoother, SmoothingParams
 from adibas.texts import Message, message
 from adibas.timeseries.lowpass import even_times, resample
 
-Progress = Callable[[int, int], None]
-
 MOST_NOTICES = 4
-IN_FRAMES = message("{notice} (In {n} of {total} frames.)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,11 +251,9 @@ class _Found:
 
     def notices(self, n_frames: int) -> tuple[Sentence, ...]:
         """Return what was said most often."""
-        return tuple(
-            Sentence(
-                IN_FRAMES, {"notice": self._sentences[said].text, "n": count, "total": n_frames}
-            )
-            for said, count in self._said.most_common(MOST_NOTICES)
+        return counted(
+            ((self._sentences[said].text, n) for said, n in self._said.most_common(MOST_NOTICES)),
+            n_frames,
         )
 
 

@@ -4,7 +4,7 @@ Run as a module it makes ``resources/models/joints.json`` again.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,14 +20,13 @@ from adibas.limbs.joint_offsets import JointOffsets, OffsetExample, learn_offset
 from adibas.limbs.joint_places import PLACES
 from adibas.limbs.proposals import PartPoints, modes_of, part_points
 from adibas.pipeline.pose_model import JointModel, write_joint_model
+from adibas.progress import Progress
 from adibas.resources import resource_path
 from adibas.simulation.body import ShapedBody, load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.random_poses import KINDS, random_figure
 from adibas.simulation.raster import rasterise
 from adibas.skeleton.proportions import learn_proportions
-
-Progress = Callable[[int, int], None]
 
 CAMERA = CameraCalibration(640, 480, Intrinsics(570.0, 570.0, 319.5, 239.5))
 SHAPES = (

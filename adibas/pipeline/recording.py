@@ -3,22 +3,19 @@
 import queue
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 
+from adibas.clock import NS_PER_S
 from adibas.data.frames import SensorFrame
 from adibas.errors import AdibasError, SensorError
+from adibas.progress import Progress
 from adibas.recordings import RecordingOptions, RecordingWriter, create_recording
 from adibas.recordings.part_file import nothing_kept
 from adibas.sensors.ports import DepthCamera
 from adibas.texts import describe, message
 
-Progress = Callable[[int, int], None]
-"""Called with (frames written, frames expected); the second is 0 where it is not known."""
-
-NS_PER_S = 1_000_000_000
 QUEUE_FRAMES = 60
 """Two seconds, about 270 MB at 1280 x 1024: outlasts a pause of the disk."""
 

@@ -1,6 +1,6 @@
 """From a recording on the disk to a posture analysis, one burst at a time."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,12 +18,11 @@ from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.ports import RecordingReader
-
-Progress = Callable[[int, int], None]
 
 MARKERS_FOR_A_DISTANCE = 2
 

@@ -10,7 +10,7 @@ from adibas.measures.comparison import compare_sessions
 from adibas.measures.trends import Key, Visit, trends_of
 from adibas.pipeline.clinic_repeats import measured_captures
 from adibas.pipeline.protocol_measuring import ProtocolWish
-from adibas.pipeline.session import Progress
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
 
 

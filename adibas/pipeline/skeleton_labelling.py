@@ -1,19 +1,18 @@
 """Point sets of a file get names; the shipped model, or one of the clinic's own."""
 
 import functools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from adibas.errors import FileError
+from adibas.progress import Progress
 from adibas.resources import resource_path
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.model_files import read_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
 from adibas.skeleton.tracking import TrackedNames, name_movement
-
-Progress = Callable[[int, int], None]
 
 DIGITS = 3
 

@@ -5,7 +5,7 @@ the examples of each fifth of the patients are named by a model of all others an
 one, so that a worse model is told and not written.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
 from adibas.pipeline.skeleton_training import LEAST_NAMES, learn_sets
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.namer import Namer
@@ -28,8 +29,6 @@ N_FOLDS = 5
 LEAST_EXAMPLES = 10
 """Fewer tell neither how shapes vary nor whether a model is any good."""
 UNNAMED = "m"
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ it, or a landmark beside it. Each shape chooses among them, the same on both sid
 model learns where a marker of that name may be.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.skeleton_marks import JointMarks, MarkedBody
 from adibas.pipeline.skeleton_poses import draw_pose
+from adibas.progress import Progress
 from adibas.simulation.body import ShapedBody, load_body_model
 from adibas.simulation.body_shape import BodyShape
 
@@ -74,7 +75,7 @@ def simulate_shapes(
     n_bodies: int,
     n_poses: int,
     seed: int,
-    progress: Callable[[int, int], None],
+    progress: Progress,
     shares: Mapping[str, float] = KIND_SHARES,
 ) -> LabelledShapes:
     """Return `n_bodies` times `n_poses` shapes; the same seed gives the same ones.

@@ -1,6 +1,6 @@
 """From labelled shapes, of a file or of simulated people, to a skeleton model."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from adibas.clock import Clock, utc_now
 from adibas.data.joints import JOINT_NAMES
 from adibas.errors import FileError
 from adibas.pipeline.skeleton_simulator import TRAINING_SHARES, simulate_shapes
+from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.shapes.point_distribution import LEAST_SHAPES, learn_distribution
 from adibas.shapes.shape_fitting import fit_shape
@@ -32,8 +33,6 @@ N_PLANE_PROTOTYPES = 10
 KIND_WEIGHTS = {"standing": 0.3, "seated": 0.15, "active": 0.2}
 """How often a clinic meets them, ours; the others as in the training."""
 FILLING_SIGMA_M = 0.02
-
-Progress = Callable[[int, int], None]
 
 
 def train_from_file(path: Path, clock: Clock = utc_now) -> SkeletonModel:

@@ -1,6 +1,6 @@
 """A wand with two markers, held before the sensor at the start of a session."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -18,10 +18,10 @@ from adibas.pipeline.capturing import calibration_in_use, counted, record_burst
 from adibas.pipeline.live import LiveView
 from adibas.pipeline.posture import MarkerTarget, analyse_burst
 from adibas.pipeline.session import PostureRequest, analyse_recording
+from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.ports import RecordingOptions
 
-Progress = Callable[[int, int], None]
 N_ENDS = 2
 N_FRAMES = 30
 """Of a live check: a second."""

@@ -1,12 +1,12 @@
 """One recording format into another, without a change to what was measured."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from adibas.errors import RecordingError
+from adibas.progress import Progress
 from adibas.recordings import create_recording, open_recording
 from adibas.recordings.part_file import cannot_record, part_paths
 from adibas.recordings.ports import RecordingOptions, RecordingReader
@@ -26,7 +26,7 @@ def convert(
     target: Path,
     *,
     plain: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> ConversionSummary:
     """Write the recording `source` as `target`, whose name chooses the format.
 
@@ -65,7 +65,7 @@ def write_all(
     target: Path,
     *,
     plain: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> ConversionSummary:
     """Write the frames of an open recording as `target`, as `convert` does.
 

@@ -15,10 +15,11 @@ from typing import TextIO
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray
+from adibas.clock import NS_PER_S
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.movement import Origin
 from adibas.data.sentence import Sentence
-from adibas.data.skeleton_track import NS_PER_S, SkeletonTrack
+from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import RecordingError
 from adibas.files import written_whole
 from adibas.texts import message

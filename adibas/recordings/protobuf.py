@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
+from adibas.clock import NS_PER_S
+
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
-NANOSECONDS = 1_000_000_000
 _MAX_VARINT_BITS = 63
 
 Kind = Literal["double", "fixed32", "uint64", "string", "bytes", "timestamp", "doubles"]
@@ -87,7 +88,7 @@ def _encode_field(field: Field, value: object) -> bytes:
 
 def _timestamp(time_ns: int) -> bytes:
     """Return a google.protobuf.Timestamp."""
-    seconds, nanoseconds = divmod(time_ns, NANOSECONDS)
+    seconds, nanoseconds = divmod(time_ns, NS_PER_S)
     return tagged_varint(1, seconds) + tagged_varint(2, nanoseconds)
 
 
@@ -122,7 +123,7 @@ def _decode_field(field: Field, value: int | bytes) -> object:
             seconds, nanoseconds = parts.get(1, 0), parts.get(2, 0)
             if isinstance(seconds, bytes) or isinstance(nanoseconds, bytes):
                 raise ValueError(f"{field.name} is no time")  # noqa: TRY004
-            return seconds * NANOSECONDS + nanoseconds
+            return seconds * NS_PER_S + nanoseconds
         case "double" if len(value) == struct.calcsize("d"):
             return struct.unpack("<d", value)[0]
         case "bytes":

@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from adibas.arrays import IntArray
+from adibas.clock import NS_PER_S
 from adibas.errors import RecordingError
 from adibas.recordings.ports import MAX_TIMESTAMP_NS
-from adibas.recordings.tum_regular import N_DECIMALS, NS_PER_S, parse_regular
+from adibas.recordings.tum_regular import N_DECIMALS, parse_regular
 
 MAX_LIST_BYTES = 64 * 1024 * 1024
 DEPTH_LIST, COLOR_LIST, INFRARED_LIST = "depth.txt", "rgb.txt", "infrared.txt"

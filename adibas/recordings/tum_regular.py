@@ -6,9 +6,9 @@ What these functions do not take may be right nevertheless; `tum_lists` then loo
 import numpy as np
 
 from adibas.arrays import IntArray, UInt8Array
+from adibas.clock import NS_PER_S
 from adibas.recordings.ports import MAX_TIMESTAMP_NS
 
-NS_PER_S = 1_000_000_000
 N_DECIMALS, N_WHOLE = 9, 10
 NINE = 9
 GREATEST_S = MAX_TIMESTAMP_NS // NS_PER_S

@@ -1,19 +1,18 @@
 """Reports of several sessions into one folder."""
 
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from PIL import Image
 
 from adibas.data.report import SessionReport
 from adibas.files import written_whole
+from adibas.progress import Progress
 from adibas.reports import write_report
 from adibas.reports.facts import capture_names
 from adibas.reports.pictures import draw_markers, picture_of
 from adibas.texts import speaking
-
-Progress = Callable[[int, int], None]
 
 PICTURES = ".png"
 """The kind that writes a picture of each view."""

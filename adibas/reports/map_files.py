@@ -7,10 +7,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from adibas.alignment.surfels import Surface
+from adibas.clock import NS_PER_S
 from adibas.files import written_whole
 from adibas.pipeline.mapping import MappedRecording
 
-NS_PER_S = 1_000_000_000
 DIGITS = 4
 ROW = np.dtype(
     [

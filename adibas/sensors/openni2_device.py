@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from adibas.clock import NS_PER_S
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import SensorError
 from adibas.sensors.openni2_description import describe_source
@@ -37,7 +38,6 @@ from adibas.sensors.ports import (
     StreamName,
 )
 
-NS_PER_S = 1_000_000_000
 WAIT_SLICE_S = 0.1
 """Unplugging and closing are noticed this often while waiting."""
 

@@ -3,7 +3,8 @@
 import time
 from collections.abc import Callable
 
-NS_PER_S = 1_000_000_000
+from adibas.clock import NS_PER_S
+
 LONGEST_PAUSE_S = 1.0
 """A clock that jumps in a recording must not stop the replay."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from adibas.clock import NS_PER_S
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import SensorError
 from adibas.sensors.pairing import FramePairer, StreamImage, join_images
@@ -32,7 +33,6 @@ from adibas.sensors.realsense_streams import (
     find_profiles,
 )
 
-NS_PER_S = 1_000_000_000
 WAIT_SLICE_S = 0.1
 """Unplugging, Ctrl-C and the end of a file are noticed this often while waiting."""
 

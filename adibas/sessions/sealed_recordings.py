@@ -1,11 +1,11 @@
 """Recordings of the store: MCAP files whose content is sealed under a key of their own."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError, StoreError
 from adibas.files import FULL, flush_folder
+from adibas.progress import Progress
 from adibas.recordings.convert import ConversionSummary, remove_unfinished_copies, write_all
 from adibas.recordings.mcap_reader import McapReader
 from adibas.recordings.mcap_writer import McapWriter
@@ -112,7 +112,7 @@ class SealedRecordings(SealedFolder):
         recording_id: str,
         key: bytes,
         path: Path,
-        progress: Callable[[int, int], None] | None = None,
+        progress: Progress | None = None,
     ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 

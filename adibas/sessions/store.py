@@ -16,6 +16,7 @@ from sqlalchemy import select
 from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
 from adibas.files import remove_unfinished
+from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.kept_files import KeptFiles, remove_leftovers
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from adibas.sessions.purging import Purge
     from adibas.sessions.sealed_folder import SealedFolder
     from adibas.sessions.stored_recordings import Recordings
-    from adibas.sessions.verification import Progress, VerifyReport
+    from adibas.sessions.verification import VerifyReport
     from adibas.sessions.visits import Sessions
 
 logger = logging.getLogger(__name__)
@@ -146,7 +147,7 @@ class SessionStore:
     def _sealed_folders(self) -> "tuple[SealedFolder, ...]":
         return self._pictures, self.recordings.sealed
 
-    def verify(self, progress: "Progress | None" = None) -> "VerifyReport":
+    def verify(self, progress: Progress | None = None) -> "VerifyReport":
         """Check the database, the chain of the audit log, and every file against its checksum.
 
         Parameters

@@ -3,7 +3,7 @@
 import logging
 import secrets
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
@@ -13,6 +13,7 @@ from sqlalchemy import select
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, StoreError
+from adibas.progress import Progress
 from adibas.recordings.convert import ConversionSummary
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.sessions.audit import AuditLog
@@ -204,7 +205,7 @@ class Recordings:
             return tuple(_facts(row) for row in transaction.execute(theirs))
 
     def export(
-        self, recording_id: str, path: Path, progress: Callable[[int, int], None] | None = None
+        self, recording_id: str, path: Path, progress: Progress | None = None
     ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 

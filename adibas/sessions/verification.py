@@ -1,11 +1,12 @@
 """Whether the store is whole: database, audit log, files; and what to do where it is not."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sqlalchemy import select
 
 from adibas.errors import StoreError
+from adibas.progress import Progress
 from adibas.sessions.audit import BEGINNING, THE_HEAD, AuditLine, AuditLog, hash_of
 from adibas.sessions.database import Database
 from adibas.sessions.rows import Row, Transaction, row_of
@@ -15,8 +16,6 @@ from adibas.sessions.sealed_folder import SealedFolder
 from adibas.sessions.stored_recordings import Recordings
 from adibas.texts import describe
 from adibas.texts import translate as _
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, slots=True)

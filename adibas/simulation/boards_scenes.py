@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
+from adibas.clock import NS_PER_S
 from adibas.data.board import Board
 from adibas.data.frames import SensorFrame
 from adibas.data.printed_boards import PRINTED_BOARDS
@@ -117,7 +118,7 @@ class BoardScene:
         """
         check_index(index, self.n_frames)
         time_ns = frame_time_ns(self.settings.seed, index)
-        time_s = (time_ns - FIRST_FRAME_NS) * 1e-9
+        time_s = (time_ns - FIRST_FRAME_NS) / NS_PER_S
         view = self._view(time_s)
         depth = self._depth_view(view)
         frame = SensorFrame(

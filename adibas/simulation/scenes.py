@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
+from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.geometry.planes import Plane
@@ -282,7 +283,7 @@ class SimulatedScene:
     def _posed(self, timestamp_ns: int) -> PosedBody | None:
         if self._patient is None:
             return None
-        time_s = timestamp_ns * 1e-9
+        time_s = timestamp_ns / NS_PER_S
         pose = _pose(self._gesture, self.settings.posture, time_s)
         if self._sway is not None:
             pose = self._sway.applied(pose, time_s)
