@@ -73,9 +73,11 @@ class StatusLine(QWidget):
         self._say_sensor()
 
     def show_frame(self, frame: LiveFrame) -> None:
-        """Say how well frames come."""
+        """Say how well frames come; most come as well as the one before."""
+        before = round(self._rate_hz), self._n_dropped
         self._rate_hz, self._n_dropped = frame.frame_rate_hz, frame.n_dropped
-        self._say_sensor()
+        if before != (round(self._rate_hz), self._n_dropped):
+            self._say_sensor()
 
     def show_disk(self, minutes: float | None) -> None:
         """Say how many minutes the disk will hold; None where it cannot be told."""

@@ -3,14 +3,13 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import TypeAlias
-
-import numpy as np
-
-from adibas.arrays import BoolArray, FloatArray
 
 Box: TypeAlias = tuple[float, float, float, float]
 """Left, top, right and bottom, in pixels."""
+Size: TypeAlias = tuple[float, float]
+"""Width and height, in pixels."""
 
 GAP_PX = 3.0
 N_ROWS, N_COLUMNS = 6, 3
@@ -29,7 +28,7 @@ class Named:
 
 
 def place_labels(
-    things: Sequence[Named], window: tuple[float, float], taken: Sequence[Box] = ()
+    things: Sequence[Named], window: Size, taken: Sequence[Box] = ()
 ) -> tuple[Box | None, ...]:
     """Return a box for each name: at the first of eight sides where it hides nothing.
 
@@ -38,11 +37,10 @@ def place_labels(
     where it would, and for a thing outside the window. Names are placed in the order given.
     `taken` is what else should be seen, `window` its (width, height).
     """
-    about = [_about(thing) for thing in things if thing.radius > 0]
-    hidden = np.array([*taken, *about], np.float64).reshape(-1, 4)
+    hidden = [*taken, *(_about(thing) for thing in things if thing.radius > 0)]
     placed: list[Box | None] = []
     for thing in things:
-        names = np.array([box for box in placed if box is not None], np.float64).reshape(-1, 4)
+        names = [box for box in placed if box is not None]
         placed.append(_best(thing, window, hidden, names))
     return tuple(placed)
 
@@ -54,31 +52,20 @@ def leader(thing: Named, box: Box) -> tuple[float, float] | None:
     return None if is_beside else (x, y)
 
 
-def _best(
-    thing: Named, window: tuple[float, float], hidden: FloatArray, names: FloatArray
-) -> Box | None:
+def _best(thing: Named, window: Size, hidden: Sequence[Box], names: Sequence[Box]) -> Box | None:
+    """Return the first place that hides nothing, else the one that hides least."""
     if not (0 <= thing.x <= window[0] and 0 <= thing.y <= window[1]):
         return None
-    places = np.array(list(_sides(thing)))
-    counts = _n_hidden(places, window, hidden, names)
-    if counts.min() > 0:
-        farther = np.array(_farther(thing))
-        places = np.concatenate([places, farther])
-        counts = np.concatenate([counts, _n_hidden(farther, window, hidden, names)])
-    best = int(counts.argmin())
-    if not np.isfinite(counts[best]):
-        return None
-    left, top, right, bottom = places[best].tolist()
-    return left, top, right, bottom
-
-
-def _n_hidden(
-    places: FloatArray, window: tuple[float, float], hidden: FloatArray, names: FloatArray
-) -> FloatArray:
-    """Return how many things each place hides; infinity where no name may stand."""
-    is_allowed = _is_inside(places, window) & ~_overlap(places, names).any(axis=1)
-    counts: FloatArray = np.where(is_allowed, _overlap(places, hidden).sum(axis=1), np.inf)
-    return counts
+    best, fewest = None, math.inf
+    for box in chain(_sides(thing), _farther(thing)):
+        if not _is_within(box, window) or any(_overlap(box, name) for name in names):
+            continue
+        n_hidden = sum(_overlap(box, other) for other in hidden)
+        if n_hidden < fewest:
+            best, fewest = box, n_hidden
+        if n_hidden == 0:
+            break
+    return best
 
 
 def _sides(thing: Named) -> Iterator[Box]:
@@ -97,7 +84,7 @@ def _sides(thing: Named) -> Iterator[Box]:
         yield x, y, x + thing.width, y + thing.height
 
 
-def _farther(thing: Named) -> list[Box]:
+def _farther(thing: Named) -> Iterator[Box]:
     """Return places at either side that a line has to lead to, the nearest first."""
     boxes = [
         (left, top, left + thing.width, top + thing.height)
@@ -108,7 +95,7 @@ def _farther(thing: Named) -> list[Box]:
         for column in range(N_COLUMNS)
         for left in _either_side(thing, thing.radius + 2 * GAP_PX + column * thing.width / 2)
     ]
-    return sorted(boxes, key=lambda box: _distance(thing, box))
+    yield from sorted(boxes, key=lambda box: _distance(thing, box))
 
 
 def _either_side(thing: Named, away: float) -> tuple[float, float]:
@@ -128,14 +115,9 @@ def _about(thing: Named) -> Box:
     )
 
 
-def _overlap(ones: FloatArray, others: FloatArray) -> BoolArray:
-    """Say of each pair of (N, 4) and (M, 4) boxes whether they share anything: (N, M)."""
-    lower, upper = ones[:, None, :2], ones[:, None, 2:]
-    shared: BoolArray = np.all((lower < others[:, 2:]) & (others[:, :2] < upper), axis=2)
-    return shared
+def _overlap(one: Box, other: Box) -> bool:
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
-def _is_inside(boxes: FloatArray, window: tuple[float, float]) -> BoolArray:
-    right_bottom = np.array(window)
-    inside: BoolArray = np.all((boxes[:, :2] >= 0) & (boxes[:, 2:] <= right_bottom), axis=1)
-    return inside
+def _is_within(box: Box, window: Size) -> bool:
+    return box[0] >= 0 and box[1] >= 0 and box[2] <= window[0] and box[3] <= window[1]
