@@ -30,6 +30,7 @@ from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events
 from adibas.pipeline.movement import JOINT_FILE
 from adibas.pipeline.pose import PoseRequest, pose_recording
+from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.codings import read_codings
@@ -82,6 +83,8 @@ class BehaviourRequest:
         Length of a time bin.
     patient : str
         A pseudonym or empty.
+    access : RecordingAccess
+        How the recording is opened: usually as a file.
     """
 
     source: Path
@@ -93,6 +96,7 @@ class BehaviourRequest:
     patient: str = ""
     activity: ActivityParams = field(default_factory=ActivityParams)
     posture: PostureParams = field(default_factory=PostureParams)
+    access: RecordingAccess = FILES
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,7 +195,7 @@ def _tracks(
     if request.source.suffix.lower() == JOINT_FILE:
         read = read_joints_csv(request.source)
         return read.tracks, list(read.notices)
-    posed = pose_recording(PoseRequest(request.source), progress, clock)
+    posed = pose_recording(PoseRequest(request.source, access=request.access), progress, clock)
     return posed.tracks, [Sentence(ESTIMATED), *posed.notices]
 
 
@@ -368,7 +372,7 @@ def _provenance(request: BehaviourRequest, clock: Clock) -> Provenance:
         if path is not None:
             parameters[f"{what}_sha256"] = recording_sha256(path)
     return Provenance(
-        recording_sha256(request.source), "", __version__, to_text(clock()), parameters
+        request.access.sha256(request.source), "", __version__, to_text(clock()), parameters
     )
 
 

@@ -24,10 +24,9 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
+from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of
 from adibas.progress import Progress
-from adibas.recordings import open_recording
-from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.smoothing import Smoother, SmoothingParams
@@ -44,6 +43,8 @@ class PoseRequest:
     Attributes
     ----------
     recording : Path
+    access : RecordingAccess
+        How it is opened: usually as a file.
     model : Path or None
         Of limbs; None: the shipped one.
     calibration : Path or None
@@ -66,6 +67,7 @@ class PoseRequest:
     smoothing: SmoothingParams = field(default_factory=SmoothingParams)
     least_joints: int = 6
     least_frames: int = 5
+    access: RecordingAccess = FILES
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +136,7 @@ def pose_recording(
         The model cannot be read.
     """
     model = shipped_model() if request.model is None else load_model(request.model)
-    with open_recording(request.recording) as recording:
+    with request.access.open(request.recording) as recording:
         wanted = range(*slice(*request.frames).indices(len(recording)))
         if not wanted:
             raise RecordingError("The recording has no such frames. Choose others with --frames.")
@@ -159,7 +161,7 @@ def pose_recording(
     if vertical.origin is not VerticalOrigin.UNKNOWN:
         up = calibration.color_from_depth.rotation.T @ vertical.up
     provenance = Provenance(
-        recording_sha256(request.recording),
+        request.access.sha256(request.recording),
         "",
         __version__,
         to_text(clock()),

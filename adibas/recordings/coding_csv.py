@@ -42,7 +42,11 @@ def read_coding_csv(path: Path, ethogram: Ethogram | None = None) -> tuple[Codin
     BehaviourError
         The file is missing or no such table, or a row does not fit; its line is told.
     """
-    text = _text(path)
+    return codings_of_csv(_text(path), path.name, ethogram)
+
+
+def codings_of_csv(text: str, file: str, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
+    """Return the codings in `text`, the content of the file named `file`; see `read_coding_csv`."""
     delimiter = "\t" if "\t" in text.partition("\n")[0] else ","
     csv.field_size_limit(LONGEST_CELL)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
@@ -51,16 +55,16 @@ def read_coding_csv(path: Path, ethogram: Ethogram | None = None) -> tuple[Codin
         for cells in reader:
             lines.append((reader.line_num, cells))  # noqa: PERF401  (line_num goes with the loop)
     except csv.Error as error:
-        raise _unreadable(path, str(error)) from error
+        raise _unreadable(file, str(error)) from error
     header = [cell.strip() for cell in lines[0][1]] if lines else []
     if not set(NEEDED) <= set(header):
-        return codings_of_rows(path.name, boris_rows(path.name, lines), ethogram)
+        return codings_of_rows(file, boris_rows(file, lines), ethogram)
     rows = [
         (line, dict(zip(header, map(unshielded, cells), strict=False)))
         for line, cells in lines[1:]
         if cells
     ]
-    return codings_of_rows(path.name, rows, ethogram or _own_ethogram(path, rows))
+    return codings_of_rows(file, rows, ethogram or _own_ethogram(file, rows))
 
 
 def write_coding_csv(path: Path, codings: Sequence[Coding]) -> None:
@@ -73,18 +77,29 @@ def write_coding_csv(path: Path, codings: Sequence[Coding]) -> None:
     FileError
         The file cannot be written.
     """
+    text = coding_csv_text(codings)
+    with written_whole(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8", newline="")
+
+
+def coding_csv_text(codings: Sequence[Coding]) -> str:
+    """Return the table of codings of one ethogram.
+
+    Raises
+    ------
+    BehaviourError
+        They are of different ethograms, or two have the same name.
+    """
     check_one_scheme(codings)
     rows = list(rows_of(codings))
     details = json.loads(rows[0]["details"])
     details["ethogram"] = ethogram_document(codings[0].ethogram)
     rows[0]["details"] = json.dumps(details, ensure_ascii=False)
-    with (
-        written_whole(path) as unfinished,
-        unfinished.open("w", newline="", encoding="utf-8") as file,
-    ):
-        writer = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: shielded(cell) for name, cell in row.items()} for row in rows)
+    table = io.StringIO(newline="")
+    writer = csv.DictWriter(table, COLUMNS, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: shielded(cell) for name, cell in row.items()} for row in rows)
+    return table.getvalue()
 
 
 def _text(path: Path) -> str:
@@ -93,18 +108,18 @@ def _text(path: Path) -> str:
             raise BehaviourError("{file} is larger than any table of events.", file=path.name)
         return path.read_bytes().decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise _unreadable(path, getattr(error, "strerror", None) or str(error)) from error
+        raise _unreadable(path.name, getattr(error, "strerror", None) or str(error)) from error
 
 
-def _unreadable(path: Path, reason: str) -> BehaviourError:
+def _unreadable(file: str, reason: str) -> BehaviourError:
     return BehaviourError(
         "{file} cannot be read: {reason}. Check that it is a table of events (CSV).",
-        file=path.name,
+        file=file,
         reason=reason,
     )
 
 
-def _own_ethogram(path: Path, rows: Sequence[Row]) -> Ethogram | None:
+def _own_ethogram(file: str, rows: Sequence[Row]) -> Ethogram | None:
     for _line, row in rows:
         if row.get("kind") == SESSION and row.get("details"):
             try:
@@ -112,5 +127,5 @@ def _own_ethogram(path: Path, rows: Sequence[Row]) -> Ethogram | None:
             except (json.JSONDecodeError, RecursionError):
                 return None  # told with its line when the row is read
             if isinstance(details, dict) and "ethogram" in details:
-                return ethogram_of_text(json.dumps(details["ethogram"]), path.name)
+                return ethogram_of_text(json.dumps(details["ethogram"]), file)
     return None
