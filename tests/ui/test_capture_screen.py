@@ -17,12 +17,12 @@ from adibas.simulation.scenes import open_scene
 from adibas.texts import use_language
 from tests.unit.live_rig import UNPLUGGED, DrivenCamera, Sources, numbered
 from ui.capture import presenter
-from ui.capture.depth_picture import FARTHEST_M, blended, depth_picture
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import usual_sources
 from ui.capture.view import CaptureScreen
 from ui.jobs import JobRunner
 from ui.live_source import QtLiveSource
+from ui.widgets.depth_picture import FARTHEST_M, blended, depth_picture
 from ui.widgets.image_view import ImageView
 from ui.workspace import Workspace
 

@@ -18,13 +18,13 @@ from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.texts import translate as _
-from ui.capture.depth_picture import PACKED_PALETTE, blended, depth_levels
 from ui.capture.live_overlays import overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import SourceChoice
 from ui.capture.status_line import StatusLine
 from ui.capture.wand_dialog import WandDialog
+from ui.widgets.depth_picture import PACKED_PALETTE, blended, depth_levels
 from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
 from ui.widgets.shown_picture import Coloring
