@@ -217,7 +217,7 @@ def _overlaps(
             one = occurrences[place]
             lasting = [other for other in lasting if other.end_ms > begin_ms]
             for other in lasting:
-                if _excludes(one, other, exclusions):
+                if are_exclusive(one, other, exclusions):
                     told = {
                         "behaviour": one.behaviour,
                         "at": one.begin_ms / MS_PER_S,
@@ -228,7 +228,10 @@ def _overlaps(
             lasting.append(one)
 
 
-def _excludes(one: Occurrence, other: Occurrence, exclusions: frozenset[tuple[str, str]]) -> bool:
+def are_exclusive(
+    one: Occurrence, other: Occurrence, exclusions: frozenset[tuple[str, str]]
+) -> bool:
+    """Return whether two states of one subject cannot last at the same time."""
     if one.behaviour == other.behaviour:
         return one.modifiers == other.modifiers
     return (one.behaviour, other.behaviour) in exclusions

@@ -118,6 +118,11 @@ class Ethogram:
         """Return the behaviour of that name; None where there is none."""
         return next((one for one in self.behaviours if one.name == name), None)
 
+    def is_state(self, name: str) -> bool:
+        """Return whether the behaviour of that name lasts; one that is not known does not."""
+        found = self.behaviour(name)
+        return found is not None and found.kind == "state"
+
     @property
     def subject_names(self) -> frozenset[str]:
         """Return who may act; the empty name stands for nobody in particular."""
