@@ -185,12 +185,22 @@ def accepted(draft: Draft, found: Occurrence, subject: str) -> Draft:
     Raises
     ------
     BehaviourError
-        The ethogram lacks its behaviour, or it does not fit beside what is coded.
+        It does not fit beside what is coded, or the ethogram lacks its behaviour and is locked.
     """
+    draft = _knowing(draft, found)
     names = draft.coding.ethogram.subject_names
     new = replace(found, subject=found.subject if found.subject in names else subject)
     rest = _with_proposed(draft, _replaced(draft.proposed, found, ()))
     return added(rest, new)
+
+
+def _knowing(draft: Draft, found: Occurrence) -> Draft:
+    """Return the draft whose scheme has the behaviour of a detected event, if it may have it."""
+    ethogram = draft.coding.ethogram
+    told = None if draft.detected is None else draft.detected.ethogram.behaviour(found.behaviour)
+    if told is None or ethogram.is_locked or ethogram.behaviour(found.behaviour) is not None:
+        return draft
+    return with_ethogram(draft, replace(ethogram, behaviours=(*ethogram.behaviours, told)))
 
 
 def with_detected(draft: Draft, found: Coding) -> Draft:

@@ -150,10 +150,17 @@ def test_an_accepted_event_is_coded_for_the_one_who_is_meant():
     assert accepted(known, FOUND, "child").coding.occurrences == (FOUND,)
 
 
-def test_an_event_that_the_ethogram_lacks_is_not_accepted():
+def test_an_accepted_event_that_the_ethogram_lacks_comes_into_it():
+    found = Occurrence("waves", 2000, 3000, "person 1")
+    draft = accepted(proposing(draft_of(), found), found, "child")
+    assert draft.coding.occurrences == (Occurrence("waves", 2000, 3000, "child"),)
+    assert draft.coding.ethogram.behaviours == (*OPEN.behaviours, Behaviour("waves"))
+
+
+def test_a_locked_ethogram_takes_no_event_that_it_lacks():
     found = Occurrence("waves", 2000, 3000, "person 1")
     with pytest.raises(BehaviourError, match="waves"):
-        accepted(proposing(draft_of(), found), found, "child")
+        accepted(proposing(Draft(coding()), found), found, "child")
 
 
 def test_a_rejected_event_is_gone_and_a_moved_one_still_waits():
