@@ -17,11 +17,11 @@ from adibas.behaviour.budget import (
 )
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.data.joints import JOINT_NAMES
+from adibas.data.landmark_texts import landmark_text
 from adibas.pipeline.behaviour import BehaviourAnalysis
 from adibas.reports.behaviour_texts import (
     behaviour_text,
     condition_text,
-    joint_text,
     subject_text,
 )
 from adibas.reports.sheets import Block, Column, Value
@@ -68,7 +68,7 @@ def bin_columns() -> list[Column]:
         Column(_("From [s]"), 10, ONE),
         Column(_("To [s]"), 10, ONE),
         Column(_("Who"), 14),
-        *(Column(f"{joint_text(name)} [m]", 11, TWO) for name in JOINT_NAMES),
+        *(Column(f"{landmark_text(name)} [m]", 11, TWO) for name in JOINT_NAMES),
         Column(_("All joints [m]"), 12, TWO),
     ]
 
@@ -223,7 +223,7 @@ def _band_columns(bands: BandPower) -> list[Column]:
 
 def _band_rows(bands: BandPower, powers: FloatArray) -> Rows:
     return [
-        (joint_text(name), *(_known(float(power)) for power in row))
+        (landmark_text(name), *(_known(float(power)) for power in row))
         for name, row in zip(JOINT_NAMES, powers, strict=True)
         if bands.power.shape[1]
     ]
@@ -232,7 +232,7 @@ def _band_rows(bands: BandPower, powers: FloatArray) -> Rows:
 def _activity(one: JointActivity) -> tuple[Value, ...]:
     share = one.active_share
     return (
-        joint_text(one.joint),
+        landmark_text(one.joint),
         one.observed_s,
         one.seen_s,
         one.active_s,

@@ -7,6 +7,7 @@ from typing import TypeAlias
 from openpyxl import Workbook
 
 from adibas.arrays import UInt8Array
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.reports.excel_changes import add_changes
 from adibas.reports.facts import (
@@ -127,7 +128,7 @@ def _markers(capture: CaptureReport) -> Rows:
     nowhere = (None, None, None)
     for row in marker_rows(capture.analysis):
         place, deviation = row.position_mm or nowhere, row.deviation_mm or nowhere
-        yield row.label, row.u_px, row.v_px, *place, *deviation, remark(capture, row)
+        yield landmark_text(row.label), row.u_px, row.v_px, *place, *deviation, remark(capture, row)
 
 
 def _distance_columns() -> tuple[Column, ...]:
@@ -141,7 +142,7 @@ def _distance_columns() -> tuple[Column, ...]:
 
 def _distances(capture: CaptureReport) -> Rows:
     for row in distance_rows(capture.analysis):
-        yield row.a, row.b, row.mm, row.low_mm, row.high_mm
+        yield landmark_text(row.a), landmark_text(row.b), row.mm, row.low_mm, row.high_mm
 
 
 def _angle_columns() -> tuple[Column, ...]:
@@ -157,7 +158,8 @@ def _angle_columns() -> tuple[Column, ...]:
 
 def _angles(capture: CaptureReport) -> Rows:
     for row in angle_rows(capture.analysis):
-        yield row.a, row.vertex, row.c, row.deg, row.low_deg, row.high_deg, row.bias_deg
+        corners = map(landmark_text, (row.a, row.vertex, row.c))
+        yield *corners, row.deg, row.low_deg, row.high_deg, row.bias_deg
 
 
 def _measure_columns() -> tuple[Column, ...]:
@@ -215,7 +217,8 @@ def _free_measures(capture: CaptureReport) -> Rows:
     for row in free_rows(capture):
         kind = _("Angle") if row.vertex else _("Distance")
         missing = None if row.value is not None else _("not measured: a marker has no position")
-        yield kind, row.a, row.vertex, row.c, row.value, _(row.unit), row.low, row.high, missing
+        corners = map(landmark_text, (row.a, row.vertex, row.c))
+        yield kind, *corners, row.value, _(row.unit), row.low, row.high, missing
 
 
 def _interval_columns(unit: str) -> tuple[Column, Column]:

@@ -7,6 +7,7 @@ from reportlab.lib.units import mm
 from reportlab.platypus import Flowable, Spacer, Table, TableStyle
 
 from adibas.arrays import UInt8Array
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.data.report import CaptureReport
 from adibas.reports.pdf_layout import (
@@ -99,7 +100,7 @@ def _side_by_side(page: ViewPage, rows: list[MarkerRow]) -> Flowable:
 
 
 def _label_width(rows: list[MarkerRow]) -> float:
-    names = [_("Marker"), *(f"{row.label} *" for row in rows)]
+    names = [_("Marker"), *(f"{landmark_text(row.label)} *" for row in rows)]
     return max(text_width(name) for name in names) + 10
 
 
@@ -110,7 +111,7 @@ def _markers(capture: CaptureReport, rows: list[MarkerRow], width: float) -> Ite
         mark = " *" if row.label in capture.placed_by_hand else ""
         place = [decimal_text(value, 1) for value in row.position_mm or ()] or missing
         deviation = [decimal_text(value, 1) for value in row.deviation_mm or ()] or missing
-        cells.append([f"{row.label}{mark}", *place, *deviation])
+        cells.append([f"{landmark_text(row.label)}{mark}", *place, *deviation])
     header = [_("Marker"), "x [mm]", "y [mm]", "z [mm]"]
     header += [_("sd {axis} [mm]").format(axis=axis) for axis in "xyz"]
     name_width = max(_label_width(rows), 0.16 * width)
@@ -128,7 +129,7 @@ def _free_measures(capture: CaptureReport, width: float) -> Iterator[Flowable]:
     yield title(_("Free measures"), level=2)
     cells = []
     for row in free_rows(capture):
-        name = f" {DASH} ".join(label for label in (row.a, row.vertex, row.c) if label)
+        name = f" {DASH} ".join(landmark_text(one) for one in (row.a, row.vertex, row.c) if one)
         value, interval = _numbers(row.value, row.low, row.high)
         unit = _("deg") if row.vertex else "mm"
         cells.append([paragraph(name, SMALL_TEXT), f"{value} {unit}", interval])
@@ -196,7 +197,7 @@ def _distances(capture: CaptureReport) -> Iterator[Flowable]:
         yield note(_("No two markers have a position."))
         return
     shown = rows[:MOST_PAIRS]
-    names = [f"{row.a} {DASH} {row.b}" for row in shown]
+    names = [f"{landmark_text(row.a)} {DASH} {landmark_text(row.b)}" for row in shown]
     name_width = max(text_width(name) for name in names) + 10
     block_width = name_width + NUMBER_WIDTH + INTERVAL_WIDTH
     n_blocks = min(max(int(WIDTH // block_width), 1), MOST_BLOCKS, len(shown))

@@ -8,6 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from adibas.arrays import BoolArray, UInt8Array
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.posture import PostureAnalysis
 from adibas.data.report import PictureChoice
 from adibas.reports.cells import printable
@@ -83,7 +84,7 @@ def picture_of(
     n_turns = rotation_deg // 90
     spots = tuple(
         Spot(
-            marker.label,
+            landmark_text(marker.label),
             *_turned(marker.u, marker.v, pixels_rgb.shape, n_turns),
             marker.radius_px,
             marker.position_m is not None,

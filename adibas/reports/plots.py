@@ -8,6 +8,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
 from adibas.data.calibration import RgbdCalibration
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.report import CaptureReport
 from adibas.reports.fonts import REGULAR, font_path
 from adibas.reports.rows import MM_PER_M
@@ -58,7 +59,7 @@ def marker_plot(capture: CaptureReport, width_pt: float, height_pt: float) -> UI
     for label, (across_mm, up_mm) in places_mm.items():
         axes.plot(across_mm, up_mm, "o", color=MARKER, markersize=2.5)
         axes.annotate(
-            _drawable(label),
+            _drawable(landmark_text(label)),
             (across_mm, up_mm),
             (3, 1),
             textcoords="offset points",

@@ -198,6 +198,18 @@ def test_points_are_added_deleted_and_renamed_with_keys(qtbot, user, capture):
     assert list(places(capture())) == ["m01", "Left acromion", "m03"]
 
 
+@pytest.mark.qt_log_ignore("This plugin does not support")  # a list of suggestions drops down
+def test_a_joint_is_named_in_the_readers_language_and_kept_under_its_own_name(qtbot, user, capture):
+    user.click(*DOTS["m02"])
+    user.key(Qt.Key.Key_F2)
+    editor = user.markers.findChild(QLineEdit)
+    editor.selectAll()
+    qtbot.keyClicks(editor, "Left hand")
+    qtbot.keyClick(editor, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: user.names() == ["m01", "Left hand", "m03"])
+    assert list(places(capture())) == ["m01", "left_hand", "m03"]
+
+
 def test_landmarks_are_suggested_as_a_name_is_typed(qtbot, user):
     user.click(*DOTS["m02"])
     user.key(Qt.Key.Key_F2)

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.calibration.wand import WandCheck, WandResult
+from adibas.data.landmark_texts import landmark_text
 from adibas.pipeline.wand_check import SeenWand
 from adibas.texts import translate as _
 from ui.capture.wand_presenter import Ends, WandPresenter
@@ -113,7 +114,7 @@ class WandDialog(QDialog):
         self._picture.set_picture(seen.picture_rgb)
         for box in self._ends:
             box.clear()
-            box.addItems([marker.label for marker in seen.markers])
+            box.addItems([landmark_text(marker.label) for marker in seen.markers])
         self._show_ends(ends)
 
     def show_check(self, check: WandCheck, when: str) -> None:

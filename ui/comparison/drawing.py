@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import UInt8Array
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.pipeline.picture_overlay import PictureOverlay
 from ui.comparison.content import Pair
@@ -12,7 +13,10 @@ from ui.widgets.overlays import Dot, Line, Overlay, Role
 
 def marker_overlays(markers: tuple[Marker, ...], role: Role) -> tuple[Overlay, ...]:
     """Return the markers of one session with their names."""
-    return tuple(Dot(one.u, one.v, one.radius_px, one.label, role) for one in markers)
+    return tuple(
+        Dot(one.u, one.v, one.radius_px, landmark_text(one.label), role, key=one.label)
+        for one in markers
+    )
 
 
 def both_overlays(pair: Pair) -> tuple[Overlay, ...]:
@@ -26,7 +30,10 @@ def both_overlays(pair: Pair) -> tuple[Overlay, ...]:
     return (
         *joined,
         *(Dot(*place, radii[name], role="earlier", key=name) for name, place in before.items()),
-        *(Dot(*place, radii[name], name, "later", key=name) for name, place in now.items()),
+        *(
+            Dot(*place, radii[name], landmark_text(name), "later", key=name)
+            for name, place in now.items()
+        ),
     )
 
 

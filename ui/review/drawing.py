@@ -3,6 +3,7 @@
 import itertools
 import math
 
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow, Points
@@ -56,11 +57,12 @@ def _dot(marker: Marker, points: Points) -> Dot:
         marker.u,
         marker.v,
         marker.radius_px,
-        marker.label,
+        landmark_text(marker.label),
         role,
         is_movable=can_move,
         tooltip=_("No depth here: it is in no measure.") if marker.position_m is None else "",
         is_pickable=not can_move,
+        key=marker.label,
     )
 
 

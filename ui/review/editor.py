@@ -12,6 +12,7 @@ from adibas.data.corrections import (
     MarkerCorrection,
     MeasureCorrection,
 )
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.data.sessions import Capture
 from adibas.errors import MarkerError
@@ -101,7 +102,7 @@ class CaptureEditor:
             raise MarkerError(
                 "Another marker is named {name} already. Choose another name, or rename that one "
                 "first.",
-                name=name,
+                name=landmark_text(name),
             )
         before = self.saved()[label]
         self._correct(MarkerCorrection(before, replace(before, label=name)))

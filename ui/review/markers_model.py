@@ -6,6 +6,7 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QIcon
 
+from adibas.data.landmark_texts import landmark_label, landmark_text
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import Points
@@ -53,7 +54,7 @@ class MarkersModel(QAbstractTableModel):
 
     def texts(self) -> list[tuple[str, str]]:
         """Return names and remarks: what columns are fitted to."""
-        return [(one.label, self._remark(one)) for one in self._points.markers]
+        return [(landmark_text(one.label), self._remark(one)) for one in self._points.markers]
 
     def row_of(self, label: str | None) -> int | None:
         """Return where a marker stands."""
@@ -83,7 +84,7 @@ class MarkersModel(QAbstractTableModel):
         if role == Role.TextAlignmentRole and X <= column <= Z:
             return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         if column == NAME and role in (Role.EditRole, Role.DecorationRole):
-            return marker.label if role == Role.EditRole else self._icon(marker)
+            return self._text(marker, NAME) if role == Role.EditRole else self._icon(marker)
         return None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
@@ -97,12 +98,12 @@ class MarkersModel(QAbstractTableModel):
     ) -> bool:
         if role != Role.EditRole or index.column() != NAME:
             return False
-        self.renamed.emit(self.label(index.row()), str(value))
+        self.renamed.emit(self.label(index.row()), landmark_label(str(value)))
         return True
 
     def _text(self, marker: Marker, column: int, *, is_brief: bool = False) -> str:
         if column == NAME:
-            return marker.label
+            return landmark_text(marker.label)
         if column == REMARK:
             return self._remark(marker)
         return _coordinate(marker, column - X, is_brief=is_brief)

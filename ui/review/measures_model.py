@@ -91,14 +91,14 @@ class MeasuresModel(QAbstractTableModel):
     def _is_wanted(self, row: MeasureRow) -> bool:
         if self._kind is not None and row.is_angle != self._kind:
             return False
-        name = " ".join(row.labels).casefold() if self._words else ""
+        name = measure_name(row).casefold() if self._words else ""
         return all(word in name for word in self._words)
 
 
 def _key(row: MeasureRow, column: int) -> tuple[bool, object]:
     """Return what a column sorts by; distances and angles are never mixed."""
     if column == NAME:
-        return row.is_angle, row.labels
+        return row.is_angle, measure_name(row)
     value = -1.0 if row.value is None else row.value
     if column == VALUE:
         return row.is_angle, value

@@ -19,6 +19,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from adibas.arrays import Float32Array, FloatArray
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import Space
@@ -157,7 +158,7 @@ class SpaceView(QWidget):
             painter.setBrush(QColor(DRAWN["selected"]))
             painter.drawEllipse(QPointF(x, y), DOT_PX, DOT_PX)
             path = QPainterPath()
-            path.addText(QPointF(x + 7, y - 5), painter.font(), marker.label)
+            path.addText(QPointF(x + 7, y - 5), painter.font(), landmark_text(marker.label))
             painter.strokePath(path, QPen(QColor(0, 0, 0, 190), 3.0))
             painter.fillPath(path, QColor(DRAWN["selected"]))
 

@@ -2,6 +2,7 @@
 
 from PySide6.QtCore import QLocale
 
+from adibas.data.landmark_texts import landmark_text
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow, Mode
@@ -39,7 +40,7 @@ def number(value: float, decimals: int = 1) -> str:
 
 def measure_name(row: MeasureRow) -> str:
     """Name the markers of a measure; the vertex of an angle stands in the middle."""
-    return " \u2013 ".join(row.labels)
+    return " \u2013 ".join(map(landmark_text, row.labels))
 
 
 def value_text(row: MeasureRow) -> str:
