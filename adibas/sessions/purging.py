@@ -17,6 +17,9 @@ from adibas.sessions.sealed_folder import cannot_save
 from adibas.sessions.stored_recordings import Recordings
 from adibas.sessions.visits import found_session
 
+ID_LENGTH = 32
+"""Of a recording, with which the names of its codings begin."""
+
 
 class Purge:
     """Removes patients and sessions for good."""
@@ -79,11 +82,14 @@ class Purge:
         transaction.execute(delete(CAPTURES).where(captures))
         transaction.execute(delete(FILES).where(FILES.c.file_id.in_(file_ids)))
         transaction.execute(delete(RECORDINGS).where(recordings))
+        codings = self._recordings.codings
+        coding_ids = [one for one in codings.ids() if one[:ID_LENGTH] in recording_ids]
         left = [
             {"file_id": file_id, "folder": folder.name}
             for folder, ids in (
                 (self._pictures.folder, file_ids),
                 (self._recordings.sealed.folder, recording_ids),
+                (codings.folder, coding_ids),
             )
             for file_id in ids
         ]
@@ -92,7 +98,10 @@ class Purge:
 
     def _clean(self) -> None:
         """Remove the files, and the data from the journal and from copies of the database."""
-        remove_leftovers(self._database, lambda: (self._pictures, self._recordings.sealed))
+        recordings = self._recordings
+        remove_leftovers(
+            self._database, lambda: (self._pictures, recordings.sealed, recordings.codings)
+        )
         self._database.empty_journal()
         try:
             for copy in copies(self._database.path.parent):

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-PICTURES_FOLDER, RECORDINGS_FOLDER = "pictures", "recordings"
+PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER = "pictures", "recordings", "codings"
 DRAFTS = "adibas-drafts-1"
 STORE_AS_SUBJECT = "store"
 """The audit log's word for the whole store."""
@@ -109,7 +109,8 @@ class SessionStore:
         with self._making_recordings:  # only one may know which recordings are being made
             if self._recordings is None:
                 sealed = SealedRecordings(self.folder / RECORDINGS_FOLDER)
-                self._recordings = Recordings(self._database, self.audit, sealed)
+                codings = SealedFiles(self.folder / CODINGS_FOLDER)
+                self._recordings = Recordings(self._database, self.audit, sealed, codings)
             return self._recordings
 
     def _purge_patient(self, pseudonym: str) -> None:
@@ -131,6 +132,7 @@ class SessionStore:
             raise cannot_use(self.folder, error) from error
         for remove in (
             self._files.finish,
+            SealedFiles(self.folder / CODINGS_FOLDER).remove_unfinished,
             partial(remove_leftovers, self._database, self._sealed_folders),
         ):
             try:
@@ -145,7 +147,7 @@ class SessionStore:
             self.recordings.recover()
 
     def _sealed_folders(self) -> "tuple[SealedFolder, ...]":
-        return self._pictures, self.recordings.sealed
+        return self._pictures, self.recordings.sealed, self.recordings.codings
 
     def verify(self, progress: Progress | None = None) -> "VerifyReport":
         """Check the database, the chain of the audit log, and every file against its checksum.

@@ -20,6 +20,7 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, remove_row, row_of
 from adibas.sessions.schema import RECORDINGS
+from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_recordings import SealedRecordings, SealedRecordingWriter
 from adibas.sessions.sealing import KEY_SIZE
 from adibas.sessions.visits import found_session
@@ -125,12 +126,23 @@ class StoredRecordingWriter(RecordingWriter):
 
 
 class Recordings:
-    """The recordings of a store."""
+    """The recordings of a store.
 
-    def __init__(self, database: Database, audit: AuditLog, sealed: SealedRecordings) -> None:
+    Attributes
+    ----------
+    sealed : SealedRecordings
+        Their files.
+    codings : SealedFiles
+        What observers code of them, each file under the key of its recording.
+    """
+
+    def __init__(
+        self, database: Database, audit: AuditLog, sealed: SealedRecordings, codings: SealedFiles
+    ) -> None:
         self._database = database
         self._audit = audit
         self.sealed = sealed
+        self.codings = codings
         self.in_the_making: set[str] = set()
 
     def create(
@@ -182,6 +194,23 @@ class Recordings:
             row = _found(transaction, recording_id)
         self._audit.saw(row.session_id)
         return self.sealed.open(recording_id, row.key)
+
+    @property
+    def is_read_only(self) -> bool:
+        """Whether another process or window may change the store, and this one may not."""
+        return self._database.is_read_only
+
+    def key(self, recording_id: str) -> bytes:
+        """Return the key of a recording, under which what belongs to it is sealed.
+
+        Raises
+        ------
+        StoreError
+            There is no such recording, or it is still being made.
+        """
+        with self._database.reading() as transaction:
+            key: bytes = _found(transaction, recording_id).key
+        return key
 
     def facts(self, recording_id: str) -> RecordingFacts:
         """Return what is known of a recording.
