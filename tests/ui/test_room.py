@@ -4,7 +4,7 @@ import threading
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QProgressBar
+from PySide6.QtWidgets import QProgressBar, QTabBar
 
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
@@ -43,6 +43,8 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
         user.window.resize(*size)
         user.qapp.processEvents()
         assert_fits(user, size, name)
+        for tabs in filter(QTabBar.isVisible, user.window.findChildren(QTabBar)):
+            assert tabs.sizeHint().width() <= tabs.parentWidget().width(), f"the tabs of {name}"
     user.window.resize(*size)
     user.window.show_help()
     for name in TITLES:
