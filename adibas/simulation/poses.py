@@ -20,6 +20,7 @@ View: TypeAlias = Literal["anterior", "posterior", "left_lateral", "right_latera
 LEFT = np.array([1.0, 0.0, 0.0])
 DOWN = np.array([0.0, 1.0, 0.0])
 FORWARD = np.array([0.0, 0.0, -1.0])
+N_SPINE_PARTS = 3
 
 HEADINGS_RAD: dict[View, float] = {
     "anterior": 0.0,
@@ -105,6 +106,9 @@ class Pose:
     left_leg, right_leg : LegPose
     pelvis, chest, head : (3, 3) arrays
         Rotations from upright.
+    spine : (3, 3, 3) array or None
+        Rotations from upright of the three parts of the spine between pelvis and chest, the
+        lowest first; None: even steps from one to the other.
     lift_m : float
         Height of the lowest point over the floor.
     offset_m : (2,) array
@@ -123,10 +127,13 @@ class Pose:
     lift_m: float = 0.0
     offset_m: FloatArray = field(default_factory=lambda: np.zeros(2))
     heading_rad: float = 0.0
+    spine: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for name in ("pelvis", "chest", "head"):
             check_shape(name, getattr(self, name), (3, 3))
+        if self.spine is not None:
+            check_shape("spine", self.spine, (N_SPINE_PARTS, 3, 3))
         check_shape("offset_m", self.offset_m, (2,))
         read_only(self.offset_m)
 
@@ -145,6 +152,7 @@ class Pose:
             pelvis=turn @ self.pelvis,
             chest=turn @ self.chest,
             head=turn @ self.head,
+            spine=None if self.spine is None else turn @ self.spine,
         )
 
 

@@ -81,11 +81,18 @@ def _bone_rotations(skeleton: Skeleton, pose: Pose) -> FloatArray:
 
 def _trunk_rotations(pose: Pose) -> dict[str, FloatArray]:
     own = {"root": pose.pelvis, "head": pose.head}
-    for share, bone in enumerate(("spine05", "spine04", "spine03", "spine02"), start=1):
-        own[bone] = part_way(pose.pelvis, pose.chest, share / 4)
+    spine = _spine_rotations(pose)
+    own |= dict(zip(("spine05", "spine04", "spine03", "spine02"), spine, strict=True))
     for share, bone in enumerate(("neck01", "neck02", "neck03"), start=1):
         own[bone] = part_way(pose.chest, pose.head, share / 4)
     return own
+
+
+def _spine_rotations(pose: Pose) -> list[FloatArray]:
+    """Return the rotations of the spine's parts from the pelvis up; the last is the chest's."""
+    if pose.spine is not None:
+        return [*pose.spine, pose.chest]
+    return [part_way(pose.pelvis, pose.chest, share / 4) for share in range(1, 5)]
 
 
 def _arm_rotations(

@@ -1,0 +1,1 @@
+"""The surface of the body: the back and its spine, views joined into one surface, slices."""
