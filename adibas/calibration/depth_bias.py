@@ -52,6 +52,22 @@ def camera_slopes(fit: DepthFit, color_names: Sequence[str]) -> FloatArray:
     return slopes
 
 
+def color_covariance(names: Sequence[str], covariance: FloatArray) -> FloatArray:
+    """Return the (17, 17) covariance of the colour camera's `CAMERA_PARAMETERS`; 0 = exact.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of the (n, n) `covariance`, with or without ``color.``; other things take no part.
+    """
+    short = [name.removeprefix(COLOR) for name in names]
+    known = [index for index, name in enumerate(short) if name in CAMERA_PARAMETERS]
+    at = [CAMERA_PARAMETERS.index(short[index]) for index in known]
+    whole = np.zeros((len(CAMERA_PARAMETERS),) * 2)
+    whole[np.ix_(at, at)] = covariance[np.ix_(known, known)]
+    return whole
+
+
 def camera_covariance(
     fit: DepthFit, color_names: Sequence[str], color_covariance: FloatArray
 ) -> FloatArray:

@@ -95,7 +95,8 @@ class DepthFit:
     covariance : (n, n) array
         Of these, by the noise of depth and corners.
     by_camera : (n, 17) array
-        How they go with the colour camera's `CAMERA_PARAMETERS`, whose error comes on top.
+        How they go with the colour camera's `CAMERA_PARAMETERS` as they were given, whose error
+        comes on top.
     sigma_per_m : float
         Standard deviation of a full cell's 1/z.
     pattern_share : float
@@ -166,13 +167,12 @@ def fit_depth(
         problem = pose_problem(kept, walls, start, depth, params)
         state, weights = settled(problem, start_state(problem, state.color_from_depth))
     sure = uncertainty_of(problem, state, weights)
-    free = problem.free
     names = global_names(params.n_image_terms)
     return DepthFit(
         color_from_depth=state.color_from_depth,
         bias=state.bias,
         camera=state.camera,
-        parameter_names=tuple(names[index] for index in free),
+        parameter_names=tuple(names[index] for index in problem.free if index < len(names)),
         covariance=sure.covariance,
         by_camera=sure.by_camera,
         sigma_per_m=sure.sigma_per_m,

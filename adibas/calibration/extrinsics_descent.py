@@ -1,5 +1,10 @@
 """Descent to pose, depth bias and planes of all shots.
 
+The colour camera may be wrong by its covariance, and then all boards are wrong together: its error
+is sought along with the rest, in units in which it is likely (`color_units`). Taken for exact, it
+is amplified: where boards hardly tell the shift along z from the offset of the depth, a wrong focal
+length looks like either.
+
 Source: Madsen, Nielsen & Tingleff, Methods for non-linear least squares problems (2004), section
 3.2, for the damping; Huber, Robust statistics (1981), for scale and weights.
 """
@@ -37,6 +42,7 @@ from adibas.calibration.shots import (
     total_squares,
 )
 from adibas.data.calibration import CameraCalibration, DepthBias
+from adibas.geometry.projection import CAMERA_PARAMETERS
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 
 N_LINEAR_TERMS = 2
@@ -105,10 +111,13 @@ class DepthStart:
         Its lens stays as it is.
     bias : DepthBias
         An earlier one, or none.
+    color_covariance : (17, 17) array or None
+        Of the colour camera's `CAMERA_PARAMETERS`; None: it is exact.
     """
 
     camera: CameraCalibration
     bias: DepthBias = field(default_factory=DepthBias)
+    color_covariance: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +132,7 @@ class Problem:
     start: RigidTransform
     depth: DepthStart
     information: FloatArray
-    """Of the globals, beforehand, (n,)."""
+    """Of the globals, beforehand, (n,); the last are the colour camera's error."""
     free: IntArray
     params: DepthFitParams
 
@@ -131,6 +140,11 @@ class Problem:
     def n_global(self) -> int:
         """How many unknowns all shots share."""
         return len(self.information)
+
+    @property
+    def n_kept(self) -> int:
+        """How many of them are told in the end: all but the colour camera's error."""
+        return N_EXTRINSIC + 3 + self.params.n_image_terms + N_CAMERA
 
     def rows(self, index: int, state: DepthState) -> Rows:
         """Return residuals and derivatives of one shot."""
@@ -159,7 +173,9 @@ def pose_problem(
     corner_variance = total_squares(boards) if boards else 1.0
     corner_variance = max(corner_variance, LEAST_VARIANCE)
     n_known = N_EXTRINSIC + 3 + params.n_image_terms
-    information = np.zeros(n_known + N_CAMERA)
+    units = color_units(depth.color_covariance)
+    information = np.zeros(n_known + N_CAMERA + units.shape[1])
+    information[n_known + N_CAMERA :] = 1.0
     if start is not None and params.shift_sd_m is not None:
         information[3:N_EXTRINSIC] = params.shift_sd_m**-2
     sds = (params.offset_sd_m, params.factor_sd, params.square_sd_per_m)
@@ -172,12 +188,14 @@ def pose_problem(
         sizes = np.array(
             [params.focal_sd * k.fx, params.focal_sd * k.fy, *[params.centre_sd_px] * 2]
         )
-        information[n_known:] = sizes**-2
+        information[n_known : n_known + N_CAMERA] = sizes**-2
         free = np.arange(first, n_known + N_CAMERA) if boards else free
+    if boards:
+        free = np.concatenate([free, np.arange(n_known + N_CAMERA, len(information))])
     return Problem(
         cells=(*(shot.cells for shot in boards), *(shot.cells for shot in walls)),
         planes=planes,
-        priors=tuple(plane_priors(planes, corner_variance)),
+        priors=tuple(plane_priors(planes, corner_variance, units)),
         corner_variance=corner_variance,
         start=start or IDENTITY,
         depth=depth,
@@ -200,7 +218,19 @@ def start_state(problem: Problem, start: RigidTransform | None) -> DepthState:
     known = np.array([plane.m for plane in problem.planes]).reshape(-1, 3)
     if start is None:
         start = start_extrinsics(known, seen[:n_boards]) or problem.start
-    return DepthState(start, *start_bias, np.concatenate([known, seen[n_boards:]]))
+    no_error = np.zeros(problem.n_global - problem.n_kept)
+    return DepthState(start, *start_bias, np.concatenate([known, seen[n_boards:]]), no_error)
+
+
+def color_units(covariance: FloatArray | None) -> FloatArray:
+    """Return (17, n) errors of the colour camera, independent and of standard deviation 1."""
+    if covariance is None:
+        return np.zeros((len(CAMERA_PARAMETERS), 0))
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    by_scale = np.where(scale > 0, 1.0 / np.where(scale > 0, scale, 1.0), 0.0)
+    variances, axes = np.linalg.eigh(covariance * np.outer(by_scale, by_scale))
+    is_open = variances > LEAST_VARIANCE
+    return np.asarray(scale[:, None] * axes[:, is_open] * np.sqrt(variances[is_open]))
 
 
 def _prior_slope(problem: Problem, state: DepthState) -> FloatArray:
@@ -211,8 +241,12 @@ def _prior_slope(problem: Problem, state: DepthState) -> FloatArray:
     none = with_terms(DepthBias(), problem.params.n_image_terms)
     away = np.zeros(problem.n_global)
     away[3:N_EXTRINSIC] = state.color_from_depth.translation_m - problem.start.translation_m
-    away[N_EXTRINSIC:-N_CAMERA] = bias_numbers(state.bias) - bias_numbers(none)
-    away[-N_CAMERA:] = camera_numbers(state.camera) - camera_numbers(problem.depth.camera)
+    n_known = problem.n_kept - N_CAMERA
+    away[N_EXTRINSIC:n_known] = bias_numbers(state.bias) - bias_numbers(none)
+    away[n_known : problem.n_kept] = camera_numbers(state.camera) - camera_numbers(
+        problem.depth.camera
+    )
+    away[problem.n_kept :] = state.color_error
     return problem.information * away
 
 
@@ -241,7 +275,7 @@ def normal_equations(
     problem: Problem, state: DepthState, weights: Weights
 ) -> tuple[FloatArray, FloatArray]:
     """Return the (N, N) normal matrix of all unknowns and the (N,) downhill slope."""
-    n_global = problem.n_global
+    n_global, n_kept = problem.n_global, problem.n_kept
     n = n_global + N_PLANE * len(problem.cells)
     normal, slope = np.zeros((n, n)), np.zeros(n)
     normal[:n_global, :n_global] = np.diag(problem.information)
@@ -250,17 +284,40 @@ def normal_equations(
         rows = problem.rows(index, state)
         own = slice(n_global + N_PLANE * index, n_global + N_PLANE * (index + 1))
         share = (of_cells / weights.sigma_per_m**2)[:, None]
-        normal[:n_global, :n_global] += rows.by_global.T @ (share * rows.by_global)
+        normal[:n_kept, :n_kept] += rows.by_global.T @ (share * rows.by_global)
         normal[own, own] += rows.by_plane.T @ (share * rows.by_plane)
-        normal[:n_global, own] = rows.by_global.T @ (share * rows.by_plane)
-        normal[own, :n_global] = normal[:n_global, own].T
-        slope[:n_global] -= rows.by_global.T @ (share[:, 0] * rows.residuals)
+        normal[:n_kept, own] = rows.by_global.T @ (share * rows.by_plane)
+        normal[own, :n_kept] = normal[:n_kept, own].T
+        slope[:n_kept] -= rows.by_global.T @ (share[:, 0] * rows.residuals)
         slope[own] -= rows.by_plane.T @ (share[:, 0] * rows.residuals)
         if index < len(problem.priors):
-            prior = problem.priors[index]
-            normal[own, own] += prior.information
-            slope[own] -= prior.information @ (state.planes[index] - prior.mean)
+            by_prior, pull = prior_slopes(problem, index), problem.priors[index].information
+            normal += by_prior.T @ pull @ by_prior
+            slope -= by_prior.T @ pull @ _from_prior(problem, state, index)
     return normal, slope
+
+
+def prior_slopes(problem: Problem, index: int) -> FloatArray:
+    """Return the (3, N) derivatives of `_from_prior` by all unknowns."""
+    slopes = np.zeros((N_PLANE, problem.n_global + N_PLANE * len(problem.cells)))
+    slopes[:, problem.n_kept : problem.n_global] = -problem.priors[index].by_color
+    first = problem.n_global + N_PLANE * index
+    slopes[:, first : first + N_PLANE] = np.eye(N_PLANE)
+    return slopes
+
+
+def _from_prior(problem: Problem, state: DepthState, index: int) -> FloatArray:
+    """Return how far a board's (3,) plane is from what the colour camera says."""
+    prior = problem.priors[index]
+    return np.asarray(state.planes[index] - prior.mean - prior.by_color @ state.color_error)
+
+
+def _distances(problem: Problem, state: DepthState) -> FloatArray:
+    """Return how far each board's plane is from the colour camera's, squared, in deviations."""
+    apart = [_from_prior(problem, state, index) for index in range(len(problem.priors))]
+    return np.array(
+        [m @ prior.information @ m for m, prior in zip(apart, problem.priors, strict=True)]
+    )
 
 
 def _loss(problem: Problem, state: DepthState, weights: Weights) -> float:
@@ -271,9 +328,7 @@ def _loss(problem: Problem, state: DepthState, weights: Weights) -> float:
     for index, of_cells in enumerate(weights.of_cells):
         residuals = problem.rows(index, state).residuals
         total += float((of_cells * residuals**2).sum()) / weights.sigma_per_m**2
-    for prior, m in zip(problem.priors, state.planes, strict=False):
-        total += float((m - prior.mean) @ prior.information @ (m - prior.mean))
-    return total
+    return total + float(_distances(problem, state).sum())
 
 
 def unknowns_of(problem: Problem) -> IntArray:
@@ -323,16 +378,6 @@ def _step(
     inverse = np.linalg.pinv(scaled + damping * np.eye(len(scaled)), hermitian=True)
     return scale * (inverse @ (scale * slope[unknowns])), scale * np.sqrt(
         np.maximum(np.diag(inverse), 0.0)
-    )
-
-
-def _distances(problem: Problem, state: DepthState) -> FloatArray:
-    """Return how far each board's plane is from the colour camera's, squared, in deviations."""
-    return np.array(
-        [
-            (m - prior.mean) @ prior.information @ (m - prior.mean)
-            for prior, m in zip(problem.priors, state.planes, strict=False)
-        ]
     )
 
 

@@ -61,26 +61,29 @@ class DepthState:
         The depth camera.
     planes : (S, 3) array
         Inverse planes; those of boards in the colour camera, those of walls in the depth camera.
+    color_error : (n,) array
+        What the colour camera's calibration is wrong by, in likely units.
     """
 
     color_from_depth: RigidTransform
     bias: DepthBias
     camera: CameraCalibration
     planes: FloatArray
+    color_error: FloatArray
 
     def moved(self, step: FloatArray) -> "DepthState":
         """Return the state after a step of all unknowns."""
         turn = rotation_from_vector(step[:3]) @ self.color_from_depth.rotation
         left, _, right = np.linalg.svd(turn)
         n_bias = 3 + len(self.bias.image_term)
-        by_bias = step[N_EXTRINSIC : N_EXTRINSIC + n_bias]
-        by_camera = step[N_EXTRINSIC + n_bias : N_EXTRINSIC + n_bias + N_CAMERA]
-        planes = step[N_EXTRINSIC + n_bias + N_CAMERA :].reshape(-1, N_PLANE)
+        ends = np.cumsum([N_EXTRINSIC, n_bias, N_CAMERA, len(self.color_error)])
+        _, by_bias, by_camera, by_color, planes = np.split(step, ends)
         return DepthState(
             RigidTransform(left @ right, self.color_from_depth.translation_m + step[3:6]),
             moved_bias(self.bias, by_bias),
             moved_camera(self.camera, by_camera),
-            self.planes + planes,
+            self.planes + planes.reshape(-1, N_PLANE),
+            self.color_error + by_color,
         )
 
 
@@ -243,14 +246,35 @@ def _image_slopes(
 
 
 class Prior(NamedTuple):
-    """What is known beforehand: a mean and the information (inverse covariance) of it."""
+    """What the colour camera knows of a plane.
+
+    Attributes
+    ----------
+    mean : (3,) array
+        By the camera as it was given.
+    information : (3, 3) array
+        Inverse covariance of that, by the noise of the corners.
+    by_color : (3, n) array
+        How it goes with `DepthState.color_error`.
+    """
 
     mean: FloatArray
     information: FloatArray
+    by_color: FloatArray
 
 
-def plane_priors(planes: Sequence[InversePlane], variance: float) -> list[Prior]:
-    """Return what the colour camera knows of the planes; `variance` scales its own account."""
+def plane_priors(
+    planes: Sequence[InversePlane], variance: float, color_units: FloatArray
+) -> list[Prior]:
+    """Return what the colour camera knows of the planes.
+
+    `variance` scales its own account of the corners; `color_units` is (17, n).
+    """
     return [
-        Prior(plane.m, np.asarray(np.linalg.inv(plane.covariance * variance))) for plane in planes
+        Prior(
+            plane.m,
+            np.asarray(np.linalg.inv(plane.covariance * variance)),
+            plane.by_camera @ color_units,
+        )
+        for plane in planes
     ]

@@ -16,7 +16,13 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from adibas.arrays import FloatArray, IntArray
-from adibas.calibration.extrinsics_descent import Problem, Weights, normal_equations, unknowns_of
+from adibas.calibration.extrinsics_descent import (
+    Problem,
+    Weights,
+    normal_equations,
+    prior_slopes,
+    unknowns_of,
+)
 from adibas.calibration.extrinsics_model import DepthState
 from adibas.calibration.shots import N_PLANE
 from adibas.geometry.projection import CAMERA_PARAMETERS
@@ -79,15 +85,16 @@ def uncertainty_of(problem: Problem, state: DepthState, weights: Weights) -> Dep
     neighbours = np.clip(neighbours, 0.0, LARGEST_NEIGHBOUR)
     share = float(np.clip(_pattern(stack, moved, variance), 0.0, 1.0))
     scatter = variance * _scatter(stack, neighbours, share)
-    n_global = problem.n_global
-    scatter[:n_global, :n_global] += np.diag(problem.information)
-    by_camera = np.zeros((n_global, len(CAMERA_PARAMETERS)))
+    n_kept = problem.n_kept
+    # That the colour camera's error was thought to be none is no noise: `by_camera` tells it.
+    scatter[:n_kept, :n_kept] += np.diag(problem.information[:n_kept])
+    by_camera = np.zeros((len(inverse), len(CAMERA_PARAMETERS)))
     for index, (plane, prior) in enumerate(zip(problem.planes, problem.priors, strict=True)):
-        own = slice(n_global + N_PLANE * index, n_global + N_PLANE * (index + 1))
-        scatter[own, own] += prior.information
-        by_camera += inverse[:n_global, own] @ prior.information @ plane.by_camera
+        pull = prior_slopes(problem, index).T @ prior.information
+        scatter += pull @ prior_slopes(problem, index)
+        by_camera += inverse @ pull @ plane.by_camera
     covariance = inverse @ scatter @ inverse
-    free = problem.free
+    free = problem.free[problem.free < n_kept]
     return DepthUncertainty(
         covariance[np.ix_(free, free)],
         by_camera[free],
@@ -116,7 +123,7 @@ def _stacked(problem: Problem, state: DepthState, weights: Weights) -> _Stack:
     for index, of_cells in enumerate(weights.of_cells):
         rows, cells = problem.rows(index, state), problem.cells[index]
         slopes = np.zeros((len(cells), n_global + N_PLANE * len(problem.cells)))
-        slopes[:, :n_global] = rows.by_global
+        slopes[:, : problem.n_kept] = rows.by_global
         slopes[:, n_global + N_PLANE * index : n_global + N_PLANE * (index + 1)] = rows.by_plane
         scale = np.sqrt(cells.shares) / weights.sigma_per_m
         is_used = of_cells > 0

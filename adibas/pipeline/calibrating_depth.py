@@ -12,8 +12,9 @@ from dataclasses import replace
 from pathlib import Path
 from threading import Event
 
+from adibas.arrays import FloatArray
 from adibas.calibration.board_scale import check_scale
-from adibas.calibration.depth_bias import camera_covariance, with_depth
+from adibas.calibration.depth_bias import camera_covariance, color_covariance, with_depth
 from adibas.calibration.extrinsics import DepthFit, DepthFitParams, DepthStart, fit_depth
 from adibas.calibration.shots import BoardShot, WallShot, cells_on_board, cells_on_wall
 from adibas.clock import Clock, to_text, utc_now
@@ -238,13 +239,19 @@ def _fitted(
     boards = _boards(seen, depth, start.color_from_depth, request.board, params)
     if not boards and not walls:
         raise _nothing(seen)
-    first = DepthStart(depth, start.depth_bias)
+    first = DepthStart(depth, start.depth_bias, _color_covariance(start))
     given = None if start.color_from_depth is IDENTITY else start.color_from_depth
     fit = fit_depth(first, boards, walls, given, params.fit)
     if boards:
         boards = _boards(seen, fit.camera, fit.color_from_depth, request.board, params) or boards
         fit = fit_depth(first, boards, walls, given, params.fit)
     return fit, boards
+
+
+def _color_covariance(start: RgbdCalibration) -> FloatArray | None:
+    if start.covariance is None:
+        return None
+    return color_covariance(start.parameter_names, start.covariance)
 
 
 def _nothing(seen: Sequence[Seen]) -> CalibrationError:

@@ -28,6 +28,7 @@ from tests.unit.depth_shots import (
     COLOR_FROM_DEPTH,
     DEPTH,
     board_shot,
+    board_view,
     corners_of,
     random_pose,
     wall_shot,
@@ -173,7 +174,8 @@ def test_derivatives_are_those_of_differences(is_board):
     n_bias = len(bias_numbers(BIAS))
     make = board_rows if is_board else wall_rows
     bent = replace(DEPTH, distortion=(0.01, -0.02, 0.0, 0.0))
-    state = DepthState(COLOR_FROM_DEPTH, BIAS, bent, np.array([[0.02, -0.05, 0.5]]))
+    planes = np.array([[0.02, -0.05, 0.5]])
+    state = DepthState(COLOR_FROM_DEPTH, BIAS, bent, planes, np.zeros(0))
     rows = make(cells, state.planes[0], state)
     slopes = np.concatenate([rows.by_global, rows.by_plane], axis=1)
     n = 6 + n_bias + 4 + 3
@@ -229,6 +231,60 @@ def test_intervals_hold_the_truth():
         assert fit.sigma_per_m == pytest.approx(0.0005, rel=0.15)
     assert 0.7 < np.mean(squares) < 1.4
     assert np.mean(held) > 0.9
+
+
+def shots_by(color, seed, sd_px=0.0):
+    """Return boards whose poses are those that a wrong colour camera sees."""
+    rng = RNG(seed)
+    views = [board_view(rng, sd_px, 0.0002) for _ in range(8)]
+    return [
+        BoardShot(f"b{i}", find_pose(corners, BOARD, color), cells)
+        for i, (corners, cells) in enumerate(views)
+    ]
+
+
+def moved_color(step):
+    k, lens = COLOR.intrinsics, COLOR.distortion
+    moved = replace(k, fx=k.fx + step[0], fy=k.fy + step[1], cx=k.cx + step[2])
+    return replace(COLOR, intrinsics=moved, distortion=(lens[0] + step[5], *lens[1:]))
+
+
+def test_a_wrong_color_camera_is_not_taken_for_a_wrong_depth():
+    sds = np.zeros(17)
+    sds[[0, 1, 2, 5]] = 0.5, 0.5, 0.5, 0.0005
+    covariance = np.diag(sds**2)
+    covariance[0, 1] = covariance[1, 0] = 0.95 * sds[0] * sds[1]
+    away, by_each, squares = [], [], []
+    for seed in range(8):
+        color = moved_color(RNG(200 + seed).multivariate_normal(np.zeros(17), covariance))
+        boards = shots_by(color, seed, 0.05)
+        starts = START, replace(START, color_covariance=covariance)
+        fits = [fit_depth(start, boards, params=NO_PRIOR) for start in starts]
+        away.append([errors(fit) for fit in fits])
+        by_each.append(
+            [fit.covariance + fit.by_camera @ covariance @ fit.by_camera.T for fit in fits]
+        )
+        squares.append(away[-1][1] @ np.linalg.solve(by_each[-1][1], away[-1][1]) / 14)
+    at_2_m = np.zeros(14)
+    at_2_m[6:9] = 1.0, 2.0, 4.0
+    trusting_m, knowing_m = np.sqrt(np.mean((np.array(away) @ at_2_m) ** 2, axis=0))
+    assert knowing_m < 0.8 * trusting_m
+    sds_m = np.sqrt(at_2_m @ np.array(by_each) @ at_2_m)
+    assert (sds_m[:, 1] < sds_m[:, 0]).all()
+    assert 0.6 < np.mean(squares) < 1.5
+
+
+def test_the_fit_goes_with_the_color_camera_as_it_says():
+    covariance = np.diag([1.0, 1.0, 0.25, 0.0, 0.0, 4e-6, *np.zeros(11)])
+    start = replace(START, color_covariance=covariance)
+    for index, step in ((0, 0.2), (2, 0.2), (5, 5e-4)):
+        steps = np.eye(17)[index] * step
+        there, here = (fit_depth(start, shots_by(moved_color(s), 1)) for s in (steps, -steps))
+        moved = (errors(there) - errors(here)) / (2.0 * step)
+        scale = np.sqrt(np.diag(here.covariance))
+        np.testing.assert_allclose(
+            moved * step / scale, here.by_camera[:, index] * step / scale, atol=0.05
+        )
 
 
 def test_a_depth_camera_that_the_maker_does_not_know_well_is_refined():
