@@ -17,6 +17,7 @@ TITLES = {
     "review": message("Review"),
     "reports": message("Reports"),
     "comparison": message("Compare"),
+    "behaviour": message("Behaviour"),
     "calibration": message("Calibration"),
     "settings": message("Settings"),
 }
@@ -26,9 +27,9 @@ FIRST_BELOW = "calibration"
 OTHERS = {"help": (message("Help"), "F1"), "lock": (message("Lock"), "Ctrl+L")}
 """Buttons that show no screen, and their keys."""
 
-ICON_PX, SMALL_ICON_PX = 30, 18
+ICON_PX = 24
 LARGE_LETTERS_PX = 26
-"""Beside letters that high the icons are small, or the rail is higher than the window."""
+"""Letters that high stand alone, or the rail is higher than the window."""
 
 LEAST_WIDTH_PX = 86
 SPACING_PX = 3
@@ -37,7 +38,7 @@ PADDING_PX = 20
 
 
 class NavigationRail(QWidget):
-    """Buttons with icon and name: Ctrl+1 to Ctrl+8, F1, Ctrl+L."""
+    """Buttons with icon and name: Ctrl+1 to Ctrl+9, F1, Ctrl+L."""
 
     def __init__(self, theme: Theme, choose: Callable[[str], None], parent: QWidget | None) -> None:
         super().__init__(parent)
@@ -69,7 +70,6 @@ class NavigationRail(QWidget):
     def _button(self, name: str) -> QToolButton:
         button = QToolButton(self)
         button.setObjectName(f"go-{name}")
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         button.setIconSize(QSize(ICON_PX, ICON_PX))
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         return button
@@ -103,13 +103,15 @@ class NavigationRail(QWidget):
             width_px = max(width_px, text_px + PADDING_PX)
         letters_px = max(button.fontMetrics().height() for button in buttons)
         is_tight = letters_px > LARGE_LETTERS_PX
-        side_px = SMALL_ICON_PX if is_tight else ICON_PX
+        style = Qt.ToolButtonStyle
         self._column.setSpacing(0 if is_tight else SPACING_PX)
         above_px = 4 if is_tight else 8
         self._column.setContentsMargins(8, above_px, 8, above_px)
         for button in buttons:
             button.setMinimumWidth(width_px)
-            button.setIconSize(QSize(side_px, side_px))
+            button.setToolButtonStyle(
+                style.ToolButtonTextOnly if is_tight else style.ToolButtonTextUnderIcon
+            )
 
     def _all(self) -> tuple[tuple[str, QToolButton], ...]:
         return (*self._buttons.items(), *self._others.items())

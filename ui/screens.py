@@ -27,6 +27,7 @@ MODULES = (
     "ui.reports.screen",
     "ui.comparison.screen",
     "pyqtgraph",
+    "ui.behaviour.screen",
     "ui.calibration.screen",
     "ui.settings.screen",
 )
@@ -83,6 +84,11 @@ def _other_builders(
 
         return build_comparison_screen(workspace, theme, parent)
 
+    def behaviour() -> Screen:
+        from ui.behaviour.screen import build_behaviour_screen
+
+        return build_behaviour_screen(workspace, theme, parent)
+
     def calibration() -> Screen:
         from ui.calibration.screen import build_calibration_screen
 
@@ -96,6 +102,7 @@ def _other_builders(
     return {
         "reports": reports,
         "comparison": comparison,
+        "behaviour": behaviour,
         "calibration": calibration,
         "settings": settings,
     }

@@ -18,6 +18,7 @@ PAGES = {
     "review",
     "reports",
     "comparison",
+    "behaviour",
     "calibration",
     "settings",
 }

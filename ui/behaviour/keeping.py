@@ -1,0 +1,50 @@
+"""Writes drafts in a thread of its own: a slow disk holds neither the video nor a key."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
+
+from adibas.behaviour.editing import Draft
+from adibas.errors import AdibasError
+from adibas.pipeline.coding_drafts import DraftPlace, write_draft
+from ui.behaviour.ports import Keeper
+
+
+class DraftKeeper(Keeper):
+    """One thread; of several drafts of one place that wait, the newest is written.
+
+    Parameters
+    ----------
+    failed : callable
+        Told in that thread what could not be written.
+    """
+
+    def __init__(self, failed: Callable[[AdibasError], None]) -> None:
+        self._failed = failed
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="drafts")
+        self._lock = Lock()
+        self._waiting: dict[DraftPlace, tuple[Draft, int]] = {}
+
+    def keep(self, place: DraftPlace, draft: Draft, at_ms: int) -> None:
+        """Write a draft as soon as it can be; it replaces the one that still waits."""
+        with self._lock:
+            is_first = place not in self._waiting
+            self._waiting[place] = (draft, at_ms)
+        if is_first:
+            self._pool.submit(self._write, place)
+
+    def flush(self) -> None:
+        """Wait until everything is on the disk."""
+        self._pool.submit(int).result()
+
+    def close(self) -> None:
+        """Flush, and keep no more."""
+        self._pool.shutdown(wait=True)
+
+    def _write(self, place: DraftPlace) -> None:
+        with self._lock:
+            draft, at_ms = self._waiting.pop(place)
+        try:
+            write_draft(place, draft, at_ms)
+        except AdibasError as error:
+            self._failed(error)

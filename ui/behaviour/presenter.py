@@ -1,0 +1,295 @@
+"""Which recording is looked at, and which of its frames. Knows nothing of Qt."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from adibas.behaviour.editing import Draft
+from adibas.data.coding import MS_PER_S
+from adibas.errors import AdibasError, RecordingError
+from adibas.pipeline.coding_drafts import new_draft, read_draft
+from adibas.recordings.ethogram_json import shipped_ethogram
+from adibas.texts import translate as _
+from ui.behaviour.coding_presenter import CodingPresenter, CodingView
+from ui.behaviour.playing import SPEEDS, Playing, frame_at, frame_times_ms
+from ui.behaviour.ports import FrameFeed, Keeper, Picture, Source
+from ui.behaviour.sources import StoredChoice, file_source, stored_choices, stored_source
+from ui.workspace import Workspace
+
+if TYPE_CHECKING:
+    from adibas.recordings.ports import RecordingReader
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """The frame that is seen.
+
+    Attributes
+    ----------
+    index, n_frames : int
+        Counted from 0.
+    time_ms, begin_ms, end_ms : int
+        Of the frame, and of the session.
+    """
+
+    index: int
+    n_frames: int
+    time_ms: int
+    begin_ms: int
+    end_ms: int
+
+
+class BehaviourView(CodingView, Protocol):
+    """The screen, as this presenter needs it."""
+
+    def show_source(self, title: str) -> None:
+        """Show the recording that is open; nothing for none."""
+
+    def show_stored(self, choices: tuple[StoredChoice, ...]) -> None:
+        """Offer the recordings of the session that is looked at."""
+
+    def show_frame(self, picture: Picture | None, position: Position) -> None:
+        """Show a frame; None where it cannot be read."""
+
+    def show_playing(self, *, is_on: bool, speed: float) -> None:
+        """Show whether the video runs, and how fast; `tick` is called while it does."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Opened:
+    """A recording and what is coded of it."""
+
+    source: Source
+    reader: "RecordingReader"
+    times_ms: tuple[int, ...]
+    draft: Draft | None
+
+
+class BehaviourPresenter:
+    """Opens recordings, plays them, and has others code them.
+
+    Parameters
+    ----------
+    clock_s : callable
+        Seconds that only grow.
+    """
+
+    def __init__(
+        self,
+        view: BehaviourView,
+        workspace: Workspace,
+        feed: FrameFeed,
+        keeper: Keeper,
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._feed = feed
+        self._keeper = keeper
+        self._clock_s = clock_s
+        self._source: Source | None = None
+        self._times_ms: tuple[int, ...] = ()
+        self._index = 0
+        self._asked: int | None = None
+        self._playing = Playing((0,))
+        self.coding = CodingPresenter(view, workspace, keeper, self.now_ms, self.go_to_ms)
+        self._ends = [
+            feed.arrived.subscribe(self._on_frame),
+            feed.failed.subscribe(self._on_no_frame),
+            workspace.session_changed.subscribe(self._show_stored),
+        ]
+
+    @property
+    def source(self) -> Source | None:
+        """What is open."""
+        return self._source
+
+    def enter(self) -> None:
+        """Show what there is to open."""
+        self._show_stored()
+        if self._source is None:
+            self._view.show_source("")
+
+    def leave(self) -> None:
+        """Stop the video; what was coded is on the disk when this returns."""
+        self.stop()
+        self.coding.keep()
+        self._keeper.flush()
+
+    def close(self) -> None:
+        """Let go of the recording and of threads."""
+        for end in self._ends:
+            end()
+        self.coding.close()
+        self._keeper.close()
+        self._feed.close()
+
+    def open_file(self, path: Path) -> None:
+        """Open a recording from the disk."""
+        self._open(file_source(path))
+
+    def open_stored(self, recording_id: str) -> None:
+        """Open a recording of the session that is looked at."""
+        store = self._workspace.store
+        choices = {one.recording_id: one for one in stored_choices(self._workspace)}
+        if recording_id in choices:
+            self._open(stored_source(store, choices[recording_id]))
+
+    def now_ms(self) -> int:
+        """Return the time of the frame that is seen."""
+        return self._times_ms[self._index] if self._times_ms else 0
+
+    def go_to(self, index: int) -> None:
+        """Show a frame; the video stands still then."""
+        self.stop()
+        self._ask(index)
+
+    def go_to_end(self) -> None:
+        """Show the last frame."""
+        self.go_to(len(self._times_ms) - 1)
+
+    def go_to_ms(self, time_ms: int) -> None:
+        """Show the frame that is seen at a time."""
+        if self._times_ms:
+            self.go_to(frame_at(self._times_ms, time_ms))
+
+    def step(self, n_frames: int) -> None:
+        """Go some frames on, or back."""
+        start = self._index if self._asked is None else self._asked
+        self.go_to(start + n_frames)
+
+    def skip_s(self, seconds: float) -> None:
+        """Go some seconds on, or back; a running video goes on from there."""
+        was_running = self._playing.is_on
+        self.go_to_ms(self.now_ms() + round(MS_PER_S * seconds))
+        if was_running and self._asked is not None:
+            self._play_from(self._asked)
+
+    def play_or_stop(self) -> None:
+        """Run, or stand still; at the end it begins anew."""
+        if self._playing.is_on:
+            self.stop()
+        elif self._times_ms:
+            is_at_end = self._index >= len(self._times_ms) - 1
+            self._play_from(0 if is_at_end else self._index)
+
+    def stop(self) -> None:
+        """Stand still."""
+        if self._playing.is_on:
+            self._playing.stop()
+            self._show_playing()
+
+    def set_speed(self, speed: float) -> None:
+        """Run at this speed."""
+        self._playing.set_speed(speed, self._clock_s())
+        self._show_playing()
+
+    def change_speed(self, step: int) -> None:
+        """Run faster or slower."""
+        number = SPEEDS.index(self._playing.speed) + step
+        self.set_speed(SPEEDS[min(max(number, 0), len(SPEEDS) - 1)])
+
+    def tick(self) -> None:
+        """Show the frame that is due, unless the one before is still being read."""
+        if not self._playing.is_on or self._asked is not None:
+            return
+        due = self._playing.due(self._clock_s())
+        if due != self._index:
+            self._ask(due)
+        if due == len(self._times_ms) - 1:
+            self.stop()
+
+    def key(self, text: str) -> bool:
+        """Do what a key of the coding scheme stands for; return whether it stands for anything."""
+        behaviour = self.coding.behaviour_of_key(text)
+        subject = self.coding.subject_of_key(text)
+        if behaviour is not None:
+            self.coding.press(behaviour)
+        elif subject is not None:
+            self.coding.choose_subject(subject)
+        return behaviour is not None or subject is not None
+
+    def key_let_go(self, text: str) -> None:
+        """End what lasts as long as a key is held."""
+        behaviour = self.coding.behaviour_of_key(text)
+        if behaviour is not None:
+            self.coding.release(behaviour)
+
+    def _play_from(self, index: int) -> None:
+        self._playing.start(index, self._clock_s())
+        self._show_playing()
+
+    def _ask(self, index: int) -> None:
+        if self._times_ms:
+            self._asked = min(max(index, 0), len(self._times_ms) - 1)
+            self._feed.ask(self._asked)
+
+    def _open(self, source: Source) -> None:
+        self.stop()
+        label = _("Opening {name}").format(name=source.title)
+        self._workspace.jobs.start(label, lambda _control: _opened(source), self._on_opened)
+
+    def _on_opened(self, opened: Opened) -> None:
+        self._source, self._times_ms = opened.source, opened.times_ms
+        self._index, self._asked = 0, None
+        self._playing = Playing(opened.times_ms, self._playing.speed)
+        self._feed.show(opened.reader)
+        self._view.show_source(opened.source.title)
+        self._show_playing()
+        place = opened.source.place_for("")
+        self.coding.open(opened.draft or self._new_draft(""), place, "")
+        if opened.reader.notice is not None:
+            self._workspace.tell("warning", opened.reader.notice)
+        self._ask(0)
+
+    def _new_draft(self, observer: str) -> Draft:
+        name = "" if self._source is None else self._source.title
+        observed_ms = (self._times_ms[0], self._times_ms[-1])
+        operator = observer or self._workspace.preferences.now.operator
+        return new_draft(name, observed_ms, shipped_ethogram(), operator)
+
+    def _on_frame(self, index: int, picture: Picture) -> None:
+        self._show_frame(index, picture)
+
+    def _on_no_frame(self, index: int, error: AdibasError) -> None:
+        self.stop()
+        self._show_frame(index, None)
+        self._workspace.report_problem(error)
+
+    def _show_frame(self, index: int, picture: Picture | None) -> None:
+        self._index = index
+        if self._asked == index:
+            self._asked = None
+        times_ms = self._times_ms
+        position = Position(index, len(times_ms), times_ms[index], times_ms[0], times_ms[-1])
+        self._view.show_frame(picture, position)
+
+    def _show_playing(self) -> None:
+        self._view.show_playing(is_on=self._playing.is_on, speed=self._playing.speed)
+
+    def _show_stored(self) -> None:
+        choices: tuple[StoredChoice, ...] = ()
+
+        def find() -> None:
+            nonlocal choices
+            choices = stored_choices(self._workspace)
+
+        self._workspace.attempt(find)
+        self._view.show_stored(choices)
+
+
+def _opened(source: Source) -> Opened:
+    """Open a recording and take up what is coded of it."""
+    reader = source.access.open(source.path)
+    try:
+        times_ms = frame_times_ms(reader.timestamps_ns)
+        if not times_ms:
+            raise RecordingError(
+                "{file} has no frames. Choose another recording.", file=source.title
+            )
+        return Opened(source, reader, times_ms, read_draft(source.place_for("")))
+    except AdibasError:
+        reader.close()
+        raise

@@ -1,0 +1,27 @@
+"""Builds the behaviour screen: the one place where its view, presenters and the core meet."""
+
+from PySide6.QtWidgets import QWidget
+
+from adibas.errors import AdibasError
+from ui.behaviour.frame_feed import QtFrameFeed
+from ui.behaviour.keeping import DraftKeeper
+from ui.behaviour.presenter import BehaviourPresenter
+from ui.behaviour.view import BehaviourScreen
+from ui.frame_bridge import CallBridge
+from ui.theme import Theme
+from ui.workspace import Workspace
+
+
+def build_behaviour_screen(
+    workspace: Workspace, theme: Theme, parent: QWidget | None = None
+) -> BehaviourScreen:
+    """Return the behaviour screen, wired to `workspace`."""
+    view = BehaviourScreen(theme, parent)
+
+    def report(error: object) -> None:
+        if isinstance(error, AdibasError):
+            workspace.report_problem(error)
+
+    keeper = DraftKeeper(CallBridge(report, view).publish)
+    view.bind(BehaviourPresenter(view, workspace, QtFrameFeed(view), keeper))
+    return view

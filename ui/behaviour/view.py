@@ -1,0 +1,308 @@
+"""The behaviour screen: video, timeline, what is coded and counted. No decisions."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QKeyEvent, QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QComboBox,
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSplitter,
+    QStackedWidget,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from ui.behaviour.code_panel import CodePanel
+from ui.behaviour.content import Desk, Selected, Timeline
+from ui.behaviour.ports import Picture
+from ui.behaviour.presenter import BehaviourPresenter, Position
+from ui.behaviour.selected_panel import SelectedPanel
+from ui.behaviour.sources import StoredChoice
+from ui.behaviour.timeline import ZOOM_STEP, TimelineView
+from ui.behaviour.transport import LONG_STEP_S, Transport
+from ui.behaviour.video_view import VideoView
+from ui.theme import Theme
+from ui.widgets.dates import moment_text
+from ui.widgets.flow import in_a_flow
+from ui.widgets.screen import Screen
+from ui.widgets.side_panel import SidePanel
+
+TICK_MS = 10
+VIDEO_WIDTH, PANEL_WIDTH = 700, 440
+VIDEO_HEIGHT, TIMELINE_HEIGHT = 430, 220
+RECORDINGS = "(*.mcap *.oni)"
+CODINGS = "(*.csv *.tsv *.xlsx *.boris *.eaf)"
+Key = Qt.Key
+
+
+class BehaviourScreen(Screen):
+    """What happens in a recording, when it begins, and when it ends."""
+
+    name = "behaviour"
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._theme = theme
+        self._title, self._empty = QLabel(self), QLabel(self)
+        self._stored: tuple[StoredChoice, ...] = ()
+        self._choosers = [QComboBox(self) for _page in range(2)]
+        self._open_buttons = [QPushButton(self) for _page in range(2)]
+        self._buttons = {name: QPushButton(self) for name in ("undo", "redo")}
+        self._video, self._transport = VideoView(self), Transport(self)
+        self._timeline = TimelineView(theme, self)
+        self._code, self._selected = CodePanel(self), SelectedPanel(self)
+        self._tabs, self._pages = QTabWidget(self), QStackedWidget(self)
+        self._ticking = QTimer(self)
+        self._ticking.setInterval(TICK_MS)
+        self._lay_out()
+        self.retranslate()
+
+    def _lay_out(self) -> None:
+        self._title.setProperty("kind", "title")
+        coding = SidePanel(self)
+        for part in (self._code, self._selected):
+            coding.column.addWidget(part)
+        coding.column.setContentsMargins(8, 8, 8, 8)
+        coding.column.addStretch()
+        self._tabs.addTab(coding, "")
+        left = QWidget(self)
+        column = QVBoxLayout(left)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self._video, 1)
+        column.addWidget(self._transport)
+        across = QSplitter(self)
+        across.addWidget(left)
+        across.addWidget(self._tabs)
+        across.setSizes([VIDEO_WIDTH, PANEL_WIDTH])
+        down = QSplitter(Qt.Orientation.Vertical, self)
+        down.addWidget(across)
+        down.addWidget(self._timeline)
+        down.setSizes([VIDEO_HEIGHT, TIMELINE_HEIGHT])
+        for splitter in (across, down):
+            splitter.setChildrenCollapsible(False)
+            splitter.setStretchFactor(0, 1)
+        for page in (self._empty_page(), self._work_page(down)):
+            self._pages.addWidget(page)
+        outer = QHBoxLayout(self)
+        outer.setContentsMargins(0, 0, 0, 0)
+        outer.addWidget(self._pages)
+
+    def _work_page(self, parts: QSplitter) -> QWidget:
+        page = QWidget(self)
+        column = QVBoxLayout(page)
+        column.setContentsMargins(0, 0, 0, 0)
+        above = (self._title, self._open_buttons[1], self._choosers[1], *self._buttons.values())
+        column.addLayout(in_a_flow(*above))
+        column.addWidget(parts, 1)
+        return page
+
+    def _empty_page(self) -> QWidget:
+        page = QWidget(self)
+        self._empty.setWordWrap(True)
+        self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._empty.setProperty("kind", "title")
+        self._open_buttons[0].setProperty("main", "true")
+        column = QVBoxLayout(page)
+        column.setSpacing(16)
+        column.addStretch()
+        column.addWidget(self._empty)
+        for widget in (self._open_buttons[0], self._choosers[0]):
+            column.addWidget(widget, 0, Qt.AlignmentFlag.AlignHCenter)
+        column.addStretch()
+        return page
+
+    def bind(self, presenter: BehaviourPresenter) -> None:
+        """Send what the user does to `presenter`, and own it."""
+        self._presenter = presenter
+        coding = presenter.coding
+        self._ticking.timeout.connect(presenter.tick)
+        for button in self._open_buttons:
+            button.clicked.connect(self._ask_recording)
+        for chooser in self._choosers:
+            chooser.activated.connect(
+                lambda index, chooser=chooser: self._on_stored(chooser.itemData(index))
+            )
+        self._transport.played.connect(presenter.play_or_stop)
+        self._transport.stepped.connect(presenter.step)
+        self._transport.speed_chosen.connect(self._on_speed)
+        self._timeline.time_chosen.connect(presenter.go_to_ms)
+        self._timeline.event_chosen.connect(coding.select)
+        self._timeline.event_moved.connect(coding.change)
+        self._code.pressed.connect(coding.press)
+        self._code.released.connect(coding.release)
+        self._code.subject_chosen.connect(self._on_subject)
+        self._code.holding_changed.connect(self._on_holding)
+        self._selected.changed.connect(coding.change)
+        self._selected.accepted.connect(coding.accept)
+        self._selected.removed.connect(coding.remove)
+        self._buttons["undo"].clicked.connect(coding.undo)
+        self._buttons["redo"].clicked.connect(coding.redo)
+        self._bind_keys()
+
+    def _bind_keys(self) -> None:
+        """Keys with Ctrl work wherever the focus is; the others where nobody types."""
+        coding, presenter = self._presenter.coding, self._presenter
+        for keys, action in (
+            ("Ctrl+Z", coding.undo),
+            ("Ctrl+Shift+Z", coding.redo),
+            ("Ctrl+B", coding.set_begin),
+            ("Ctrl+E", coding.set_end),
+            ("Ctrl+Right", lambda: coding.select_next(1)),
+            ("Ctrl+Left", lambda: coding.select_next(-1)),
+            ("Ctrl+Up", lambda: presenter.change_speed(1)),
+            ("Ctrl+Down", lambda: presenter.change_speed(-1)),
+            ("Ctrl++", lambda: self._timeline.zoom_by(ZOOM_STEP)),
+            ("Ctrl+-", lambda: self._timeline.zoom_by(1 / ZOOM_STEP)),
+            ("Ctrl+0", self._timeline.show_all),
+        ):
+            shortcut = QShortcut(QKeySequence(keys), self)
+            shortcut.setContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
+            shortcut.activated.connect(action)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        self._empty.setText(
+            _("Open a recording, or drop one here, to note what happens in it and when.")
+        )
+        for button in self._open_buttons:
+            button.setText(_("&Open a recording..."))
+        for chooser in self._choosers:
+            chooser.setAccessibleName(_("Recordings of the session"))
+        self._buttons["undo"].setText(_("&Undo"))
+        self._buttons["undo"].setToolTip("Ctrl+Z")
+        self._buttons["redo"].setText(_("Redo (&Y)"))
+        self._buttons["redo"].setToolTip("Ctrl+Shift+Z")
+        self._video.setAccessibleName(_("Video"))
+        self._timeline.setAccessibleName(_("Timeline of events"))
+        self._tabs.setTabText(0, _("Cod&ing"))
+        for part in (self._transport, self._code, self._selected):
+            part.retranslate()
+        self.show_stored(self._stored)
+
+    def entered(self) -> None:
+        self._presenter.enter()
+        self._take_keys()
+
+    def left(self) -> None:
+        self._presenter.leave()
+
+    def closed(self) -> None:
+        self._ticking.stop()
+        self._presenter.close()
+
+    def open_file(self, path: Path) -> None:
+        """Open a dropped recording."""
+        self._presenter.open_file(path)
+
+    def show_source(self, title: str) -> None:
+        self._title.setText(title)
+        self._pages.setCurrentIndex(int(bool(title)))
+        if title:
+            self._take_keys()
+
+    def show_stored(self, choices: tuple[StoredChoice, ...]) -> None:
+        self._stored = choices
+        for chooser in self._choosers:
+            chooser.clear()
+            chooser.addItem(_("Recordings of the session"), "")
+            for one in choices:
+                text = _("{moment}, {seconds} s").format(
+                    moment=moment_text(one.created_utc), seconds=round(one.duration_s)
+                )
+                chooser.addItem(text, one.recording_id)
+            chooser.setVisible(bool(choices))
+
+    def show_frame(self, picture: Picture | None, position: Position) -> None:
+        self._video.show_frame(picture)
+        self._transport.show_position(position)
+        self._timeline.show_time(position.time_ms)
+
+    def show_playing(self, *, is_on: bool, speed: float) -> None:
+        self._transport.show_playing(is_on=is_on, speed=speed)
+        if is_on:
+            self._ticking.start()
+        else:
+            self._ticking.stop()
+
+    def show_desk(self, desk: Desk) -> None:
+        self._code.show_desk(desk)
+        self._buttons["undo"].setEnabled(desk.can_undo)
+        self._buttons["redo"].setEnabled(desk.can_redo)
+
+    def show_timeline(self, timeline: Timeline) -> None:
+        self._timeline.show_content(timeline)
+
+    def show_selected(self, selected: Selected | None) -> None:
+        self._selected.show_selected(selected)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
+        if self._pages.currentIndex() == 0 or not self._did(event):
+            super().keyPressEvent(event)
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
+        if event.isAutoRepeat() or not event.text():
+            super().keyReleaseEvent(event)
+        else:
+            self._presenter.key_let_go(event.text())
+
+    def _did(self, event: QKeyEvent) -> bool:
+        """Do what a key stands for; return whether it stands for anything."""
+        presenter, coding = self._presenter, self._presenter.coding
+        is_long = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        actions: dict[Qt.Key, Callable[[], None]] = {
+            Key.Key_Space: presenter.play_or_stop,
+            Key.Key_Right: lambda: presenter.skip_s(LONG_STEP_S) if is_long else presenter.step(1),
+            Key.Key_Left: lambda: presenter.skip_s(-LONG_STEP_S) if is_long else presenter.step(-1),
+            Key.Key_Home: lambda: presenter.go_to(0),
+            Key.Key_End: presenter.go_to_end,
+            Key.Key_Return: coding.accept,
+            Key.Key_Enter: coding.accept,
+            Key.Key_Delete: coding.remove,
+            Key.Key_Backspace: coding.remove,
+            Key.Key_Escape: lambda: coding.select(None),
+        }
+        action = actions.get(Key(event.key()))
+        if action is not None:
+            action()
+            return True
+        if event.isAutoRepeat() or not event.text():
+            return False
+        return presenter.key(event.text())
+
+    def _take_keys(self) -> None:
+        """Let keys code: no field and no list takes them."""
+        if self._pages.currentIndex():
+            self._timeline.setFocus()
+
+    def _on_speed(self, speed: float) -> None:
+        self._presenter.set_speed(speed)
+        self._take_keys()
+
+    def _on_subject(self, name: str) -> None:
+        self._presenter.coding.choose_subject(name)
+        self._take_keys()
+
+    def _on_holding(self, is_on: bool) -> None:
+        self._presenter.coding.is_holding = is_on
+
+    def _on_stored(self, recording_id: str) -> None:
+        if recording_id:
+            self._presenter.open_stored(recording_id)
+
+    def _ask_recording(self) -> None:
+        dialog = QFileDialog(self, _("Open a recording"))
+        dialog.setNameFilter(_("Recordings") + f" {RECORDINGS}")
+        dialog.fileSelected.connect(lambda name: self._presenter.open_file(Path(name)))
+        _open(dialog)
+
+
+def _open(dialog: QFileDialog) -> None:
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()
