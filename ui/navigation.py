@@ -17,7 +17,7 @@ TITLES = {
     "review": message("Review"),
     "reports": message("Reports"),
     "comparison": message("Compare"),
-    "behaviour": message("Behaviour"),
+    "behaviour": message("Observe"),
     "calibration": message("Calibration"),
     "settings": message("Settings"),
 }
