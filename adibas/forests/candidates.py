@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from adibas.arrays import Float32Array
-from adibas.forests.feature_kernels import KIND
+from adibas.arrays import Float32Array, FloatArray
+from adibas.forests.feature_kernels import KIND, V_ROW
 from adibas.forests.params import DEPTH, GRADIENT, ForestParams
 
 N_OFFSETS = 4
@@ -30,7 +30,10 @@ def draw_candidates(
     features = np.empty((n_nodes, n_candidates, N_OFFSETS + 1), np.float32)
     features[:, : params.n_candidates, KIND] = DEPTH
     features[:, params.n_candidates :, KIND] = GRADIENT
-    features[:, :, KIND + 1 :] = drawn[:, :, :N_OFFSETS] * params.max_offset_m
+    features[:, :, KIND + 1 :] = _offsets_m(drawn[:, :, :N_OFFSETS], params)
+    for first, last in ((0, params.n_candidates), (params.n_candidates, n_candidates)):
+        n_pixel = round(params.pixel_share * (last - first))
+        features[:, first : first + n_pixel, V_ROW:] = 0.0
     spread = drawn[:, :, N_OFFSETS:]
     size = FINEST_M * np.exp(np.abs(spread) * math.log(COARSEST_M / FINEST_M))
     thresholds = np.where(features[:, :, :1] == DEPTH, np.sign(spread) * size, spread * math.pi)
@@ -38,3 +41,14 @@ def draw_candidates(
         features.reshape(-1, N_OFFSETS + 1),
         np.sort(thresholds, axis=2).astype(np.float32).reshape(-1, params.n_thresholds),
     )
+
+
+def _offsets_m(drawn: FloatArray, params: ForestParams) -> FloatArray:
+    """Return (..., 4) offsets u and v, row and column, of numbers drawn evenly from -1 to 1."""
+    if params.min_offset_m == 0.0:
+        return np.asarray(drawn * params.max_offset_m)
+    lengths = np.abs(drawn[..., ::2]) * math.log(params.max_offset_m / params.min_offset_m)
+    lengths_m = params.min_offset_m * np.exp(lengths)
+    angles = drawn[..., 1::2] * math.pi
+    ways = np.stack([lengths_m * np.sin(angles), lengths_m * np.cos(angles)], axis=-1)
+    return np.asarray(ways.reshape(drawn.shape))

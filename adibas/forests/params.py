@@ -31,6 +31,12 @@ class ForestParams:
     max_offset_m : float
         O_max: how far from its pixel a feature looks, up or down and to the sides, in metres on
         the body. The thesis' 60 has no unit.
+    min_offset_m : float
+        0: offsets are drawn evenly over a square, as in the thesis. Above 0: in any direction, and
+        evenly over the logarithm of their length, from this to O_max. Ours.
+    pixel_share : float
+        Of the features of a node, how many compare with the pixel itself (v = 0 in 6.16): half of
+        them in Shotton et al., CVPR 2011, none in the thesis.
     min_gain : float
         Bits of information; a split that gives less is not made. Ours.
     min_pixels : int
@@ -53,6 +59,8 @@ class ForestParams:
     n_gradient_candidates: int = 0
     n_thresholds: int = 20
     max_offset_m: float = 0.5
+    min_offset_m: float = 0.0
+    pixel_share: float = 0.0
     min_gain: float = 1e-3
     min_pixels: int = 5
     far_m: float = 10.0
@@ -69,5 +77,7 @@ class ForestParams:
             raise ValueError("candidates and depth must not be negative")
         if not min(self.max_offset_m, self.far_m, self.smoothing_px) > 0:
             raise ValueError("lengths must be positive")
+        if not 0 <= self.min_offset_m < self.max_offset_m or not 0 <= self.pixel_share <= 1:
+            raise ValueError("the least offset must be below the largest, a share from 0 to 1")
         if min(self.min_gain, self.shrinkage, self.evenness) < 0:
             raise ValueError("least gain, shrinkage and evenness must not be negative")

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, IntArray, UInt8Array, UInt16Array
+from adibas.data.joints import mirror_order
 from adibas.errors import LimbError
 from adibas.files import cannot_write, written_whole
 from adibas.forests.training import TrainingImages
@@ -229,6 +230,37 @@ class Chosen:
     def read(self, index: int) -> tuple[Float32Array, UInt8Array, float]:
         """Return image `index` of those chosen."""
         return self._images.read(int(self._indices[index]))
+
+
+class Mirrored:
+    """A set and, behind it, each of its images as a mirror shows it, left and right exchanged.
+
+    Parameters
+    ----------
+    images : TrainingImages
+        Of what is as likely the other way round.
+    """
+
+    def __init__(self, images: TrainingImages) -> None:
+        self._images = images
+        order = mirror_order(images.labels)
+        self._value = np.array([0, *(place + 1 for place in order)], np.uint8)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Return the names of the labels."""
+        return self._images.labels
+
+    def __len__(self) -> int:
+        return 2 * len(self._images)
+
+    def read(self, index: int) -> tuple[Float32Array, UInt8Array, float]:
+        """Return image `index`; from the number of images on, mirrored."""
+        depth_m, labels, focal_px = self._images.read(index % len(self._images))
+        if index < len(self._images):
+            return depth_m, labels, focal_px
+        other = np.ascontiguousarray(self._value[labels[:, ::-1]])
+        return np.ascontiguousarray(depth_m[:, ::-1]), other, focal_px
 
 
 class Relabelled:

@@ -17,7 +17,7 @@ from adibas.files import written_whole
 from adibas.forests.params import ForestParams
 from adibas.forests.training import Memory, TrainingImages, Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
-from adibas.limbs.training_set import TO_TORSO, LimbFolder, Relabelled
+from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS, simulate_folder
 
 Progress = Callable[[str, int, int], None]
@@ -78,13 +78,14 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
     settings = {
         "version": __version__,
         "images": "simulator" if request.folder is None else request.folder.name,
+        "mirrored": request.folder is None,
         "n_images": request.n_frames if folder is None else len(folder),
         "labels": list(labels),
         "seed": request.seed,
         "params": asdict(request.params),
     }
     _check_same(work, settings)
-    images: TrainingImages = folder or _simulated(work, request, progress)
+    images: TrainingImages = folder or Mirrored(_simulated(work, request, progress))
     if images.labels != labels:
         images = Relabelled(images, labels, TO_TORSO)
     trees = [

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numba
 import numpy as np
@@ -133,6 +134,36 @@ def test_features_are_those_of_a_slow_version():
             assert value == pytest.approx(expected, abs=1e-5)
             n_angles += feature[0] == GRADIENT and expected != 0
     assert n_angles > 50
+
+
+def test_offsets_are_drawn_evenly_over_a_square_or_over_the_logarithm_of_their_length():
+    params = ForestParams(n_candidates=4000, n_gradient_candidates=400, max_offset_m=0.8)
+    features, _ = draw_candidates(np.random.default_rng(1), 2, params)
+    offsets_m = features[:, 1:]
+    assert 0.79 < np.abs(offsets_m).max() <= 0.8
+    np.testing.assert_allclose(np.quantile(offsets_m, (0.25, 0.5, 0.75)), (-0.4, 0, 0.4), atol=0.02)
+    rings = replace(params, min_offset_m=0.05)
+    features, _ = draw_candidates(np.random.default_rng(1), 2, rings)
+    for u in (1, 3):
+        lengths_m = np.hypot(features[:, u], features[:, u + 1])
+        assert 0.05 <= lengths_m.min() <= lengths_m.max() < 0.8001
+        np.testing.assert_allclose(np.median(lengths_m), math.sqrt(0.05 * 0.8), rtol=0.05)
+        angles = np.arctan2(features[:, u], features[:, u + 1])
+        np.testing.assert_allclose(np.quantile(angles, (0.25, 0.75)), (-1.57, 1.57), atol=0.1)
+
+
+def test_a_share_of_the_features_compares_with_the_pixel_itself():
+    params = ForestParams(n_candidates=8, n_gradient_candidates=4, pixel_share=0.5)
+    features, _ = draw_candidates(np.random.default_rng(1), 3, params)
+    is_own = (features.reshape(3, 12, 5)[:, :, 3:] == 0).all(axis=2)
+    assert is_own.tolist() == [[True] * 4 + [False] * 4 + [True] * 2 + [False] * 2] * 3
+    assert (features[:, 1:3] != 0).all()
+
+
+@pytest.mark.parametrize("wrong", [{"min_offset_m": 0.5}, {"pixel_share": 1.5}])
+def test_offsets_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(ValueError, match="offset"):
+        ForestParams(**wrong)
 
 
 def test_the_slope_of_a_plane_is_its_slope():

@@ -17,6 +17,7 @@ from adibas.limbs.training_set import (
     Chosen,
     FolderHeader,
     LimbFolder,
+    Mirrored,
     write_header,
     write_image,
 )
@@ -62,6 +63,19 @@ def test_images_come_back_in_metres(folder):
     chosen = Chosen(images, [3])
     assert len(chosen) == 1
     np.testing.assert_array_equal(chosen.read(0)[1], labels)
+
+
+def test_a_mirror_shows_the_other_side(folder):
+    images = LimbFolder(fill(folder.with_name("sided"), 2, ("left_hand", "right_hand")))
+    both = Mirrored(images)
+    assert (len(both), both.labels) == (4, images.labels)
+    depth_m, labels, focal_px = images.read(1)
+    np.testing.assert_array_equal(both.read(1)[1], labels)
+    other_m, other, other_px = both.read(3)
+    assert other_px == focal_px
+    np.testing.assert_array_equal(other_m, depth_m[:, ::-1])
+    np.testing.assert_array_equal(other[:, ::-1] == 1, labels == 2)
+    np.testing.assert_array_equal(other[:, ::-1] == 2, labels == 1)
 
 
 def test_a_folder_that_is_none_is_told_so(tmp_path):
