@@ -8,7 +8,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,6 @@ from adibas.arrays import FloatArray, UInt8Array
 from adibas.data.markers import Marker
 from adibas.data.patients import Identity
 from adibas.data.sessions import Capture, SessionSetup
-from adibas.measures.protocol_store import find_protocol
 from adibas.sessions import NewCapture, SessionStore, open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.simulation.scenes import open_scene
@@ -108,12 +106,6 @@ def _named(capture: Capture) -> Iterator[Marker]:
             yield replace(marker, label=_in_protocol(name))
 
 
-@cache
-def _landmark_names() -> dict[str, str]:
-    """Return what the protocol calls its landmarks in the language in use."""
-    return {one.landmark_id: one.name.text for one in find_protocol(PROTOCOL).landmarks}
-
-
 def _in_protocol(name: str) -> str:
     side, _underscore, place = name.partition("_")
     return f"{side}_{IN_PROTOCOL[place]}" if place in IN_PROTOCOL else name
@@ -130,7 +122,6 @@ def _placed(marker: Marker, lower_m: float, rng: np.random.Generator, capture: C
     px_per_m = camera.intrinsics.fx / marker.position_m[2]
     return replace(
         marker,
-        label=_landmark_names().get(marker.label, marker.label),
         u=float(marker.u + px_per_m * step_m[0]),
         v=float(marker.v + px_per_m * step_m[1]),
         position_m=marker.position_m + step_m,

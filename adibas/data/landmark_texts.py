@@ -1,5 +1,6 @@
-"""What markers are called for a reader: names that the program gives follow the language."""
+"""What markers are called for a reader: names that the program knows follow the language."""
 
+from adibas.data.joints import SIDES
 from adibas.texts import Message, message
 from adibas.texts import translate as _
 
@@ -20,16 +21,58 @@ JOINTS: dict[str, Message] = {
     "left_foot": message("Left foot"),
     "right_foot": message("Right foot"),
 }
+MIDDLE: dict[str, Message] = {
+    "glabella": message("Glabella"),
+    "menton": message("Menton"),
+    "sternal_notch": message("Sternal notch"),
+}
+PAIRED: dict[str, Message] = {
+    "tragus": message("Tragus"),
+    "acromion": message("Acromion"),
+    "inferior_scapula": message("Inferior angle of scapula"),
+    "lateral_epicondyle": message("Lateral epicondyle"),
+    "wrist": message("Wrist"),
+    "asis": message("ASIS"),
+    "psis": message("PSIS"),
+    "greater_trochanter": message("Greater trochanter"),
+    "knee_joint_line": message("Knee joint line"),
+    "patella": message("Patella"),
+    "tibial_tuberosity": message("Tibial tuberosity"),
+    "achilles": message("Achilles tendon"),
+    "calcaneus": message("Calcaneus"),
+    "lateral_malleolus": message("Lateral malleolus"),
+    "medial_malleolus": message("Medial malleolus"),
+}
+VERTEBRAE = ("c7", "t1", "t3", "t5", "t7", "t9", "t12", "l1", "l3", "l5", "s1")
+"""Called the same in every language."""
+LEFT, RIGHT = message("{landmark}, left"), message("{landmark}, right")
+LANDMARKS = (
+    *MIDDLE,
+    *VERTEBRAE,
+    *(f"{side}{landmark}" for landmark in PAIRED for side in reversed(SIDES)),
+)
+"""The landmarks of the shipped protocols that have a short name, from head to foot."""
+KNOWN = (*LANDMARKS, *JOINTS)
 
 
 def landmark_text(label: str) -> str:
-    """Return the label of a marker for a reader: a joint's name in the language in use, or itself.
+    """Return the label of a marker for a reader.
 
-    Files for programs keep the label, which is the same in every language.
+    Joints and landmarks that the program knows have a name in the language in use; what a user
+    typed is its own name. Files for programs keep the label, the same in every language.
     """
-    return _(JOINTS[label]) if label in JOINTS else label
+    if label in VERTEBRAE:
+        return label.upper()
+    named = JOINTS.get(label) or MIDDLE.get(label)
+    if named is not None:
+        return _(named)
+    for side, words in zip(SIDES, (LEFT, RIGHT), strict=True):
+        paired = PAIRED.get(label.removeprefix(side)) if label.startswith(side) else None
+        if paired is not None:
+            return _(words).format(landmark=_(paired))
+    return label
 
 
 def landmark_label(text: str) -> str:
     """Return the label whose text this is in the language in use; other texts are labels."""
-    return next((label for label, name in JOINTS.items() if _(name) == text), text)
+    return next((label for label in KNOWN if landmark_text(label) == text), text)

@@ -1,19 +1,43 @@
-"""Names of joints follow the language; what was typed does not."""
+"""Names that the program knows follow the language; what was typed does not."""
+
+import pytest
 
 from adibas.data.joints import JOINT_NAMES
-from adibas.data.landmark_texts import JOINTS, landmark_label, landmark_text
-from adibas.texts import speaking
+from adibas.data.landmark_texts import (
+    JOINTS,
+    KNOWN,
+    LANDMARKS,
+    landmark_label,
+    landmark_text,
+)
+from adibas.measures.protocol_store import find_protocol
+from adibas.texts import LANGUAGES, speaking
+
+NAMES = {
+    "left_hand": "Mano izquierda",
+    "c7": "C7",
+    "menton": "Mentón",
+    "right_acromion": "Acromion (der.)",
+}
 
 
-def test_every_joint_has_a_name_for_readers_and_is_known_by_it_again():
-    assert tuple(JOINTS) == JOINT_NAMES
+def test_names_are_told_in_the_language_in_use():
     with speaking("es"):
-        names = [landmark_text(joint) for joint in JOINT_NAMES]
-        assert names[JOINT_NAMES.index("left_hand")] == "Mano izquierda"
-        assert len(set(names)) == len(names)
-        assert tuple(landmark_label(name) for name in names) == JOINT_NAMES
+        assert {label: landmark_text(label) for label in NAMES} == NAMES
 
 
-def test_what_a_user_typed_stays_as_it_is():
-    assert landmark_text("Acromion (der.)") == "Acromion (der.)"
-    assert landmark_label("Acromion (der.)") == "Acromion (der.)"
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_joint_and_landmark_is_known_again_by_its_name(language):
+    with speaking(language):
+        assert tuple(landmark_label(landmark_text(label)) for label in KNOWN) == KNOWN
+
+
+def test_all_joints_have_a_name_and_landmarks_are_those_of_the_protocol():
+    assert tuple(JOINTS) == JOINT_NAMES
+    assert set(LANDMARKS) <= {one.landmark_id for one in find_protocol("sapo-1").landmarks}
+
+
+@pytest.mark.parametrize("typed", ["m07", "Acromion (der.)", "left_thing", "left_c7"])
+def test_what_a_user_typed_stays_as_it_is(typed):
+    assert landmark_text(typed) == typed
+    assert landmark_label(typed) == typed

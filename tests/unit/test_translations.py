@@ -16,6 +16,7 @@ from babel.messages.mofile import read_mo
 
 from adibas.cli.command_line import COMMANDS
 from adibas.data.corrections import LONGEST_LABEL
+from adibas.data.landmark_texts import KNOWN, landmark_text
 from adibas.texts import LANGUAGES, Message, Texts, speaking
 from installers.translations import (
     ARGPARSE_MESSAGES,
@@ -26,7 +27,6 @@ from installers.translations import (
     read_catalogue,
     source_files,
 )
-from ui.review.landmarks import landmark_names
 
 TRANSLATED = [language for language in LANGUAGES if language != "en"]
 PERCENT_FIELD = re.compile(r"%(?:\(\w+\))?[srd]")
@@ -320,7 +320,7 @@ def test_the_window_may_ask_for_a_region(language, expected):
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_the_names_of_landmarks_fit_a_marker_and_differ(language):
     with speaking(language):
-        names = landmark_names()
+        names = [landmark_text(label) for label in KNOWN]
     assert [name for name in names if len(name) > LONGEST_LABEL] == []
     assert len(set(names)) == len(names)
 

@@ -3,10 +3,9 @@
 from PySide6.QtCore import QEvent, QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QAbstractItemView, QVBoxLayout, QWidget
 
-from adibas.data.landmark_texts import landmark_text
+from adibas.data.landmark_texts import LANDMARKS, landmark_text
 from adibas.texts import translate as _
 from ui.review.content import Points
-from ui.review.landmarks import landmark_names
 from ui.review.markers_model import NAME, REMARK, MarkersModel
 from ui.review.name_delegate import NameDelegate
 from ui.theme import Theme
@@ -65,7 +64,7 @@ class MarkersPanel(QWidget):
     def suggest(self, names: tuple[str, ...]) -> None:
         """Suggest names of this patient before the usual ones."""
         self._names = names
-        self._delegate.names = tuple(dict.fromkeys((*map(landmark_text, names), *landmark_names())))
+        self._delegate.names = tuple(dict.fromkeys(map(landmark_text, (*names, *LANDMARKS))))
 
     def show_points(self, points: Points) -> None:
         """Show the markers, and which one is chosen."""
