@@ -250,6 +250,7 @@ def test_a_touch_after_a_long_sleep_locks_on_a_screen_that_was_just_built(user):
     user.application._watch._touched_s -= 1e6
     QTest.keyClick(user.window, Key.Key_X)
     user.until(lambda: locked(user))
+    assert "settings" not in words(user).casefold()
     user.close()
 
 

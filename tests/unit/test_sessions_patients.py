@@ -102,15 +102,10 @@ def test_identity_stands_apart_from_everything_else(folder):
         session = add_session(store)
         store.patients.give_consent(session.patient, CONSENT)
     connection = raw_connection(folder)
-    tables = [name for (name,) in connection.execute("SELECT name FROM sqlite_master")]
+    tables = [name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
     with_identity = set()
     for table in tables:
-        try:
-            rows = connection.execute(f'SELECT * FROM "{table}"').fetchall()
-        except Exception as error:  # noqa: BLE001  (an index or a trigger is no table)
-            assert "no such table" in str(error)  # noqa: PT017
-            continue
-        text = repr(rows).lower()
+        text = repr(connection.execute(f'SELECT * FROM "{table}"').fetchall()).lower()
         if any(part in text for part in ("quetzal", "004711", "2014-03-27", "rosa")):
             with_identity.add(table)
     connection.close()
