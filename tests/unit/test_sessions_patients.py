@@ -102,7 +102,8 @@ def test_identity_stands_apart_from_everything_else(folder):
         session = add_session(store)
         store.patients.give_consent(session.patient, CONSENT)
     connection = raw_connection(folder)
-    tables = [name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+    found = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+    tables = [name for (name,) in found]
     with_identity = set()
     for table in tables:
         text = repr(connection.execute(f'SELECT * FROM "{table}"').fetchall()).lower()
