@@ -4,6 +4,7 @@ Bouguet's tolerances are three standard errors of noise alone; `calibration_coma
 way of placing corners adds to that.
 """
 
+import math
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -39,8 +40,11 @@ BOUGUET = {
     "p2": (0.000019, 0.000132),
 }
 """His values, and his printed tolerances (three standard errors)."""
-TOOLBOX_WINDOW = FinderParams(fit=FitParams(method=CornerMethod.GRADIENT, longest_px=5.0))
-"""As wide as the one by which the stored corners were placed."""
+STORED_WINDOW_PX = 5
+TOOLBOX_WINDOW = FinderParams(
+    fit=FitParams(method=CornerMethod.GRADIENT, longest_px=STORED_WINDOW_PX, square_share=math.inf)
+)
+"""The one by which the stored corners were placed, however small the squares."""
 METHODS = {
     "corners by gradients": FinderParams(fit=FitParams(method=CornerMethod.GRADIENT)),
     "our corners": FinderParams(),
@@ -129,6 +133,15 @@ def default_corners(gray: UInt8Array, board: Board) -> FloatArray | None:
     return np.asarray(refined.reshape(-1, 2), np.float64)
 
 
+def _moved_px(gray: UInt8Array, stored: FloatArray) -> FloatArray:
+    """Return how far `cornerSubPix` in their window moves stored corners on; 0 if it was done."""
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4)
+    window = (STORED_WINDOW_PX, STORED_WINDOW_PX)
+    starts = stored.astype(np.float32).reshape(-1, 1, 2)
+    moved = cv2.cornerSubPix(gray, starts.copy(), window, (-1, -1), stop)
+    return np.asarray(np.linalg.norm(moved - starts, axis=-1)[:, 0], np.float64)
+
+
 def _beside_opencv(told: str, photos: Sequence[Photo], board: Board) -> Iterator[Row]:
     """Our fit on our corners beside OpenCV's on its own, in the images where OpenCV finds them."""
     finders: dict[str, Callable[[UInt8Array], FloatArray | None]] = {
@@ -162,19 +175,24 @@ def _stored(told: str, root: Path, real: RealSet) -> Iterator[Row]:
         *METHODS.items(),
         ("corners by gradients in their window", TOOLBOX_WINDOW),
     ):
-        apart_px = np.concatenate(
+        apart_px, moved_px = np.concatenate(
             [
-                _apart_px(photo.corners, stored[f"x_{photo.number}"].T)
+                (_apart_px(photo.corners, theirs), _moved_px(photo.gray, theirs))
                 for photo in look_at(root, real, params)
                 if photo.corners is not None
-            ]
+                for theirs in [stored[f"x_{photo.number}"].T]
+            ],
+            axis=1,
         )
-        near = apart_px[apart_px < FAR_PX]
+        is_near, is_settled = apart_px < FAR_PX, moved_px <= CLOSE_PX
+        near = apart_px[is_near & is_settled]
         label = f"{told}: {name}, within 0.3 px of the {len(near)} stored ones near any"
         yield Row(label, 100.0 * float((near <= CLOSE_PX).mean()), "%", 100.0, "goal")
         label = f"{told}: {name}, from the stored ones, median"
         yield Row(label, float(np.median(near)), "px", CLOSE_PX, "goal <=")
-    yield Row(f"{told}: stored ones near none of ours", len(apart_px) - len(near), "corners")
+    yield Row(f"{told}: stored ones near none of ours", int((~is_near).sum()), "corners")
+    label = f"{told}: stored ones near ours that OpenCV itself moves on by more than 0.3 px"
+    yield Row(label, int((is_near & ~is_settled).sum()), "corners")
 
 
 def _apart_px(ours: BoardCorners, theirs: FloatArray) -> FloatArray:

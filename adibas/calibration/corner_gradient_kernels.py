@@ -4,6 +4,10 @@ The line along an edge through a pixel is normal to the brightness' gradient the
 the point from which they stray least, each weighed by its gradient's square. A sharp lens gives the
 same corner as the model of `corner_fit_kernels`, three times and more as noisy. Under coma they
 part: the gradient clings to the steep side of an edge.
+
+What is left open there is done as in OpenCV's `cornerSubPix` and Bouguet's toolbox, so that in
+their window corners are theirs, noise and all: a window of whole pixels about the corner, sampled
+between the pixels by straight lines, and less weight towards its border.
 Source: Foerstner and Guelch, A fast operator for detection and precise location of distinct
 points, corners and centres of circular features, ISPRS Intercommission Workshop 1987, section 3.
 """
@@ -25,30 +29,48 @@ SINGULAR = 1e-6
 
 
 @compiled
-def _add_lines(
-    grey: UInt8Array, place: FloatArray, shape: FloatArray, limits: FloatArray, sums: FloatArray
-) -> None:
-    """Fill `sums` with the normal equations of the way from `place` to the corner."""
+def _sample(grey: UInt8Array, place: FloatArray, patch: FloatArray) -> None:
+    """Fill the square `patch`, whose middle is `place`; beyond the image its border goes on."""
+    height, width = grey.shape
+    reach = patch.shape[0] // 2
+    left, top = math.floor(place[0]), math.floor(place[1])
+    right_share, down_share = place[0] - left, place[1] - top
+    for i in range(patch.shape[0]):
+        row = min(max(top + i - reach, 0), height - 1)
+        below = min(max(top + i - reach + 1, 0), height - 1)
+        for j in range(patch.shape[1]):
+            column = min(max(left + j - reach, 0), width - 1)
+            beside = min(max(left + j - reach + 1, 0), width - 1)
+            above = (1.0 - right_share) * grey[row, column] + right_share * grey[row, beside]
+            under = (1.0 - right_share) * grey[below, column] + right_share * grey[below, beside]
+            patch[i, j] = (1.0 - down_share) * above + down_share * under
+
+
+@compiled
+def _add_lines(patch: FloatArray, shape: FloatArray, square_share: float, sums: FloatArray) -> None:
+    """Fill `sums` with the normal equations of the way from the patch's middle to the corner."""
     sums[:] = 0.0
     area = shape[0] * shape[3] - shape[1] * shape[2]
-    column, row, reach = round(place[0]), round(place[1]), int(limits[1] + 1.0)
-    for i in range(max(row - reach, 1), min(row + reach + 1, grey.shape[0] - 1)):
-        for j in range(max(column - reach, 1), min(column + reach + 1, grey.shape[1] - 1)):
-            right, down = j - place[0], i - place[1]
+    middle = patch.shape[0] // 2
+    reach = middle - 1
+    for i in range(1, patch.shape[0] - 1):
+        for j in range(1, patch.shape[1] - 1):
+            right, down = j - middle, i - middle
             along = (right * shape[3] - down * shape[2]) / area
             across = (down * shape[0] - right * shape[1]) / area
-            if max(abs(along), abs(across)) > limits[0] or math.hypot(right, down) > limits[1]:
+            if max(abs(along), abs(across)) > square_share:
                 continue
-            by_u = 0.5 * (float(grey[i, j + 1]) - float(grey[i, j - 1]))
-            by_v = 0.5 * (float(grey[i + 1, j]) - float(grey[i - 1, j]))
+            weight = math.exp(-(right * right + down * down) / (reach * reach))
+            by_u = 0.5 * (patch[i, j + 1] - patch[i, j - 1])
+            by_v = 0.5 * (patch[i + 1, j] - patch[i - 1, j])
             stray = by_u * right + by_v * down
-            sums[S_UU] += by_u * by_u
-            sums[S_UV] += by_u * by_v
-            sums[S_VV] += by_v * by_v
-            sums[S_U] += by_u * stray
-            sums[S_V] += by_v * stray
-            sums[S_SQUARES] += stray * stray
-            sums[S_PIXELS] += 1.0
+            sums[S_UU] += weight * by_u * by_u
+            sums[S_UV] += weight * by_u * by_v
+            sums[S_VV] += weight * by_v * by_v
+            sums[S_U] += weight * by_u * stray
+            sums[S_V] += weight * by_v * stray
+            sums[S_SQUARES] += weight * stray * stray
+            sums[S_PIXELS] += weight
 
 
 @compiled
@@ -58,8 +80,11 @@ def _meet(grey: UInt8Array, place: FloatArray, shape: FloatArray, limits: FloatA
     The width of the edges counts as error: on clean images it is too large by half and more.
     """
     sums = np.empty(N_SUMS)
+    side = 2 * int(limits[1]) + 3  # the window and the neighbours of its border
+    patch = np.empty((side, side))
     for _ in range(MOST_ROUNDS):
-        _add_lines(grey, place, shape, limits, sums)
+        _sample(grey, place, patch)
+        _add_lines(patch, shape, limits[0], sums)
         uu, uv, vv = sums[S_UU], sums[S_UV], sums[S_VV]
         determinant = uu * vv - uv * uv
         if sums[S_PIXELS] < FEWEST_PIXELS or not determinant > SINGULAR * (uu + vv) ** 2:
@@ -81,8 +106,8 @@ def meet_all(
 ) -> FloatArray:
     """Return (N, 3) u, v and standard deviation of the corners near `starts` (N, 2).
 
-    `shapes` (N, 16) as those of `corner_fit_kernels`; `limits`: share of a square, pixels from the
-    corner. NaN where there is no corner, or none within a pixel of the start.
+    `shapes` (N, 16) as those of `corner_fit_kernels`; `limits`: share of a square, pixels on each
+    side of the corner. NaN where there is no corner, or none within a pixel of the start.
     """
     result = np.full((len(starts), 3), np.nan)
     for n in range(len(starts)):

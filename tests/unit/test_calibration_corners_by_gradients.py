@@ -64,18 +64,37 @@ def test_gradients_keep_to_the_sharp_side_of_a_blur_with_a_tail():
     assert 0.0 < right_px[1] < 0.75 * right_px[0]
 
 
-def crossing(u, v):
+def crossing(u, v, width_px=1.5):
     rows, columns = np.indices((41, 41))
-    sharp = np.tanh((columns - u) / 1.5) * np.tanh((rows - v) / 1.5)
+    sharp = np.tanh((columns - u) / width_px) * np.tanh((rows - v) / width_px)
     return np.round(128 + 90 * sharp).astype(np.uint8)
 
 
 @pytest.mark.parametrize(("u", "v"), [(20.0, 20.0), (20.3, 19.8), (19.55, 20.45)])
 def test_a_crossing_is_found_from_a_start_beside_it(u, v):
     starts = np.array([[20.0, 20.0]])
-    met = meet_all(crossing(u, v), starts, SQUARE[None], LIMITS)
+    # Edges of 1.5 px are so sharp that straight lines between the pixels cost up to 0.014 px.
+    met = meet_all(crossing(u, v, 2.0), starts, SQUARE[None], LIMITS)
     np.testing.assert_allclose(met[0, :2], [u, v], atol=0.01)
     assert 0.0 <= met[0, 2] < 0.2
+
+
+@pytest.mark.parametrize("reach", [4, 7])
+def test_in_a_whole_window_a_corner_is_that_of_opencv(reach):
+    rng = np.random.default_rng(reach)
+    truth = rng.uniform(19.5, 21.5, (20, 2))
+    for u, v in truth:
+        noisy = np.clip(crossing(u, v) + rng.normal(0.0, 8.0, (41, 41)), 0, 255).astype(np.uint8)
+        start = np.array([[u + 0.2, v - 0.2]])
+        met = meet_all(noisy, start, SQUARE[None], np.array([np.inf, reach, 0.0, 0.0]))
+        theirs = cv2.cornerSubPix(
+            noisy,
+            start.astype(np.float32)[None],
+            (reach, reach),
+            (-1, -1),
+            (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-6),
+        )
+        np.testing.assert_allclose(met[0, :2], theirs.ravel(), atol=1e-3)
 
 
 def test_no_corner_is_where_a_single_edge_runs_or_nothing_or_too_far():
@@ -91,7 +110,7 @@ def test_no_corner_is_where_a_single_edge_runs_or_nothing_or_too_far():
     ("folder", "stem", "file", "board", "share"),
     [
         ("bouguet", "Image{}.tif", "calib_data.mat", Board(12, 13, 0.03), 0.999),
-        ("kinect1", "LeftRgbobjects{}.png", "Calib_Results_left.mat", Board(10, 7, 0.03), 0.9),
+        ("kinect1", "LeftRgbobjects{}.png", "Calib_Results_left.mat", Board(10, 7, 0.03), 0.999),
     ],
 )
 def test_in_the_window_of_their_tool_our_corners_are_the_stored_ones(
@@ -99,7 +118,8 @@ def test_in_the_window_of_their_tool_our_corners_are_the_stored_ones(
 ):
     root = real_data / "calibration" / folder
     stored = loadmat(root / file)
-    params = FinderParams(fit=FitParams(method=CornerMethod.GRADIENT, longest_px=5.0))
+    window = FitParams(method=CornerMethod.GRADIENT, longest_px=5.0, square_share=np.inf)
+    params = FinderParams(fit=window)
     apart_px = []
     for number in range(1, 8):
         gray = cv2.imread(str(root / stem.format(number)), cv2.IMREAD_GRAYSCALE)
