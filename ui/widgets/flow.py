@@ -55,18 +55,27 @@ class FlowLayout(QLayout):
             item.setGeometry(part)
 
     def _places(self, room: QRect) -> list[tuple[QLayoutItem, QRect]]:
-        """Return where every control that is seen stands, row after row."""
-        places: list[tuple[QLayoutItem, QRect]] = []
-        left, top, bottom = room.left(), room.top(), room.top()
+        """Return where every control that is seen stands, row after row, in the row's middle."""
+        rows: list[list[tuple[QLayoutItem, QSize]]] = [[]]
+        left = room.left()
         for item in self._items:
             if item.isEmpty():
                 continue
             size = item.sizeHint()
-            if left > room.left() and left + size.width() > room.right() + 1:
-                left, top = room.left(), bottom + self.spacing()
-            places.append((item, QRect(left, top, min(size.width(), room.width()), size.height())))
+            if rows[-1] and left + size.width() > room.right() + 1:
+                rows.append([])
+                left = room.left()
+            rows[-1].append((item, QSize(min(size.width(), room.width()), size.height())))
             left += size.width() + self.spacing()
-            bottom = max(bottom, top + size.height())
+        places: list[tuple[QLayoutItem, QRect]] = []
+        top = room.top()
+        for row in rows:
+            left, height = room.left(), max((size.height() for _item, size in row), default=0)
+            for item, size in row:
+                above = (height - size.height()) // 2
+                places.append((item, QRect(left, top + above, size.width(), size.height())))
+                left += size.width() + self.spacing()
+            top += height + self.spacing()
         return places
 
 
