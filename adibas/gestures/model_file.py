@@ -14,11 +14,17 @@ from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams
 from adibas.gestures.hidden_markov import Chain, HiddenMarkov
 from adibas.gestures.likeness import Likeness
 from adibas.gestures.model import GestureModel, Judge, Method
+from adibas.resources import resource_path
 from adibas.timeseries.mixture_stream import MixtureModel
 
 FORMAT, VERSION = "adibas-gestures", 1
 DECIMALS = 4
 """Of a descriptor: a tenth of a millimetre on an adult."""
+
+
+def shipped_gestures() -> Path:
+    """Return where the model of five gestures lies that comes with the program."""
+    return resource_path("models", "gestures.json")
 
 
 def write_model(path: Path, model: GestureModel) -> None:

@@ -93,6 +93,20 @@ def compare_files(
     return _report(paths, params, groups, notices)
 
 
+def compare_codings(codings: Sequence[Coding], params: AgreementParams) -> AgreementReport:
+    """Compare codings of one session that are at hand.
+
+    Raises
+    ------
+    BehaviourError
+        Fewer than two, or they cannot be compared.
+    """
+    groups = {codings[0].name: tuple(codings)}
+    return AgreementReport(
+        tuple(one.observer for one in codings), params, _compared(groups, params), ()
+    )
+
+
 def _by_observer(codings: Sequence[Coding]) -> dict[str, tuple[Coding, ...]]:
     groups: dict[str, list[Coding]] = {}
     for one in codings:
@@ -106,11 +120,17 @@ def _report(
     groups: dict[str, tuple[Coding, ...]],
     notices: tuple[Sentence, ...],
 ) -> AgreementReport:
-    sessions = tuple(
+    names = tuple(path.name for path in paths)
+    return AgreementReport(names, params, _compared(groups, params), notices)
+
+
+def _compared(
+    groups: dict[str, tuple[Coding, ...]], params: AgreementParams
+) -> tuple[ComparedSession, ...]:
+    return tuple(
         ComparedSession(name, codings, _with_correlations(codings, params))
         for name, codings in groups.items()
     )
-    return AgreementReport(tuple(path.name for path in paths), params, sessions, notices)
 
 
 def _with_correlations(codings: Sequence[Coding], params: AgreementParams) -> AgreementResult:

@@ -45,11 +45,30 @@ def _add_sheets(workbook: Workbook, analysis: BehaviourAnalysis) -> None:
     for title, columns, rows in (
         (_("Activity"), tables.activity_columns(), tables.activity_rows(analysis)),
         (_("Activity in time"), tables.bin_columns(), tables.bin_rows(analysis)),
+    ):
+        add_table(workbook, title, columns, rows, footer)
+    _add_counts(workbook, codings, analysis.bin_ms, footer)
+    bands = [block for block in tables.band_blocks(analysis) if block.rows]
+    if bands:
+        title = _("Power of velocity in bands [m²/s²]")
+        add_blocks(workbook, _("Band power"), title, bands, footer)
+    add_table(workbook, _("Ethogram"), _ethogram_columns(), _ethogram_rows(codings), footer)
+
+
+def add_coding_sheets(workbook: Workbook, codings: list[Coding], bin_ms: int) -> None:
+    """Add the sheets of what is counted in codings, and of their ethograms."""
+    footer = _("For research, education and documentation")
+    _add_counts(workbook, codings, bin_ms, footer)
+    add_table(workbook, _("Ethogram"), _ethogram_columns(), _ethogram_rows(codings), footer)
+
+
+def _add_counts(workbook: Workbook, codings: list[Coding], bin_ms: int, footer: str) -> None:
+    for title, columns, rows in (
         (_("Behaviour"), tables.budget_columns(), tables.budget_rows(codings)),
         (
             _("Behaviour in time"),
             tables.behaviour_bin_columns(),
-            tables.behaviour_bin_rows(codings, analysis.bin_ms),
+            tables.behaviour_bin_rows(codings, bin_ms),
         ),
         (_("Events"), tables.event_columns(), tables.event_rows(codings)),
     ):
@@ -57,11 +76,6 @@ def _add_sheets(workbook: Workbook, analysis: BehaviourAnalysis) -> None:
     blocks = list(tables.transition_blocks(codings))
     if blocks:
         add_blocks(workbook, _("Transitions"), _("What began after what (counts)"), blocks, footer)
-    bands = [block for block in tables.band_blocks(analysis) if block.rows]
-    if bands:
-        title = _("Power of velocity in bands [m²/s²]")
-        add_blocks(workbook, _("Band power"), title, bands, footer)
-    add_table(workbook, _("Ethogram"), _ethogram_columns(), _ethogram_rows(codings), footer)
 
 
 def _ethogram_columns() -> list[Column]:

@@ -162,6 +162,12 @@ class CodingPresenter:
             number = n_before if step > 0 else n_before - 1
         self._look_at(events[min(max(number, 0), len(events) - 1)])
 
+    def select_next_proposed(self) -> None:
+        """Look at the first detected event that is not decided, from the frame that is seen on."""
+        proposed = () if self.draft is None else self.draft.proposed
+        if proposed:
+            self._look_at(_from(in_order(proposed), self._now()))
+
     def accept(self) -> None:
         """Take the detected event that is looked at into the coding, and look at the next one."""
         one = self._selected
@@ -287,9 +293,8 @@ class CodingPresenter:
         if not self._step(step) or self.draft is None:
             return
         left = in_order(self.draft.proposed)
-        later = [other for other in left if other.begin_ms >= one.begin_ms]
         if left:
-            self._look_at((later or left)[0])
+            self._look_at(_from(left, one.begin_ms))
         else:
             self._workspace.tell("good", _("Every detected event is decided."))
 
@@ -311,6 +316,11 @@ class CodingPresenter:
         self.keep()
         self.show()
         self.changed.emit()
+
+
+def _from(events: list[Occurrence], time_ms: int) -> Occurrence:
+    """Return the first event from a time on, or the first of all."""
+    return next((one for one in events if one.begin_ms >= time_ms), events[0])
 
 
 def _keys(ethogram: Ethogram) -> dict[str, str]:

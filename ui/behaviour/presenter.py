@@ -13,6 +13,9 @@ from adibas.pipeline.coding_drafts import new_draft, read_draft
 from adibas.recordings.ethogram_json import shipped_ethogram
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter, CodingView
+from ui.behaviour.counts_presenter import CountsPresenter, CountsView
+from ui.behaviour.files_presenter import FilesPresenter, FilesView
+from ui.behaviour.finding_presenter import FindingPresenter, FindingView
 from ui.behaviour.playing import SPEEDS, Playing, frame_at, frame_times_ms
 from ui.behaviour.ports import FrameFeed, Keeper, Picture, Source
 from ui.behaviour.sources import StoredChoice, file_source, stored_choices, stored_source
@@ -41,7 +44,7 @@ class Position:
     end_ms: int
 
 
-class BehaviourView(CodingView, Protocol):
+class BehaviourView(CodingView, FindingView, FilesView, CountsView, Protocol):
     """The screen, as this presenter needs it."""
 
     def show_source(self, title: str) -> None:
@@ -95,6 +98,9 @@ class BehaviourPresenter:
         self._asked: int | None = None
         self._playing = Playing((0,))
         self.coding = CodingPresenter(view, workspace, keeper, self.now_ms, self.go_to_ms)
+        self.finding = FindingPresenter(view, workspace, self.coding)
+        self.counts = CountsPresenter(view, workspace, self.coding, self.finding)
+        self.files = FilesPresenter(view, workspace, self.coding, keeper, self.counts.compare)
         self._ends = [
             feed.arrived.subscribe(self._on_frame),
             feed.failed.subscribe(self._on_no_frame),
@@ -236,18 +242,21 @@ class BehaviourPresenter:
         self._index, self._asked = 0, None
         self._playing = Playing(opened.times_ms, self._playing.speed)
         self._feed.show(opened.reader)
+        self.finding.use(opened.source)
+        self.counts.forget()
         self._view.show_source(opened.source.title)
         self._show_playing()
         place = opened.source.place_for("")
-        self.coding.open(opened.draft or self._new_draft(""), place, "")
+        self.coding.open(opened.draft or self._new_draft(), place, "")
+        self.files.use(opened.source)
         if opened.reader.notice is not None:
             self._workspace.tell("warning", opened.reader.notice)
         self._ask(0)
 
-    def _new_draft(self, observer: str) -> Draft:
+    def _new_draft(self) -> Draft:
         name = "" if self._source is None else self._source.title
         observed_ms = (self._times_ms[0], self._times_ms[-1])
-        operator = observer or self._workspace.preferences.now.operator
+        operator = self._workspace.preferences.now.operator
         return new_draft(name, observed_ms, shipped_ethogram(), operator)
 
     def _on_frame(self, index: int, picture: Picture) -> None:

@@ -71,12 +71,12 @@ class SelectedPanel(QGroupBox):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self.setTitle(_("Chosen event"))
-        self._labels["begin"].setText(_("Be&gins at [s]"))
-        self._labels["end"].setText(_("&Ends at [s]"))
+        self._labels["begin"].setText(_("Begins &at [s]"))
+        self._labels["end"].setText(_("Ends a&t [s]"))
         self._labels["comment"].setText(_("Co&mment"))
         self._begin.setToolTip(_("Ctrl+B: at the frame that is seen"))
         self._end.setToolTip(_("Ctrl+E: at the frame that is seen"))
-        self._accept.setText(_("&Accept"))
+        self._accept.setText(_("Accept"))
         self._accept.setToolTip(_("Enter"))
         self.show_selected(self._selected)
 

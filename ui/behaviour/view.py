@@ -7,7 +7,6 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QComboBox,
-    QFileDialog,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -19,18 +18,22 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.texts import translate as _
+from ui.behaviour.agreement_page import AgreementPage
 from ui.behaviour.code_panel import CodePanel
 from ui.behaviour.content import Desk, Selected, Timeline
+from ui.behaviour.counts_page import CountsPage
+from ui.behaviour.counts_presenter import CountsPresenter
+from ui.behaviour.file_dialogs import ask_open
 from ui.behaviour.ports import Picture
 from ui.behaviour.presenter import BehaviourPresenter, Position
 from ui.behaviour.selected_panel import SelectedPanel
 from ui.behaviour.sources import StoredChoice
+from ui.behaviour.tables import TextTable
 from ui.behaviour.timeline import ZOOM_STEP, TimelineView
+from ui.behaviour.tools import BehaviourTools, as_model, fill_stored
 from ui.behaviour.transport import LONG_STEP_S, Transport
 from ui.behaviour.video_view import VideoView
 from ui.theme import Theme
-from ui.widgets.dates import moment_text
-from ui.widgets.flow import in_a_flow
 from ui.widgets.screen import Screen
 from ui.widgets.side_panel import SidePanel
 
@@ -38,7 +41,6 @@ TICK_MS = 10
 VIDEO_WIDTH, PANEL_WIDTH = 700, 440
 VIDEO_HEIGHT, TIMELINE_HEIGHT = 430, 220
 RECORDINGS = "(*.mcap *.oni)"
-CODINGS = "(*.csv *.tsv *.xlsx *.boris *.eaf)"
 Key = Qt.Key
 
 
@@ -50,14 +52,14 @@ class BehaviourScreen(Screen):
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._theme = theme
-        self._title, self._empty = QLabel(self), QLabel(self)
+        self._empty, self._open = QLabel(self), QPushButton(self)
+        self._chooser = QComboBox(self)
         self._stored: tuple[StoredChoice, ...] = ()
-        self._choosers = [QComboBox(self) for _page in range(2)]
-        self._open_buttons = [QPushButton(self) for _page in range(2)]
-        self._buttons = {name: QPushButton(self) for name in ("undo", "redo")}
+        self._tools = BehaviourTools(self)
         self._video, self._transport = VideoView(self), Transport(self)
         self._timeline = TimelineView(theme, self)
         self._code, self._selected = CodePanel(self), SelectedPanel(self)
+        self._counts, self._agreement = CountsPage(self), AgreementPage(self)
         self._tabs, self._pages = QTabWidget(self), QStackedWidget(self)
         self._ticking = QTimer(self)
         self._ticking.setInterval(TICK_MS)
@@ -65,13 +67,13 @@ class BehaviourScreen(Screen):
         self.retranslate()
 
     def _lay_out(self) -> None:
-        self._title.setProperty("kind", "title")
         coding = SidePanel(self)
         for part in (self._code, self._selected):
             coding.column.addWidget(part)
         coding.column.setContentsMargins(8, 8, 8, 8)
         coding.column.addStretch()
-        self._tabs.addTab(coding, "")
+        for tab in (coding, self._counts, self._agreement):
+            self._tabs.addTab(tab, "")
         left = QWidget(self)
         column = QVBoxLayout(left)
         column.setContentsMargins(0, 0, 0, 0)
@@ -98,8 +100,7 @@ class BehaviourScreen(Screen):
         page = QWidget(self)
         column = QVBoxLayout(page)
         column.setContentsMargins(0, 0, 0, 0)
-        above = (self._title, self._open_buttons[1], self._choosers[1], *self._buttons.values())
-        column.addLayout(in_a_flow(*above))
+        column.addWidget(self._tools)
         column.addWidget(parts, 1)
         return page
 
@@ -108,12 +109,12 @@ class BehaviourScreen(Screen):
         self._empty.setWordWrap(True)
         self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._empty.setProperty("kind", "title")
-        self._open_buttons[0].setProperty("main", "true")
+        self._open.setProperty("main", "true")
         column = QVBoxLayout(page)
         column.setSpacing(16)
         column.addStretch()
         column.addWidget(self._empty)
-        for widget in (self._open_buttons[0], self._choosers[0]):
+        for widget in (self._open, self._chooser):
             column.addWidget(widget, 0, Qt.AlignmentFlag.AlignHCenter)
         column.addStretch()
         return page
@@ -123,12 +124,10 @@ class BehaviourScreen(Screen):
         self._presenter = presenter
         coding = presenter.coding
         self._ticking.timeout.connect(presenter.tick)
-        for button in self._open_buttons:
-            button.clicked.connect(self._ask_recording)
-        for chooser in self._choosers:
-            chooser.activated.connect(
-                lambda index, chooser=chooser: self._on_stored(chooser.itemData(index))
-            )
+        self._open.clicked.connect(self._ask_recording)
+        self._chooser.activated.connect(
+            lambda index: self._on_stored(self._chooser.itemData(index))
+        )
         self._transport.played.connect(presenter.play_or_stop)
         self._transport.stepped.connect(presenter.step)
         self._transport.speed_chosen.connect(self._on_speed)
@@ -142,9 +141,34 @@ class BehaviourScreen(Screen):
         self._selected.changed.connect(coding.change)
         self._selected.accepted.connect(coding.accept)
         self._selected.removed.connect(coding.remove)
-        self._buttons["undo"].clicked.connect(coding.undo)
-        self._buttons["redo"].clicked.connect(coding.redo)
+        self._bind_tools(presenter)
+        self._bind_pages(presenter.counts)
         self._bind_keys()
+
+    def _bind_tools(self, presenter: BehaviourPresenter) -> None:
+        tools, coding, files = self._tools, presenter.coding, presenter.files
+        tools.open_asked.connect(self._ask_recording)
+        tools.stored_chosen.connect(self._on_stored)
+        tools.finding_asked.connect(lambda asked: presenter.finding.find(as_model(asked)))
+        tools.coding_opened.connect(files.open_coding)
+        tools.coding_saved.connect(files.save_as)
+        tools.scheme_opened.connect(files.open_scheme)
+        tools.scheme_saved.connect(files.save_scheme)
+        tools.second_began.connect(files.begin_blind)
+        tools.second_ended.connect(files.end_blind)
+        tools.undone.connect(coding.undo)
+        tools.redone.connect(coding.redo)
+
+    def _bind_pages(self, counts: CountsPresenter) -> None:
+        self._tabs.currentChanged.connect(
+            lambda _index: counts.set_seen(is_seen=self._tabs.currentWidget() is self._counts)
+        )
+        self._counts.table_chosen.connect(counts.choose_table)
+        self._counts.bin_changed.connect(counts.set_bin)
+        self._counts.file_chosen.connect(counts.write)
+        self._agreement.other_chosen.connect(counts.compare_file)
+        self._agreement.params_changed.connect(counts.set_params)
+        self._agreement.file_chosen.connect(counts.write_agreement)
 
     def _bind_keys(self) -> None:
         """Keys with Ctrl work wherever the focus is; the others where nobody types."""
@@ -171,18 +195,17 @@ class BehaviourScreen(Screen):
         self._empty.setText(
             _("Open a recording, or drop one here, to note what happens in it and when.")
         )
-        for button in self._open_buttons:
-            button.setText(_("&Open a recording..."))
-        for chooser in self._choosers:
-            chooser.setAccessibleName(_("Recordings of the session"))
-        self._buttons["undo"].setText(_("&Undo"))
-        self._buttons["undo"].setToolTip("Ctrl+Z")
-        self._buttons["redo"].setText(_("Redo (&Y)"))
-        self._buttons["redo"].setToolTip("Ctrl+Shift+Z")
+        self._open.setText(_("&Open a recording..."))
+        self._chooser.setAccessibleName(_("Recordings of the session"))
         self._video.setAccessibleName(_("Video"))
         self._timeline.setAccessibleName(_("Timeline of events"))
-        self._tabs.setTabText(0, _("Cod&ing"))
-        for part in (self._transport, self._code, self._selected):
+        titles = (_("Cod&e"), _("Cou&nts"), _("A&greement"))
+        for index, title in enumerate(titles):
+            self._tabs.setTabText(index, title)
+        for part in (
+            *(self._tools, self._transport, self._code, self._selected),
+            *(self._counts, self._agreement),
+        ):
             part.retranslate()
         self.show_stored(self._stored)
 
@@ -202,22 +225,15 @@ class BehaviourScreen(Screen):
         self._presenter.open_file(path)
 
     def show_source(self, title: str) -> None:
-        self._title.setText(title)
+        self._tools.show_source(title)
         self._pages.setCurrentIndex(int(bool(title)))
         if title:
             self._take_keys()
 
     def show_stored(self, choices: tuple[StoredChoice, ...]) -> None:
         self._stored = choices
-        for chooser in self._choosers:
-            chooser.clear()
-            chooser.addItem(_("Recordings of the session"), "")
-            for one in choices:
-                text = _("{moment}, {seconds} s").format(
-                    moment=moment_text(one.created_utc), seconds=round(one.duration_s)
-                )
-                chooser.addItem(text, one.recording_id)
-            chooser.setVisible(bool(choices))
+        fill_stored(self._chooser, choices)
+        self._tools.show_stored(choices)
 
     def show_frame(self, picture: Picture | None, position: Position) -> None:
         self._video.show_frame(picture)
@@ -233,14 +249,25 @@ class BehaviourScreen(Screen):
 
     def show_desk(self, desk: Desk) -> None:
         self._code.show_desk(desk)
-        self._buttons["undo"].setEnabled(desk.can_undo)
-        self._buttons["redo"].setEnabled(desk.can_redo)
+        self._tools.show_desk(desk)
 
     def show_timeline(self, timeline: Timeline) -> None:
         self._timeline.show_content(timeline)
 
     def show_selected(self, selected: Selected | None) -> None:
         self._selected.show_selected(selected)
+
+    def show_finding(self, *, is_on: bool) -> None:
+        self._tools.show_finding(is_on=is_on)
+
+    def show_blind(self, observer: str) -> None:
+        self._tools.show_blind(observer)
+
+    def show_counts(self, table: TextTable) -> None:
+        self._counts.show_counts(table)
+
+    def show_agreement(self, table: TextTable, sentence: str) -> None:
+        self._agreement.show_agreement(table, sentence)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
         if self._pages.currentIndex() == 0 or not self._did(event):
@@ -297,12 +324,5 @@ class BehaviourScreen(Screen):
             self._presenter.open_stored(recording_id)
 
     def _ask_recording(self) -> None:
-        dialog = QFileDialog(self, _("Open a recording"))
-        dialog.setNameFilter(_("Recordings") + f" {RECORDINGS}")
-        dialog.fileSelected.connect(lambda name: self._presenter.open_file(Path(name)))
-        _open(dialog)
-
-
-def _open(dialog: QFileDialog) -> None:
-    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    dialog.open()
+        name_filter = _("Recordings") + f" {RECORDINGS}"
+        ask_open(self, _("Open a recording"), name_filter, self._presenter.open_file)

@@ -1,0 +1,72 @@
+"""How often and how long: a table of the coding, and where it is written."""
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDoubleSpinBox,
+    QLabel,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from ui.behaviour.counts_presenter import TABLES, USUAL_BIN_S
+from ui.behaviour.file_dialogs import ask_save, workbook_filter
+from ui.behaviour.tables import TextTable
+from ui.behaviour.text_table import TextTableView
+from ui.widgets.flow import in_a_flow
+
+LONGEST_BIN_S = 36_000.0
+
+
+class CountsPage(QWidget):
+    """One table at a time."""
+
+    table_chosen = Signal(str)
+    bin_changed = Signal(float)
+    file_chosen = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._kind, self._bin, self._bin_label = QComboBox(self), QDoubleSpinBox(self), QLabel(self)
+        self._bin_label.setBuddy(self._bin)
+        self._write = QPushButton(self)
+        self._table = TextTableView(self)
+        for kind in TABLES:
+            self._kind.addItem("", kind)
+        self._bin.setRange(0.1, LONGEST_BIN_S)
+        self._bin.setValue(USUAL_BIN_S)
+        self._bin.setKeyboardTracking(False)
+        self._bin.setEnabled(False)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(8, 8, 8, 8)
+        column.addLayout(in_a_flow(self._kind, self._bin_label, self._bin, self._write))
+        column.addWidget(self._table, 1)
+        self._kind.activated.connect(self._on_kind)
+        self._bin.valueChanged.connect(self.bin_changed)
+        self._write.clicked.connect(self._ask_file)
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        titles = (_("Totals and conditions"), _("Time bins"), _("Transitions"), _("Events"))
+        for index, title in enumerate(titles):
+            self._kind.setItemText(index, title)
+        self._kind.setAccessibleName(_("What is counted"))
+        self._bin_label.setText(_("&Time bin [s]"))
+        self._write.setText(_("&Write..."))
+        self._table.setAccessibleName(_("Counts"))
+
+    def show_counts(self, table: TextTable) -> None:
+        """Show a table."""
+        self._table.show_table(table)
+
+    def _on_kind(self, index: int) -> None:
+        kind = self._kind.itemData(index)
+        self._bin.setEnabled(kind == "bins")
+        self.table_chosen.emit(kind)
+
+    def _ask_file(self) -> None:
+        filters = (workbook_filter(), "CSV (*.csv)")
+        title = _("Write what is counted")
+        ask_save(self, title, filters, "behaviour", self.file_chosen.emit)

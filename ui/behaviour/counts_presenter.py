@@ -1,0 +1,186 @@
+"""What is counted in the coding, and how far two observers agree. Knows nothing of Qt."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from adibas.behaviour.agreement import AgreementParams
+from adibas.data.coding import MS_PER_S, Coding
+from adibas.pipeline.behaviour_agreement import AgreementReport, compare_codings
+from adibas.pipeline.coding_files import read_for
+from adibas.texts import spoken_language, translate_plural
+from adibas.texts import translate as _
+from ui.behaviour.coding_presenter import CodingPresenter
+from ui.behaviour.finding_presenter import FindingPresenter
+from ui.behaviour.tables import TextTable, agreement_table, counted_table
+from ui.ports import JobControl
+from ui.workspace import Workspace
+
+if TYPE_CHECKING:
+    from adibas.pipeline.behaviour import BehaviourAnalysis
+
+TABLES = ("totals", "bins", "transitions", "events")
+USUAL_BIN_S = 60.0
+
+
+class CountsView(Protocol):
+    """The screen, as this presenter needs it."""
+
+    def show_counts(self, table: TextTable) -> None:
+        """Show what is counted."""
+
+    def show_agreement(self, table: TextTable, sentence: str) -> None:
+        """Show how far two observers agree, and what is to be said of it."""
+
+
+class CountsPresenter:
+    """Counts when the page is seen, and compares when asked."""
+
+    def __init__(
+        self,
+        view: CountsView,
+        workspace: Workspace,
+        coding: CodingPresenter,
+        finding: FindingPresenter,
+    ) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._coding = coding
+        self._finding = finding
+        self._kind = TABLES[0]
+        self._bin_ms = round(USUAL_BIN_S * MS_PER_S)
+        self._is_seen = False
+        self._other: Coding | None = None
+        self._params = AgreementParams()
+        self.report: AgreementReport | None = None
+        coding.changed.subscribe(self._on_changed)
+
+    def set_seen(self, *, is_seen: bool) -> None:
+        """Count from now on, or no more."""
+        self._is_seen = is_seen
+        self._count()
+
+    def choose_table(self, kind: str) -> None:
+        """Show another table."""
+        self._kind = kind
+        self._count()
+
+    def set_bin(self, seconds: float) -> None:
+        """Count in bins of this length."""
+        self._bin_ms = max(round(seconds * MS_PER_S), 1)
+        self._count()
+
+    def write(self, path: Path) -> None:
+        """Write what is counted, and what the program measured if it looked at the recording."""
+        coding = self._coding.coding()
+        if coding is None:
+            return
+        analysis, bin_ms, language = self._finding.analysis, self._bin_ms, spoken_language()
+
+        def work(_control: JobControl) -> None:
+            _write(path, coding, analysis, bin_ms, language)
+
+        self._workspace.jobs.start(
+            _("Writing {file}").format(file=path.name),
+            work,
+            lambda _none: self._workspace.tell(
+                "good", _("{file} is written.").format(file=path.name)
+            ),
+        )
+
+    def compare_file(self, path: Path) -> None:
+        """Compare with the coding of another observer."""
+        draft = self._coding.draft
+        if draft is None or self._coding.is_blind:
+            return
+        observed_ms = (draft.coding.begin_ms, draft.coding.end_ms)
+        self._workspace.attempt(
+            lambda: self.compare(read_for(path, draft.coding.name, observed_ms))
+        )
+
+    def compare(self, other: Coding) -> None:
+        """Compare with this coding from now on."""
+        self._other = other
+        self._compare()
+
+    def set_params(self, params: AgreementParams) -> None:
+        """Compare in this way from now on."""
+        self._params = params
+        self._compare()
+
+    def forget(self) -> None:
+        """Compare no more: another recording is open, or somebody codes blind."""
+        self._other, self.report = None, None
+        self._view.show_agreement(TextTable(), "")
+
+    def write_agreement(self, path: Path) -> None:
+        """Write all figures and disagreements as a workbook."""
+        report, language = self.report, spoken_language()
+        if report is None:
+            return
+
+        def work(_control: JobControl) -> None:
+            from adibas.reports.agreement_excel import write_agreement_workbook
+
+            write_agreement_workbook(report, path, language)
+
+        self._workspace.jobs.start(
+            _("Writing {file}").format(file=path.name),
+            work,
+            lambda _none: self._workspace.tell(
+                "good", _("{file} is written.").format(file=path.name)
+            ),
+        )
+
+    def _on_changed(self) -> None:
+        if self._coding.is_blind and self._other is not None:
+            self.forget()
+        self._count()
+        self._compare()
+
+    def _count(self) -> None:
+        coding = self._coding.coding()
+        if self._is_seen and coding is not None:
+            self._view.show_counts(counted_table(self._kind, coding, self._bin_ms))
+
+    def _compare(self) -> None:
+        mine, other = self._coding.coding(), self._other
+        if mine is None or other is None:
+            return
+
+        def compare() -> None:
+            self.report = compare_codings([mine, other], self._params)
+            self._show(self.report)
+
+        self._workspace.attempt(compare)
+
+    def _show(self, report: AgreementReport) -> None:
+        (session,) = report.sessions
+        result = session.result
+        self._coding.compare_with(session.codings[1], result.differences)
+        n = sum(not one.is_agreed for one in result.matches)
+        seconds = sum(one.end_ms - one.begin_ms for one in result.differences) / MS_PER_S
+        sentence = _("{events} not agreed on, and {seconds:.1f} s of states seen by one alone.")
+        told = sentence.format(
+            events=translate_plural("{n} event", "{n} events", n).format(n=n), seconds=seconds
+        )
+        notices = [notice.text for notice in (*report.notices, *result.notices)]
+        self._view.show_agreement(agreement_table(result.figures), " ".join((told, *notices)))
+
+
+def _write(
+    path: Path,
+    coding: Coding,
+    analysis: "BehaviourAnalysis | None",
+    bin_ms: int,
+    language: str,
+) -> None:
+    """Write the report of the analysis with the coding beside, or of the coding alone."""
+    if analysis is not None and path.suffix.lower() == ".xlsx":
+        from adibas.reports.behaviour import write_behaviour
+
+        write_behaviour(replace(analysis, observed=coding, bin_ms=bin_ms), path, language)
+        return
+    from adibas.reports.coding_report import write_coding_report
+
+    write_coding_report(coding, bin_ms, path, language)

@@ -1,0 +1,50 @@
+"""Asks for a file; the window goes on meanwhile."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog, QWidget
+
+from adibas.texts import translate as _
+
+Then = Callable[[Path], None]
+CODING_ENDINGS = ("csv", "xlsx", "boris", "eaf", "tsv")
+
+
+def coding_filter() -> str:
+    """Return the filter of files that hold codings."""
+    return _("Codings") + f" ({' '.join(f'*.{ending}' for ending in CODING_ENDINGS)})"
+
+
+def workbook_filter() -> str:
+    """Return the filter of workbooks."""
+    return _("Excel workbooks") + " (*.xlsx)"
+
+
+def ask_open(parent: QWidget, title: str, name_filter: str, then: Then) -> None:
+    """Ask which file is opened."""
+    dialog = QFileDialog(parent, title)
+    dialog.setNameFilter(name_filter)
+    _ask(dialog, then)
+
+
+def ask_save(parent: QWidget, title: str, filters: tuple[str, ...], file: str, then: Then) -> None:
+    """Ask where a file goes; `file` is proposed, and the ending follows the chosen filter."""
+    dialog = QFileDialog(parent, title)
+    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+    dialog.setNameFilters(filters)
+    dialog.setDefaultSuffix(_ending(filters[0]))
+    dialog.filterSelected.connect(lambda chosen: dialog.setDefaultSuffix(_ending(chosen)))
+    dialog.selectFile(file)
+    _ask(dialog, then)
+
+
+def _ending(name_filter: str) -> str:
+    return name_filter.rpartition("*.")[2].rstrip(")")
+
+
+def _ask(dialog: QFileDialog, then: Then) -> None:
+    dialog.fileSelected.connect(lambda name: then(Path(name)))
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()

@@ -1,0 +1,139 @@
+"""Codings and schemes in files, and the second observer. Knows nothing of Qt."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Protocol
+
+from adibas.behaviour.editing import Draft
+from adibas.data.coding import Coding
+from adibas.errors import BehaviourError
+from adibas.pipeline.coding_drafts import DraftPlace, new_draft, read_draft
+from adibas.pipeline.coding_files import for_file, read_for
+from adibas.recordings.ethogram_json import read_ethogram, write_ethogram
+from adibas.texts import spoken_language
+from adibas.texts import translate as _
+from ui.behaviour.coding_presenter import CodingPresenter
+from ui.behaviour.ports import Keeper, Source
+from ui.workspace import Workspace
+
+
+class FilesView(Protocol):
+    """The screen, as this presenter needs it."""
+
+    def show_blind(self, observer: str) -> None:
+        """Show that a second observer codes blind; nobody: the first one codes."""
+
+
+class FilesPresenter:
+    """Opens and saves what was coded; puts the first coding away while a second observer codes.
+
+    Parameters
+    ----------
+    revealed : callable
+        Called with the coding of the first observer when the second one is done.
+    """
+
+    def __init__(
+        self,
+        view: FilesView,
+        workspace: Workspace,
+        coding: CodingPresenter,
+        keeper: Keeper,
+        revealed: Callable[[Coding], None],
+    ) -> None:
+        self._view = view
+        self._workspace = workspace
+        self._coding = coding
+        self._keeper = keeper
+        self._revealed = revealed
+        self._source: Source | None = None
+        self._first: Draft | None = None
+
+    def use(self, source: Source) -> None:
+        """Save and open codings of this recording from now on."""
+        self._source, self._first = source, None
+        self._view.show_blind("")
+
+    def open_coding(self, path: Path) -> None:
+        """Take a coding from a file in place of what is coded; it can be undone."""
+        draft = self._coding.draft
+        if draft is None or self._coding.is_blind:
+            return
+        scheme = draft.coding.ethogram if draft.coding.ethogram.is_locked else None
+
+        def taken(old: Draft) -> Draft:
+            observed_ms = (old.coding.begin_ms, old.coding.end_ms)
+            found = read_for(path, old.coding.name, observed_ms, scheme)
+            if not found.ethogram.behaviours:
+                found = replace(found, ethogram=old.coding.ethogram)
+            return replace(old, coding=replace(found, name=old.coding.name), begun=())
+
+        if self._coding.edit(taken):
+            self._workspace.tell("good", _("{file} is open.").format(file=path.name))
+
+    def save_as(self, path: Path) -> None:
+        """Write a copy of what is coded, in the format that the ending names."""
+        coding = self._coding.coding()
+        if coding is None:
+            return
+
+        def save() -> None:
+            from adibas.reports.codings import write_codings
+
+            write_codings(path, [for_file(coding, path)], spoken_language())
+            self._workspace.tell("good", _("{file} is written.").format(file=path.name))
+
+        self._workspace.attempt(save)
+
+    def open_scheme(self, path: Path) -> None:
+        """Code by the scheme of a file from now on."""
+        self._workspace.attempt(lambda: self._coding.use_ethogram(read_ethogram(path)))
+
+    def save_scheme(self, path: Path) -> None:
+        """Write the coding scheme."""
+        draft = self._coding.draft
+        if draft is not None:
+            scheme = draft.coding.ethogram
+            self._workspace.attempt(lambda: write_ethogram(path, scheme))
+
+    def begin_blind(self, observer: str) -> None:
+        """Let a second observer code: he sees nothing of the first one, and the scheme is locked.
+
+        What he coded another day is taken up.
+        """
+        source, draft = self._source, self._coding.draft
+        if source is None or draft is None or self._coding.is_blind:
+            return
+
+        def begin() -> None:
+            if observer.strip() in ("", draft.coding.observer):
+                raise BehaviourError("A second observer has initials of his own. Type other ones.")
+            self._keeper.flush()
+            place = source.place_for(observer.strip())
+            second = read_draft(place) or _empty(draft, observer.strip())
+            self._open(second, place, observer.strip())
+            self._first = draft
+
+        self._workspace.attempt(begin)
+
+    def end_blind(self) -> None:
+        """Show the first observer's coding again, and that of the second one beside it."""
+        source, first, second = self._source, self._first, self._coding.coding()
+        if source is None or first is None or second is None:
+            return
+        self._open(first, source.place_for(""), "")
+        self._first = None
+        self._revealed(second)
+
+    def _open(self, draft: Draft, place: DraftPlace, observer: str) -> None:
+        self._coding.open(draft, place, observer)
+        self._view.show_blind(observer)
+
+
+def _empty(draft: Draft, observer: str) -> Draft:
+    """Return a draft of the same session and scheme, locked, in which nothing is coded."""
+    coding = draft.coding
+    scheme = replace(coding.ethogram, is_locked=True)
+    blank = new_draft(coding.name, (coding.begin_ms, coding.end_ms), scheme, observer)
+    return replace(blank, coding=replace(blank.coding, sections=coding.sections))

@@ -1,0 +1,105 @@
+"""Tables of the reports as lines of texts, in the language in use. Knows nothing of Qt."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from adibas.behaviour.agreement import Figure
+from adibas.data.coding import Coding
+from adibas.reports import behaviour_tables as tables
+from adibas.reports.agreement_texts import method_text
+from adibas.reports.behaviour_texts import behaviour_text, subject_text
+from adibas.reports.sheets import Column, Value
+from adibas.texts import decimal_text
+from adibas.texts import translate as _
+
+NOTHING = "\N{EN DASH}"
+
+
+@dataclass(frozen=True, slots=True)
+class TextTable:
+    """Titles and lines; `numbers` are the columns of numbers."""
+
+    titles: tuple[str, ...] = ()
+    lines: tuple[tuple[str, ...], ...] = ()
+    numbers: frozenset[int] = frozenset()
+
+
+def text_table(columns: Sequence[Column], rows: Iterable[Sequence[Value]]) -> TextTable:
+    """Return a table of a report as its reader sees it."""
+    return TextTable(
+        tuple(one.title for one in columns),
+        tuple(
+            tuple(_text(value, one) for value, one in zip(row, columns, strict=True))
+            for row in rows
+        ),
+        frozenset(n for n, one in enumerate(columns) if _decimals(one) is not None),
+    )
+
+
+def counted_table(kind: str, coding: Coding, bin_ms: int) -> TextTable:
+    """Return what is counted in a coding.
+
+    Parameters
+    ----------
+    kind : str
+        ``totals`` (with those of each condition), ``bins``, ``transitions`` or ``events``.
+    coding : Coding
+    bin_ms : int
+        Length of a time bin.
+    """
+    codings = [coding]
+    if kind == "transitions":
+        return _transitions(codings)
+    if kind == "totals":
+        columns, rows = tables.budget_columns(), tables.budget_rows(codings)
+    elif kind == "bins":
+        columns = tables.behaviour_bin_columns()
+        rows = tables.behaviour_bin_rows(codings, bin_ms)
+    else:
+        columns, rows = tables.event_columns(), tables.event_rows(codings)
+    return text_table(columns[1:], (row[1:] for row in rows))  # all of one observer
+
+
+def _transitions(codings: Sequence[Coding]) -> TextTable:
+    """Return the tables of all subjects in one: who, what, what then, and how often."""
+    lines = []
+    for block in tables.transition_blocks(codings):
+        who = block.heading.partition(": ")[2]
+        for row in block.rows:
+            for column, count in zip(block.columns[1:], row[1:], strict=True):
+                if count:
+                    lines.append((who, str(row[0]), column.title, _text(count, column)))
+    titles = (_("Who"), _("Before"), _("Then"), _("Count"))
+    return TextTable(titles, tuple(lines), frozenset({3}))
+
+
+def agreement_table(figures: Iterable[Figure]) -> TextTable:
+    """Return the figures of agreement; where there is none, the reason."""
+    titles = (_("Method"), _("Value"), _("Who"), _("Behaviour"), _("Why there is no value"))
+    lines = []
+    for one in figures:
+        found = one.coefficient
+        lines.append(
+            (
+                method_text(found.method),
+                NOTHING if found.value is None else decimal_text(found.value, 3),
+                subject_text(one.subject) if one.behaviour else _("all"),
+                behaviour_text(one.behaviour) or _("all"),
+                "" if found.reason is None else found.reason.text,
+            )
+        )
+    return TextTable(titles, tuple(lines), frozenset({1}))
+
+
+def _text(value: Value, column: Column) -> str:
+    if value is None:
+        return NOTHING
+    if isinstance(value, str):
+        return value
+    return decimal_text(float(value), _decimals(column) or 0)
+
+
+def _decimals(column: Column) -> int | None:
+    """Return how many decimals a column shows; None for texts."""
+    whole, _point, part = column.number_format.partition(".")
+    return len(part) if whole == "0" else None

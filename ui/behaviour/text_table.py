@@ -1,0 +1,46 @@
+"""A table of texts that can be read, and copied line by line."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHeaderView,
+    QTableWidget,
+    QTableWidgetItem,
+    QWidget,
+)
+
+from ui.behaviour.tables import TextTable
+
+LEAST_LINES = 3
+
+
+class TextTableView(QTableWidget):
+    """Shows a table; Tab leaves it."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setTabKeyNavigation(False)
+        self.setAlternatingRowColors(True)
+        self.setShowGrid(False)
+        self.verticalHeader().hide()
+        self.horizontalHeader().setHighlightSections(False)
+        self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+
+    def show_table(self, table: TextTable) -> None:
+        """Show these lines; the current one stays where it is."""
+        current = self.currentRow()
+        self.setColumnCount(len(table.titles))
+        self.setHorizontalHeaderLabels(table.titles)
+        self.setRowCount(len(table.lines))
+        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        for row, line in enumerate(table.lines):
+            for column, text in enumerate(line):
+                item = QTableWidgetItem(text)
+                item.setToolTip(text)
+                if column in table.numbers:
+                    item.setTextAlignment(right)
+                self.setItem(row, column, item)
+        if 0 <= current < len(table.lines):
+            self.selectRow(current)

@@ -1,0 +1,223 @@
+"""The row of buttons above the video: what is opened, sought, saved and taken back."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QComboBox, QInputDialog, QMenu, QPushButton, QVBoxLayout, QWidget
+
+from adibas.texts import translate as _
+from ui.behaviour.content import Desk
+from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter
+from ui.behaviour.sources import StoredChoice
+from ui.widgets.dates import moment_text
+from ui.widgets.elided_label import ElidedLabel
+from ui.widgets.flow import in_a_flow
+
+BUTTONS = ("open", "find", "file", "scheme", "second", "undo", "redo")
+SAVED_AS = (
+    ("CSV", "csv"),
+    ("Excel", "xlsx"),
+    ("BORIS", "boris"),
+    ("ELAN", "eaf"),
+    ("BORIS", "tsv"),
+)
+NONE, SHIPPED = "none", "shipped"
+
+
+class BehaviourTools(QWidget):
+    """Buttons and their menus; nothing is decided here."""
+
+    open_asked = Signal()
+    stored_chosen = Signal(str)
+    finding_asked = Signal(object)
+    """`NONE`, `SHIPPED`, or the `Path` of a model of gestures."""
+    coding_opened = Signal(object)
+    coding_saved = Signal(object)
+    scheme_edited = Signal()
+    scheme_opened = Signal(object)
+    scheme_saved = Signal(object)
+    second_began = Signal(str)
+    second_ended = Signal()
+    section_asked = Signal()
+    undone = Signal()
+    redone = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._observer = ""
+        self._name = ""
+        self.title = ElidedLabel(self)
+        self.title.setProperty("kind", "title")
+        self.stored = QComboBox(self)
+        self.buttons = {name: QPushButton(self) for name in BUTTONS}
+        self._actions: dict[str, QAction] = {}
+        self._menu("find", "shipped", "model", "plain")
+        self._menu("file", "open_coding", "save_coding", "section")
+        self._menu("scheme", "edit", "open_scheme", "save_scheme")
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.title)
+        column.addLayout(in_a_flow(self.buttons["open"], self.stored, *self._later_buttons()))
+        self._connect()
+
+    def _later_buttons(self) -> list[QPushButton]:
+        return [self.buttons[name] for name in BUTTONS[1:]]
+
+    def _menu(self, name: str, *actions: str) -> None:
+        menu = QMenu(self.buttons[name])
+        for action in actions:
+            self._actions[action] = menu.addAction("")
+        self.buttons[name].setMenu(menu)
+
+    def _connect(self) -> None:
+        clicks: dict[str, Callable[[], None]] = {
+            "open": self.open_asked.emit,
+            "second": self._on_second,
+            "undo": self.undone.emit,
+            "redo": self.redone.emit,
+        }
+        for name, action in clicks.items():
+            self.buttons[name].clicked.connect(lambda _on=False, action=action: action())
+        chosen: dict[str, Callable[[], None]] = {
+            "shipped": lambda: self.finding_asked.emit(SHIPPED),
+            "plain": lambda: self.finding_asked.emit(NONE),
+            "model": self._ask_model,
+            "open_coding": self._ask_coding,
+            "save_coding": self._ask_place,
+            "section": self.section_asked.emit,
+            "edit": self.scheme_edited.emit,
+            "open_scheme": self._ask_scheme,
+            "save_scheme": self._ask_scheme_place,
+        }
+        for name, action in chosen.items():
+            self._actions[name].triggered.connect(lambda _on=False, action=action: action())
+        self.stored.activated.connect(
+            lambda index: self.stored_chosen.emit(self.stored.itemData(index))
+        )
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        for name, text in _texts().items():
+            self.buttons[name].setText(text)
+        for name, text in _action_texts().items():
+            self._actions[name].setText(text)
+        self.buttons["undo"].setToolTip("Ctrl+Z")
+        self.buttons["redo"].setToolTip("Ctrl+Shift+Z")
+        self.stored.setAccessibleName(_("Recordings of the session"))
+        self._word_second()
+
+    def show_source(self, name: str) -> None:
+        """Show which recording is open."""
+        self._name = name
+        self.title.setText(name)
+
+    def show_stored(self, choices: tuple[StoredChoice, ...]) -> None:
+        """Offer the recordings of the session."""
+        fill_stored(self.stored, choices)
+
+    def show_desk(self, desk: Desk) -> None:
+        """Offer what can be done now."""
+        self.buttons["undo"].setEnabled(desk.can_undo)
+        self.buttons["redo"].setEnabled(desk.can_redo)
+        for name in ("edit", "open_scheme"):
+            self._actions[name].setEnabled(not desk.is_locked)
+
+    def show_blind(self, observer: str) -> None:
+        """Show that a second observer codes blind; nobody: the first one codes."""
+        self._observer = observer
+        self.buttons["find"].setEnabled(not observer)
+        self._actions["open_coding"].setEnabled(not observer)
+        self._word_second()
+
+    def show_finding(self, *, is_on: bool) -> None:
+        """Show whether the program looks right now."""
+        self.buttons["find"].setEnabled(not is_on and not self._observer)
+
+    def _word_second(self) -> None:
+        text = _("&Second observer...") if not self._observer else _("End the &second coding")
+        self.buttons["second"].setText(text)
+
+    def _on_second(self) -> None:
+        if self._observer:
+            self.second_ended.emit()
+            return
+        dialog = QInputDialog(self)
+        dialog.setWindowTitle(_("Second observer"))
+        dialog.setLabelText(
+            _(
+                "Initials of the second observer. What is coded until now is hidden, and the "
+                "scheme is locked, until the second coding is ended."
+            )
+        )
+        dialog.textValueSelected.connect(self.second_began)
+        dialog.open()
+
+    def _ask_model(self) -> None:
+        name_filter = _("Models of gestures") + " (*.json)"
+        ask_open(self, _("Model of gestures"), name_filter, self.finding_asked.emit)
+
+    def _ask_coding(self) -> None:
+        ask_open(self, _("Open a coding"), coding_filter(), self.coding_opened.emit)
+
+    def _ask_place(self) -> None:
+        filters = tuple(f"{name} (*.{ending})" for name, ending in SAVED_AS)
+        ask_save(self, _("Save a copy of the coding"), filters, self._name, self.coding_saved.emit)
+
+    def _ask_scheme(self) -> None:
+        name_filter = _("Coding schemes") + " (*.json)"
+        ask_open(self, _("Open a coding scheme"), name_filter, self.scheme_opened.emit)
+
+    def _ask_scheme_place(self) -> None:
+        filters = (_("Coding schemes") + " (*.json)",)
+        title = _("Save the coding scheme")
+        ask_save(self, title, filters, "ethogram", self.scheme_saved.emit)
+
+
+def fill_stored(chooser: QComboBox, choices: tuple[StoredChoice, ...]) -> None:
+    """Offer the recordings of the session; the first line is none of them."""
+    chooser.clear()
+    chooser.addItem(_("Recordings of the session"), "")
+    for one in choices:
+        text = _("{moment}, {seconds} s").format(
+            moment=moment_text(one.created_utc), seconds=round(one.duration_s)
+        )
+        chooser.addItem(text, one.recording_id)
+    chooser.setVisible(bool(choices))
+
+
+def as_model(asked: str | Path) -> Path | None:
+    """Return the model that was asked for; None for none."""
+    if isinstance(asked, Path):
+        return asked
+    if asked == NONE:
+        return None
+    from adibas.gestures.model_file import shipped_gestures
+
+    return shipped_gestures()
+
+
+def _texts() -> dict[str, str]:
+    return {
+        "open": _("&Open..."),
+        "find": _("Find e&vents"),
+        "file": _("Cod&ing"),
+        "scheme": _("S&cheme"),
+        "undo": _("&Undo"),
+        "redo": _("&Redo"),
+    }
+
+
+def _action_texts() -> dict[str, str]:
+    return {
+        "shipped": _("With the five gestures of the program"),
+        "model": _("With a model of gestures..."),
+        "plain": _("Changes of posture and times out of view alone"),
+        "open_coding": _("Open a coding..."),
+        "save_coding": _("Save a copy..."),
+        "section": _("Mark a section..."),
+        "edit": _("Change the coding scheme..."),
+        "open_scheme": _("Open a coding scheme..."),
+        "save_scheme": _("Save the coding scheme..."),
+    }
