@@ -1,6 +1,6 @@
 """Growing a forest level by level, from images that are read in batches.
 
-Memory holds the drawn pixels (24 bytes each), one batch of images (or as many as `Memory` allows)
+Memory holds the drawn pixels (20 bytes each), one batch of images (or as many as `Memory` allows)
 and the counts of one group of nodes, whatever the number of images. Each tree depends on the seed
 and its own number alone: trees can be grown in any order, on any machine, and after a break.
 """
