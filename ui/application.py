@@ -218,7 +218,7 @@ class Application:
         if workspace is None:
             return
         try:
-            name = screen_for(paths)
+            name = screen_for(paths, self.window.shown)
         except AdibasError as error:
             workspace.report_problem(error)
             return

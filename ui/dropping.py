@@ -8,8 +8,8 @@ RECORDINGS = (".mcap", ".oni")
 PICTURES = (".png", ".jpg", ".jpeg")
 
 
-def screen_for(dropped: tuple[Path, ...]) -> str:
-    """Return the name of the screen that opens what was dropped.
+def screen_for(dropped: tuple[Path, ...], shown: str = "") -> str:
+    """Return the name of the screen that opens what was dropped onto the one that is `shown`.
 
     Raises
     ------
@@ -21,7 +21,7 @@ def screen_for(dropped: tuple[Path, ...]) -> str:
     (path,) = dropped
     kind = path.suffix.lower()
     if kind in RECORDINGS or path.is_dir():
-        return "capture"
+        return "behaviour" if shown == "behaviour" else "capture"
     if kind in PICTURES:
         return "markers"
     raise FileError(

@@ -4,7 +4,7 @@ A coding holds no state without an end. While somebody codes, states that were b
 until they are ended.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Generic, TypeVar
@@ -212,51 +212,48 @@ def with_detected(draft: Draft, found: Coding) -> Draft:
     return replace(draft, detected=replace(found, occurrences=left))
 
 
-def with_ethogram(draft: Draft, ethogram: Ethogram) -> Draft:
+def with_ethogram(
+    draft: Draft, ethogram: Ethogram, called: Mapping[str, str] | None = None
+) -> Draft:
     """Code by another scheme, which must know all that is coded.
+
+    Parameters
+    ----------
+    draft : Draft
+    ethogram : Ethogram
+    called : mapping, optional
+        What each behaviour that stays is called from now on, by what it was called; the same names
+        if not given.
 
     Raises
     ------
     BehaviourError
         The scheme in use is locked, or the other one does not fit what is coded.
     """
-    if draft.coding.ethogram.is_locked:
+    coding = draft.coding
+    if coding.ethogram.is_locked:
         raise BehaviourError(
             "The coding scheme is locked: a second observer codes by the same one. Begin a coding "
             "of your own to change it."
         )
-    observed = (draft.coding.begin_ms, draft.coding.end_ms)
-    _raise_first(ethogram, chain(draft.coding.occurrences, draft.begun), observed)
-    return replace(draft, coding=replace(draft.coding, ethogram=ethogram))
-
-
-def renamed(draft: Draft, names: dict[str, str]) -> Draft:
-    """Return the draft with behaviours called otherwise wherever they are coded or begun.
-
-    The ethogram takes the new names, too. Old names that are not in `names` stay.
-    """
-    coding = draft.coding
-
-    def called(one: Occurrence) -> Occurrence:
-        return replace(one, behaviour=names.get(one.behaviour, one.behaviour))
-
-    scheme = replace(
-        coding.ethogram,
-        behaviours=tuple(
-            replace(
-                one,
-                name=names.get(one.name, one.name),
-                excludes=tuple(names.get(other, other) for other in one.excludes),
-            )
-            for one in coding.ethogram.behaviours
-        ),
-    )
-    occurrences = tuple(map(called, coding.occurrences))
+    occurrences = tuple(_called(one, called) for one in coding.occurrences)
+    begun = tuple(_called(one, called) for one in draft.begun)
+    _raise_first(ethogram, (*occurrences, *begun), (coding.begin_ms, coding.end_ms))
     return replace(
-        draft,
-        coding=replace(coding, ethogram=scheme, occurrences=occurrences),
-        begun=tuple(map(called, draft.begun)),
+        draft, coding=replace(coding, ethogram=ethogram, occurrences=occurrences), begun=begun
     )
+
+
+def _called(one: Occurrence, called: Mapping[str, str] | None) -> Occurrence:
+    if called is None:
+        return one
+    if one.behaviour not in called:
+        raise BehaviourError(
+            "{behaviour} is coded, and the new scheme lacks it. Keep it, or delete its events "
+            "first.",
+            behaviour=one.behaviour,
+        )
+    return replace(one, behaviour=called[one.behaviour])
 
 
 def with_subject(draft: Draft, name: str) -> Draft:

@@ -16,7 +16,6 @@ from adibas.behaviour.editing import (
     pressed,
     released,
     removed,
-    renamed,
     with_detected,
     with_ethogram,
     with_section,
@@ -197,10 +196,18 @@ def test_a_locked_scheme_stays():
 
 
 def test_a_new_name_is_taken_everywhere():
-    draft = renamed(pressed(draft_of(("up", 1, 2)), "seated", "", 3000), {"up": "stands"})
+    draft = pressed(draft_of(("up", 1, 2)), "fidgets", "", 3000)
+    scheme = replace(OPEN, behaviours=(Behaviour("stands"), Behaviour("fidgets")))
+    draft = with_ethogram(draft, scheme, {"up": "stands", "fidgets": "fidgets"})
     assert spans(draft) == [("stands", 1000, 2000)]
-    assert draft.coding.ethogram.behaviour("seated").excludes == ("stands",)
-    assert draft.begun[0].behaviour == "seated"
+    assert draft.begun[0].behaviour == "fidgets"
+
+
+def test_what_is_coded_does_not_become_another_behaviour_of_the_same_name():
+    draft = draft_of(("up", 1, 2))
+    scheme = replace(OPEN, behaviours=(Behaviour("up"),))
+    with pytest.raises(BehaviourError, match="up is coded"):
+        with_ethogram(draft, scheme, {"seated": "up"})
 
 
 def test_a_new_section_takes_the_place_of_what_it_covers():

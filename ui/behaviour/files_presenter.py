@@ -5,16 +5,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from adibas.behaviour.editing import Draft
+from adibas.behaviour.editing import Draft, with_ethogram
 from adibas.data.coding import Coding
-from adibas.errors import BehaviourError
+from adibas.errors import AdibasError, BehaviourError
 from adibas.pipeline.coding_drafts import DraftPlace, new_draft, read_draft
 from adibas.pipeline.coding_files import for_file, read_for
 from adibas.recordings.ethogram_json import read_ethogram, write_ethogram
-from adibas.texts import spoken_language
+from adibas.texts import describe, spoken_language
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter
 from ui.behaviour.ports import Keeper, Source
+from ui.behaviour.scheme import SchemeFields, ethogram_of, kept_names
 from ui.workspace import Workspace
 
 
@@ -96,6 +97,22 @@ class FilesPresenter:
         if draft is not None:
             scheme = draft.coding.ethogram
             self._workspace.attempt(lambda: write_ethogram(path, scheme))
+
+    def change_scheme(self, fields: SchemeFields) -> str:
+        """Code by the scheme that was typed; return what is wrong with it, nothing if all is well.
+
+        What is coded takes the new names.
+        """
+        draft = self._coding.draft
+        if draft is None:
+            return ""
+        try:
+            scheme = ethogram_of(fields, draft.coding.ethogram)
+            changed = with_ethogram(draft, scheme, kept_names(fields))
+        except AdibasError as error:
+            return describe(error)
+        self._coding.edit(lambda _old: changed)
+        return ""
 
     def begin_blind(self, observer: str) -> None:
         """Let a second observer code: he sees nothing of the first one, and the scheme is locked.

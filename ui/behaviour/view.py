@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QComboBox,
+    QDialog,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -26,6 +27,8 @@ from ui.behaviour.counts_presenter import CountsPresenter
 from ui.behaviour.file_dialogs import ask_open
 from ui.behaviour.ports import Picture
 from ui.behaviour.presenter import BehaviourPresenter, Position
+from ui.behaviour.scheme_dialog import SchemeDialog
+from ui.behaviour.section_dialog import SectionDialog
 from ui.behaviour.selected_panel import SelectedPanel
 from ui.behaviour.sources import StoredChoice
 from ui.behaviour.tables import TextTable
@@ -152,6 +155,8 @@ class BehaviourScreen(Screen):
         tools.finding_asked.connect(lambda asked: presenter.finding.find(as_model(asked)))
         tools.coding_opened.connect(files.open_coding)
         tools.coding_saved.connect(files.save_as)
+        tools.scheme_edited.connect(self._edit_scheme)
+        tools.section_asked.connect(self._ask_section)
         tools.scheme_opened.connect(files.open_scheme)
         tools.scheme_saved.connect(files.save_scheme)
         tools.second_began.connect(files.begin_blind)
@@ -303,6 +308,23 @@ class BehaviourScreen(Screen):
             return False
         return presenter.key(event.text())
 
+    def _edit_scheme(self) -> None:
+        draft = self._presenter.coding.draft
+        if draft is not None:
+            scheme, change = draft.coding.ethogram, self._presenter.files.change_scheme
+            _open(SchemeDialog(scheme, change, self))
+
+    def _ask_section(self) -> None:
+        draft = self._presenter.coding.draft
+        if draft is not None:
+            coding = draft.coding
+            observed_ms = (coding.begin_ms, coding.end_ms)
+            now_ms = self._presenter.now_ms()
+            dialog = SectionDialog(coding.sections, observed_ms, now_ms, self)
+            dialog.marked.connect(self._presenter.coding.mark_section)
+            dialog.removed.connect(self._presenter.coding.remove_section)
+            _open(dialog)
+
     def _take_keys(self) -> None:
         """Let keys code: no field and no list takes them."""
         if self._pages.currentIndex():
@@ -326,3 +348,8 @@ class BehaviourScreen(Screen):
     def _ask_recording(self) -> None:
         name_filter = _("Recordings") + f" {RECORDINGS}"
         ask_open(self, _("Open a recording"), name_filter, self._presenter.open_file)
+
+
+def _open(dialog: QDialog) -> None:
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()
