@@ -22,6 +22,7 @@ DRAWN: dict[Role, str] = {
     "focus": "#FFFFFF",
     "earlier": "#56B4E9",
     "later": "#E69F00",
+    "bone": "#009E73",
 }
 """On pictures. Source: Okabe & Ito, Color Universal Design (2008)."""
 

@@ -21,6 +21,24 @@ JOINT_NAMES = (
     "right_foot",
 )
 
+PARENT_OF = {
+    "neck": "torso",
+    "head": "neck",
+    **{
+        f"{side}{joint}": parent if parent in {"neck", "torso"} else f"{side}{parent}"
+        for side in SIDES
+        for joint, parent in (
+            ("shoulder", "neck"),
+            ("elbow", "shoulder"),
+            ("hand", "elbow"),
+            ("hip", "torso"),
+            ("knee", "hip"),
+            ("foot", "knee"),
+        )
+    },
+}
+"""The joint at the other end of the bone that ends at each joint; the torso has none."""
+
 BODY_PART_NAMES = (
     "head",
     "neck",

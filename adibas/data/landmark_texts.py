@@ -25,10 +25,13 @@ MIDDLE: dict[str, Message] = {
     "glabella": message("Glabella"),
     "menton": message("Menton"),
     "sternal_notch": message("Sternal notch"),
+    "thoracic_apex": message("Thoracic apex"),
 }
 PAIRED: dict[str, Message] = {
+    "canthus": message("Outer canthus"),
     "tragus": message("Tragus"),
     "acromion": message("Acromion"),
+    "scapular_spine": message("Spine of scapula"),
     "inferior_scapula": message("Inferior angle of scapula"),
     "lateral_epicondyle": message("Lateral epicondyle"),
     "wrist": message("Wrist"),
@@ -38,12 +41,14 @@ PAIRED: dict[str, Message] = {
     "knee_joint_line": message("Knee joint line"),
     "patella": message("Patella"),
     "tibial_tuberosity": message("Tibial tuberosity"),
+    "midleg": message("Midline of leg"),
     "achilles": message("Achilles tendon"),
     "calcaneus": message("Calcaneus"),
     "lateral_malleolus": message("Lateral malleolus"),
     "medial_malleolus": message("Medial malleolus"),
+    "metatarsals": message("Metatarsals 2 and 3"),
 }
-VERTEBRAE = ("c7", "t1", "t3", "t5", "t7", "t9", "t12", "l1", "l3", "l5", "s1")
+VERTEBRAE = ("c7", "t1", "t3", "t5", "t7", "t9", "t11", "t12", "l1", "l3", "l4", "l5", "s1")
 """Called the same in every language."""
 LEFT, RIGHT = message("{landmark}, left"), message("{landmark}, right")
 LANDMARKS = (
@@ -51,7 +56,7 @@ LANDMARKS = (
     *VERTEBRAE,
     *(f"{side}{landmark}" for landmark in PAIRED for side in reversed(SIDES)),
 )
-"""The landmarks of the shipped protocols that have a short name, from head to foot."""
+"""The landmarks of the shipped protocols, but joints, from head to foot."""
 KNOWN = (*LANDMARKS, *JOINTS)
 
 

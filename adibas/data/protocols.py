@@ -7,7 +7,7 @@ of parts that fit together; what a file does wrong is told with its line by
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -279,6 +279,11 @@ class Protocol:
     def measures_of(self, view: str) -> tuple[MeasureDefinition, ...]:
         """Return the measures of one of `VIEWS`, in their order."""
         return tuple(measure for measure in self.measures if view in measure.views)
+
+    def unmarked(self, view: str, labels: Collection[str]) -> tuple[Landmark, ...]:
+        """Return the landmarks of one of `VIEWS` that none of the labels means, in their order."""
+        given = {same_label(label) for label in labels}
+        return tuple(one for one in self.landmarks if view in one.views and not one.labels & given)
 
     def marked_for(self, points: tuple[str, ...]) -> tuple[str, ...]:
         """Return the landmarks that must be marked for these, derived ones taken apart."""

@@ -24,7 +24,9 @@ from adibas.pipeline.posture import (
     analyse_burst,
     doubts_about,
 )
+from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.skeleton_names import names_joints, with_joint_names
 from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
@@ -145,7 +147,7 @@ def take_capture(
         first_frame=0,
         n_frames=len(burst),
         calibration=calibration,
-        detected=findings.markers,
+        detected=_named(store, request, findings.markers, calibration),
         rejected=findings.rejected,
         provenance=provenance_of(
             recording_sha256(writer.path), calibration, request.target, params, clock()
@@ -154,6 +156,19 @@ def take_capture(
         notices=findings.notices,
     )
     return store.captures.add(request.session_id, new, findings.picture_rgb, findings.surface)
+
+
+def _named(
+    store: SessionStore,
+    request: CaptureRequest,
+    markers: tuple[Marker, ...],
+    calibration: RgbdCalibration,
+) -> tuple[Marker, ...]:
+    """Return the markers with the names of joints where the session's protocol marks these."""
+    wish, _notices = wish_of_session(store.sessions.get(request.session_id))
+    if wish is None or not names_joints(wish.protocol):
+        return markers
+    return with_joint_names(markers, request.view, calibration)
 
 
 def calibration_in_use(live: LiveView) -> RgbdCalibration:

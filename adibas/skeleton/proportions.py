@@ -7,27 +7,11 @@ from typing import Any
 import numpy as np
 
 from adibas.arrays import FloatArray, check_shape, read_only
-from adibas.data.joints import JOINT_NAMES, mirror_order
+from adibas.data.joints import JOINT_NAMES, PARENT_OF, mirror_order
 
 ROOT = JOINT_NAMES.index("torso")
-_PARENT_OF = {
-    "neck": "torso",
-    "head": "neck",
-    **{
-        f"{side}_{joint}": parent if parent in {"neck", "torso"} else f"{side}_{parent}"
-        for side in ("left", "right")
-        for joint, parent in (
-            ("shoulder", "neck"),
-            ("elbow", "shoulder"),
-            ("hand", "elbow"),
-            ("hip", "torso"),
-            ("knee", "hip"),
-            ("foot", "knee"),
-        )
-    },
-}
 PARENTS: tuple[int, ...] = tuple(
-    JOINT_NAMES.index(_PARENT_OF[name]) if name in _PARENT_OF else -1 for name in JOINT_NAMES
+    JOINT_NAMES.index(PARENT_OF[name]) if name in PARENT_OF else -1 for name in JOINT_NAMES
 )
 """The joint at the other end of the bone that ends at each joint; -1 for the torso."""
 ORDER: tuple[int, ...] = tuple(

@@ -65,10 +65,10 @@ def new_capture(view="anterior", markers=None):
     )
 
 
-def saved_session(store, views=("anterior",), *, surface=SURFACE, rotation_deg=0):
+def saved_session(store, views=("anterior",), *, surface=SURFACE, rotation_deg=0, protocol=""):
     """Save a patient with one session and return (patient, session, captures)."""
     patient = store.patients.add(Identity("Somebody"))
-    setup = SessionSetup(rotation_deg=rotation_deg)
+    setup = SessionSetup(rotation_deg=rotation_deg, protocol=protocol)
     session = store.sessions.start(patient.pseudonym, setup)
     captures = tuple(
         store.captures.add(session.session_id, new_capture(view), picture_rgb(), surface)

@@ -198,6 +198,41 @@ def test_points_are_added_deleted_and_renamed_with_keys(qtbot, user, capture):
     assert list(places(capture())) == ["m01", "Left acromion", "m03"]
 
 
+def test_landmarks_are_named_one_after_the_other_by_clicks(qtbot, workspace, theme, store):
+    _patient, session, captures = saved_session(store, protocol="sapo-1")
+    workspace.choose_session(session)
+    user = shown(qtbot, workspace, theme)
+    qtbot.waitUntil(user.tool("name-next").isEnabled)
+    user.key(Qt.Key.Key_N)
+    hints = [one.text() for one in user.screen.findChildren(QLabel)]
+    assert any(text.startswith("Click Glabella") for text in hints)
+    user.click(*DOTS["m01"])
+    user.key(Qt.Key.Key_N)  # the right tragus is not seen: on to the next landmark
+    user.click(*DOTS["m02"])
+    user.click(*UNNOTICED)  # where no marker was found
+    assert user.names() == ["Glabella", "Tragus, left", "m03", "Menton"]
+    named = places(store.captures.get(captures[0].capture_id))
+    assert list(named) == ["glabella", "left_tragus", "m03", "menton"]
+    assert named["menton"] == pytest.approx(UNNOTICED, abs=0.3)
+    user.key(Qt.Key.Key_Z, CTRL)
+    assert user.names() == ["Glabella", "Tragus, left", "m03"]
+
+
+def test_without_a_protocol_no_landmark_is_next(qtbot, user):
+    qtbot.waitUntil(user.tool("add-marker").isEnabled)
+    assert not user.tool("name-next").isEnabled()
+
+
+def test_the_bones_between_joints_are_drawn(qtbot, user):
+    qtbot.waitUntil(user.tool("add-marker").isEnabled)
+    points = user.screen._presenter.points
+    points.rename("m01", "left_elbow")
+    points.rename("m02", "left_hand")
+    (bone,) = [one for one in user.image._overlays if isinstance(one, Line)]
+    assert bone.role == "bone"
+    assert {(bone.u1, bone.v1), (bone.u2, bone.v2)} == {DOTS["m01"], DOTS["m02"]}
+
+
 @pytest.mark.qt_log_ignore("This plugin does not support")  # a list of suggestions drops down
 def test_a_joint_is_named_in_the_readers_language_and_kept_under_its_own_name(qtbot, user, capture):
     user.click(*DOTS["m02"])

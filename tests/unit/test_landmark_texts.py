@@ -10,7 +10,7 @@ from adibas.data.landmark_texts import (
     landmark_label,
     landmark_text,
 )
-from adibas.measures.protocol_store import find_protocol
+from adibas.measures.protocol_store import find_protocol, protocol_files
 from adibas.texts import LANGUAGES, speaking
 
 NAMES = {
@@ -32,9 +32,11 @@ def test_every_joint_and_landmark_is_known_again_by_its_name(language):
         assert tuple(landmark_label(landmark_text(label)) for label in KNOWN) == KNOWN
 
 
-def test_all_joints_have_a_name_and_landmarks_are_those_of_the_protocol():
+def test_the_landmarks_of_all_shipped_protocols_have_a_name():
     assert tuple(JOINTS) == JOINT_NAMES
-    assert set(LANDMARKS) <= {one.landmark_id for one in find_protocol("sapo-1").landmarks}
+    protocols = map(find_protocol, protocol_files())
+    assert {one.landmark_id for each in protocols for one in each.landmarks} == set(KNOWN)
+    assert len(KNOWN) == len(LANDMARKS) + len(JOINTS)
 
 
 @pytest.mark.parametrize("typed", ["m07", "Acromion (der.)", "left_thing", "left_c7"])

@@ -74,6 +74,9 @@ def test_the_small_protocol_is_right():
     assert protocol.views == ("anterior",)
     assert protocol.measures_of("posterior") == ()
     assert protocol.marked_for(("right_a", "mid")) == ("right_a", "left_a")
+    assert [one.landmark_id for one in protocol.unmarked("anterior", ())] == ["left_a", "right_a"]
+    assert protocol.unmarked("anterior", ("A, Right", "left a", "m01")) == ()
+    assert [one.landmark_id for one in protocol.unmarked("posterior", ())] == ["right_a"]
     assert protocol.shares_of(("right_a", "mid")) == {"right_a": (1.0, 0.5), "left_a": (0.0, 0.5)}
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from adibas.data.frames import SourceInfo
+from adibas.data.joints import JOINT_NAMES
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import CalibrationError, RecordingError, SensorError, StoreError
@@ -22,6 +23,7 @@ from adibas.recordings.mcap_writer import McapWriter
 from adibas.sensors.ports import DepthCamera
 from adibas.sessions import open_store
 from adibas.sessions.key_wrapping import Argon2Params
+from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 from adibas.texts import speaking
 from tests.unit.live_rig import UNPLUGGED, Sources, Told, frame, numbered
@@ -151,6 +153,18 @@ def test_a_capture_holds_the_markers_where_they_truly_are(
     assert max(errors_m) < 0.015
     assert progress[-1] == (2 * N_FRAMES, 2 * N_FRAMES)
     assert [done for done, _ in progress] == sorted(done for done, _ in progress)
+
+
+def test_markers_on_joints_have_their_names_where_the_protocol_marks_joints(store, showing, target):
+    scene = open_scene("anterior", seed=7, distance_m=3.0, markers=MarkerSettings(JOINT_NAMES))
+    patient = store.patients.add(Identity("Somebody")).pseudonym
+    setup = SessionSetup(protocol="joints-15")
+    session_id = store.sessions.start(patient, setup).session_id
+    taken = capture(store, showing(SceneCamera(scene)), session_id, target)
+    truth = {one.name: one for one in scene.frame(0).truth.markers}
+    named = [one for one in taken.markers() if one.label in truth]
+    assert len(named) >= 12
+    assert max(offset_px(truth[one.label], one) for one in named) < 2.0
 
 
 def test_the_recording_of_a_capture_is_sealed_whole_and_named_in_it(

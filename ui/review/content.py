@@ -10,17 +10,23 @@ N_OF_DISTANCE, N_OF_ANGLE = 2, 3
 
 
 class Mode(Enum):
-    """What a click on the picture does; the value counts the markers that a measure takes."""
+    """What a click on the picture does; of measures, the value counts the markers they take."""
 
     CHOOSE = 0
     ADD = 1
     DISTANCE = N_OF_DISTANCE
     ANGLE = N_OF_ANGLE
+    NAME = 4
 
     @property
     def measures(self) -> bool:
         """Whether clicks choose the markers of a measure."""
         return self in (Mode.DISTANCE, Mode.ANGLE)
+
+    @property
+    def picks(self) -> bool:
+        """Whether a press on a marker means it, and does not move it."""
+        return self.measures or self is Mode.NAME
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +81,9 @@ class Points:
         What a click does.
     can_edit, can_undo, can_redo : bool
         What is possible now.
+    unnamed : tuple of str
+        Labels of the landmarks of this view that no marker has yet, the next one first; None where
+        the session has no protocol.
     """
 
     markers: tuple[Marker, ...] = ()
@@ -88,6 +97,7 @@ class Points:
     can_edit: bool = False
     can_undo: bool = False
     can_redo: bool = False
+    unnamed: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

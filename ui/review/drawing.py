@@ -2,7 +2,9 @@
 
 import itertools
 import math
+from collections.abc import Iterator, Mapping
 
+from adibas.data.joints import PARENT_OF
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
@@ -20,7 +22,7 @@ Pixel = tuple[float, float]
 def overlays_of(points: Points) -> tuple[Overlay, ...]:
     """Return what is drawn over the picture: measures below, markers above."""
     places = {one.label: (one.u, one.v) for one in points.markers}
-    drawn: list[Overlay] = []
+    drawn: list[Overlay] = list(bones(places))
     for row in points.measures:
         if all(label in places for label in row.labels):
             drawn += _measure(row, [places[label] for label in row.labels])
@@ -34,13 +36,20 @@ def overlays_of(points: Points) -> tuple[Overlay, ...]:
             tooltip=_("Refused: {reason} Click to make a marker of it.").format(
                 reason=_(blob.reason)
             ),
-            is_pickable=points.can_edit and not points.mode.measures,
+            is_pickable=points.can_edit and not points.mode.picks,
             key=f"{REFUSED_KEY}{index}",
         )
         for index, blob in enumerate(points.rejected)
     ]
     drawn += [_dot(marker, points) for marker in points.markers]
     return tuple(drawn)
+
+
+def bones(places: Mapping[str, Pixel]) -> Iterator[Line]:
+    """Join the joints among named places."""
+    for joint, parent in PARENT_OF.items():
+        if joint in places and parent in places:
+            yield Line(*places[joint], *places[parent], "bone")
 
 
 def refused_index(name: str) -> int | None:
@@ -52,7 +61,7 @@ def _dot(marker: Marker, points: Points) -> Dot:
     role: Role = "corrected" if marker.label in points.by_hand else "marker"
     if marker.label == points.selected or marker.label in points.picked:
         role = "selected"
-    can_move = points.can_edit and not points.mode.measures
+    can_move = points.can_edit and not points.mode.picks
     return Dot(
         marker.u,
         marker.v,

@@ -16,6 +16,7 @@ from ui.review.measuring import MeasureTable, free_rows
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
+    from adibas.data.protocols import Protocol as LandmarkProtocol
     from adibas.pipeline.posture import MarkerTarget
     from adibas.pipeline.review import CaptureSurface
 
@@ -44,11 +45,14 @@ class Opened:
         Gives positions.
     target : MarkerTarget or None
         What markers look like, for snapping.
+    protocol : Protocol or None
+        Of the session: its landmarks are what markers are named after.
     """
 
     picture_rgb: UInt8Array
     surface: "CaptureSurface"
     target: "MarkerTarget | None"
+    protocol: "LandmarkProtocol | None" = None
 
 
 class PointsPresenter:
@@ -76,6 +80,7 @@ class PointsPresenter:
         self._selected: str | None = None
         self._picked: tuple[str, ...] = ()
         self._mode = Mode.CHOOSE
+        self._passed: frozenset[str] = frozenset()
         self._shows_rejected = False
         self._has_values = False
 
@@ -98,12 +103,15 @@ class PointsPresenter:
         """Show the markers of a capture; they can be edited once `give_surface` was called."""
         self._editor = CaptureEditor(capture, partial(self._save, capture.capture_id))
         self._opened, self._selected, self._picked = None, None, ()
+        self._passed = frozenset()
         self._view.show_measures(())
         self._show()
 
     def give_surface(self, opened: Opened) -> None:
         """Allow editing."""
         self._opened = opened
+        if opened.protocol is None and self._mode is Mode.NAME:
+            self._mode = Mode.CHOOSE
         self._show()
 
     def close_capture(self) -> None:
@@ -125,7 +133,9 @@ class PointsPresenter:
             self.measure_all()
 
     def choose_mode(self, mode: Mode) -> None:
-        """Let clicks do something else."""
+        """Let clicks do something else; names are given to the next landmark, chosen again."""
+        if mode is Mode.NAME is self._mode:
+            self._passed |= {one for one in [self._next_landmark()] if one is not None}
         self._mode, self._picked = mode, ()
         self._show()
 
@@ -152,9 +162,12 @@ class PointsPresenter:
             self._show()
 
     def press(self, label: str) -> None:
-        """Choose a marker of the picture, or take it into the measure that is being clicked."""
+        """Choose a marker, take it into the measure that is being clicked, or name it."""
+        landmark = self._next_landmark()
         if self._mode.measures:
             self._pick(label)
+        elif self._mode is Mode.NAME and landmark is not None:
+            self.rename(label, landmark)
         else:
             self.select(label)
 
@@ -163,18 +176,20 @@ class PointsPresenter:
         self.add(blob.u, blob.v, is_free=True)
 
     def click(self, u: float, v: float, *, is_free: bool) -> None:
-        """Add a marker where that is wished; else choose none."""
+        """Add a marker where that is wished, under the name that is due; else choose none."""
         if self._mode is Mode.ADD:
             self.add(u, v, is_free=is_free)
+        elif self._mode is Mode.NAME:
+            self.add(u, v, is_free=is_free, label=self._next_landmark())
         elif self._mode is Mode.CHOOSE:
             self.select(None)
 
-    def add(self, u: float, v: float, *, is_free: bool) -> None:
-        """Add a marker at the blob nearest to (u, v), or right there."""
+    def add(self, u: float, v: float, *, is_free: bool, label: str | None = None) -> None:
+        """Add a marker at the blob nearest to (u, v), or right there; numbered without a label."""
         editor, opened = self._editable()
         if editor is None or opened is None:
             return
-        marker = _placed(opened, editor.free_label(), u, v, is_free=is_free)
+        marker = _placed(opened, label or editor.free_label(), u, v, is_free=is_free)
         self._selected = marker.label
         self._edit(lambda one: one.add(marker))
 
@@ -246,6 +261,19 @@ class PointsPresenter:
         """Take a free measure away."""
         self._edit(lambda editor: editor.remove_measure(labels))
 
+    def _unnamed(self) -> tuple[str, ...] | None:
+        """Return the landmarks without a marker, those last that were passed over."""
+        if self._editor is None or self._opened is None or self._opened.protocol is None:
+            return None
+        view, labels = self._editor.capture.view, self._editor.saved()
+        missing = [one.landmark_id for one in self._opened.protocol.unmarked(view, labels)]
+        if self._passed >= set(missing):
+            self._passed = frozenset()
+        return tuple(sorted(missing, key=self._passed.__contains__))
+
+    def _next_landmark(self) -> str | None:
+        return next(iter(self._unnamed() or ()), None)
+
     def _pick(self, label: str) -> None:
         """Take a marker into the measure; the same one again takes it out."""
         if label in self._picked:
@@ -314,6 +342,7 @@ class PointsPresenter:
                 can_edit=can_edit,
                 can_undo=can_edit and editor.history.can_undo,
                 can_redo=can_edit and editor.history.can_redo,
+                unnamed=self._unnamed(),
             )
         )
 

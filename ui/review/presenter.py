@@ -228,17 +228,20 @@ class ReviewPresenter:
 
     def _load_surface(self, capture: Capture, picture_rgb: UInt8Array) -> None:
         store = self._workspace.store
-        document = None if self._session is None else self._session.setup.markers
+        session = self._session
 
         def work(_control: JobControl) -> "tuple[BurstDisparity | None, Opened]":
+            from adibas.pipeline.protocol_measuring import wish_of_session
             from adibas.pipeline.review import CaptureSurface
 
             surface = store.captures.surface(capture.capture_id)
             on_surface = CaptureSurface(surface, capture.calibration)
-            target = _target(document)
+            target = _target(None if session is None else session.setup.markers)
+            wish = None if session is None else wish_of_session(session)[0]
             height, width = picture_rgb.shape[:2]
             on_surface.snapped(picture_rgb, width / 2, height / 2, target=target)  # loads kernels
-            return surface, Opened(picture_rgb, on_surface, target)
+            protocol = None if wish is None else wish.protocol
+            return surface, Opened(picture_rgb, on_surface, target, protocol)
 
         def done(found: "tuple[BurstDisparity | None, Opened]") -> None:
             if self._opened == capture.capture_id:

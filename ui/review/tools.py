@@ -15,12 +15,14 @@ MORE_BUTTON = "qt_toolbar_ext_button"
 MODE_ICONS = {
     Mode.CHOOSE: "move",
     Mode.ADD: "add-marker",
+    Mode.NAME: "name-next",
     Mode.DISTANCE: "distance",
     Mode.ANGLE: "angle",
 }
 KEYS = {
     "move": ("M",),
     "add-marker": ("A",),
+    "name-next": ("N",),
     "distance": ("D",),
     "angle": ("G",),
     "undo": ("Ctrl+Z",),
@@ -126,7 +128,8 @@ class ReviewTools(QToolBar):
     def show_points(self, points: Points) -> None:
         """Offer what can be done now."""
         for mode, name in MODE_ICONS.items():
-            self._actions[name].setEnabled(points.can_edit)
+            is_possible = mode is not Mode.NAME or points.unnamed is not None
+            self._actions[name].setEnabled(points.can_edit and is_possible)
             self._actions[name].setChecked(mode is points.mode)
         has_chosen = points.can_edit and points.selected is not None
         for name, is_possible in (

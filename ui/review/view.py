@@ -27,7 +27,7 @@ from ui.review.notes_panel import NotesPanel
 from ui.review.presenter import ReviewPresenter
 from ui.review.space_view import SpaceView
 from ui.review.tools import ReviewTools
-from ui.review.wording import MODE_HINTS, READ_ONLY_HINT, SPACE_HINT, WAIT_HINT
+from ui.review.wording import READ_ONLY_HINT, SPACE_HINT, WAIT_HINT, mode_hint
 from ui.theme import Theme
 from ui.widgets.image_view import WHEEL_STEP, ImageView
 from ui.widgets.screen import Screen
@@ -192,7 +192,7 @@ class ReviewScreen(Screen):
         self._markers.show_points(points)
         self._measures.show_chosen(points.measures, can_edit=points.can_edit)
         self._image.set_overlays(overlays_of(points))
-        can_nudge = points.can_edit and points.selected is not None and not points.mode.measures
+        can_nudge = points.can_edit and points.selected is not None and not points.mode.picks
         self._image.set_nudging(is_on=can_nudge)
         is_plain = points.mode is Mode.CHOOSE
         self._image.setCursor(
@@ -216,7 +216,7 @@ class ReviewScreen(Screen):
         if self._center.currentIndex() == SPACE_PAGE:
             return _(SPACE_HINT)
         if points.can_edit:
-            return _(MODE_HINTS[points.mode])
+            return mode_hint(points)
         return _(READ_ONLY_HINT) if self._is_read_only else _(WAIT_HINT)
 
     def _is_free(self) -> bool:

@@ -5,13 +5,14 @@ from PySide6.QtCore import QLocale
 from adibas.data.landmark_texts import landmark_text
 from adibas.texts import message
 from adibas.texts import translate as _
-from ui.review.content import MeasureRow, Mode
+from ui.review.content import MeasureRow, Mode, Points
 
 NOTHING = "\u2013"
 
 MODE_TITLES = {
     Mode.CHOOSE: message("Move"),
     Mode.ADD: message("Add"),
+    Mode.NAME: message("Name"),
     Mode.DISTANCE: message("Distance"),
     Mode.ANGLE: message("Angle"),
 }
@@ -26,9 +27,23 @@ MODE_HINTS = {
     Mode.DISTANCE: message("Click two markers, one after the other."),
     Mode.ANGLE: message("Click three markers; the angle is at the second one."),
 }
+NAME_HINT = message(
+    "Click {landmark}, or the marker that is there; {n} are left. N passes on to the next one."
+)
+ALL_NAMED = message("Every landmark of this view has its marker.")
 SPACE_HINT = message("Drag or press arrows to turn the surface; 0 looks from the front again.")
 READ_ONLY_HINT = message("The store is read only: look and measure, nothing is changed.")
 WAIT_HINT = message("The depth of the capture is being read; a moment.")
+
+
+def mode_hint(points: Points) -> str:
+    """Say what a click does."""
+    if points.mode is not Mode.NAME:
+        return _(MODE_HINTS[points.mode])
+    if not points.unnamed:
+        return _(ALL_NAMED)
+    landmark = landmark_text(points.unnamed[0])
+    return _(NAME_HINT).format(landmark=landmark, n=len(points.unnamed))
 
 
 def number(value: float, decimals: int = 1) -> str:

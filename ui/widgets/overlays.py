@@ -16,6 +16,7 @@ Role = Literal[
     "focus",
     "earlier",
     "later",
+    "bone",
 ]
 
 
