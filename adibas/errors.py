@@ -57,6 +57,10 @@ class LimbError(AdibasError):
     """Labelled images or a model of limbs cannot be used."""
 
 
+class BodyError(AdibasError):
+    """The surface of the body cannot be had from what was recorded."""
+
+
 class ReportError(AdibasError):
     """A report cannot be written."""
 

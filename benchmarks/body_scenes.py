@@ -64,13 +64,15 @@ class BackScene:
         return self.patient.body.posed(self.pose.facing(view))
 
 
-def draw_back_scene(seed: int, distance_m: float = 2.0) -> BackScene:
-    """Return the scene of a seed."""
+def draw_back_scene(seed: int, distance_m: float = 2.0, *, is_portrait: bool = False) -> BackScene:
+    """Return the scene of a seed; an upright picture shows all of the patient at 2 m."""
     rng = np.random.default_rng([seed, 0xBAC])
     shape = SHAPES[seed % len(SHAPES)]
     patient = Patient.dressed(shape, draw_look(rng, shape.sex))
     eye_m = np.array([0.0, -CAMERA_HEIGHT_M, -distance_m])
-    return BackScene(patient, bent_pose(rng), draw_device(seed), RigidTransform(np.eye(3), -eye_m))
+    upright = about(np.array([0.0, 0.0, 1.0]), -np.pi / 2) if is_portrait else np.eye(3)
+    sensor = RigidTransform(upright, -upright @ eye_m)
+    return BackScene(patient, bent_pose(rng), draw_device(seed), sensor)
 
 
 def bent_pose(rng: np.random.Generator) -> Pose:

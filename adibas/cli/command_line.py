@@ -27,6 +27,7 @@ COMMANDS = (
     "movement",
     "pose",
     "map",
+    "body",
     "skeleton",
     "calibrate",
     "wand",

@@ -1,5 +1,9 @@
 """Axes of a standing patient: x to the patient's right, y up from the floor, z to the back."""
 
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from adibas.arrays import FloatArray
@@ -7,6 +11,19 @@ from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 
 UP = np.array([0.0, 1.0, 0.0])
+TURNS_RAD: Mapping[str, float] = MappingProxyType(
+    {
+        "posterior": 0.0,
+        "right_lateral": math.pi / 2,
+        "anterior": math.pi,
+        "left_lateral": -math.pi / 2,
+    }
+)
+"""By how much axes whose z points to the camera are turned, see `turned`, to be the patient's."""
+TRUNK = (0.5, 0.8)
+"""Heights, as shares of the stature, whose outline says where the body's middle is."""
+THICKNESS, WIDTH = 0.13, 0.26
+"""Of the trunk with the arms, as shares of the stature, where no view shows them."""
 
 
 def axes_of_back(points_m: FloatArray, floor: Plane) -> RigidTransform:
@@ -38,3 +55,45 @@ def turned(patient_from_camera: RigidTransform, turn_rad: float) -> RigidTransfo
     """
     turn = rotation_from_vector(turn_rad * UP)
     return RigidTransform(turn, np.zeros(3)) @ patient_from_camera
+
+
+def guessed_axes(views: Mapping[str, tuple[FloatArray, Plane]]) -> dict[str, RigidTransform]:
+    """Return patient_from_camera of each standing view, as far as outlines tell.
+
+    Each view is centred in its picture; how far the body's middle lies behind what is seen is
+    half of what the views from the side see as its width.
+
+    Parameters
+    ----------
+    views : mapping
+        By name (`TURNS_RAD`): (N, 3) points in camera axes, and the floor.
+    """
+    facing = {name: axes_of_back(points_m, floor) for name, (points_m, floor) in views.items()}
+    outlines = {name: _outline_m(facing[name].apply(views[name][0])) for name in views}
+    guessed = {}
+    for name, axes in facing.items():
+        left_m, right_m, nearest_m, stature_m = outlines[name]
+        is_frontal = name in ("posterior", "anterior")
+        across = [
+            outlines[other][1] - outlines[other][0]
+            for other in views
+            if (other in ("posterior", "anterior")) != is_frontal
+        ]
+        nominal_m = stature_m * (THICKNESS if is_frontal else WIDTH)
+        deep_m = float(np.mean(across)) if across else nominal_m
+        shift_m = -np.array([(left_m + right_m) / 2, 0.0, nearest_m - deep_m / 2])
+        centred = RigidTransform(np.eye(3), shift_m) @ axes
+        guessed[name] = turned(centred, TURNS_RAD[name])
+    return guessed
+
+
+def _outline_m(points_m: FloatArray) -> tuple[float, float, float, float]:
+    """Return left and right border and nearest place of the trunk, and the stature."""
+    stature_m = float(points_m[:, 1].max())
+    low, high = TRUNK
+    height = points_m[:, 1] / stature_m
+    trunk_m = points_m[(height >= low) & (height <= high)]
+    if not len(trunk_m):
+        trunk_m = points_m
+    left_m, right_m = np.quantile(trunk_m[:, 0], (0.01, 0.99))
+    return float(left_m), float(right_m), float(np.quantile(trunk_m[:, 2], 0.99)), stature_m

@@ -1,9 +1,9 @@
 """Inflections, apices and angles of the sagittal profile of the back.
 
-Source: Degenhardt et al., Appraisal of the DIERS method for calculating postural measurements,
-Scoliosis 12 (2017), 10.1186/s13013-017-0134-y, table 1, for the points ICT, KA, ITL, LA and ILS;
-Lippold et al., BMC Musculoskeletal Disorders 13:151 (2012), figure 3, for the angles between the
-inflectional tangents; BioMed Research International 638238 (2014), figure 5, for the fleches.
+Source: Appraisal of the DIERS method for calculating postural measurements, doi
+10.1186/s13013-017-0134-y, table 1, for the points ICT, KA, ITL, LA and ILS; doi
+10.1186/1471-2474-13-151, figure 3, for the angles between the inflectional tangents; doi
+10.1155/2014/638238, figure 5, for the fleches.
 """
 
 from dataclasses import dataclass

@@ -1,0 +1,188 @@
+"""One standing view of a patient as a surface: the mean depth of a burst, and the person in it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray
+from adibas.body.floor import find_floor
+from adibas.body.mask import find_body
+from adibas.body.rays import viewing_rays
+from adibas.calibration.files import check_fits
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.frames import depth_in_metres
+from adibas.data.surface import BurstDisparity
+from adibas.errors import BodyError, CalibrationError, RecordingError
+from adibas.geometry.planes import Plane
+from adibas.markers.disparity import DisparitySum
+from adibas.pipeline.session import calibration_of
+from adibas.progress import Progress
+from adibas.recordings import open_recording
+
+LEAST_SHARE, GREATEST_SD_PER_M = 0.3, 0.02
+"""Of `adibas.pipeline.posture.PostureParams`."""
+
+
+@dataclass(frozen=True, slots=True)
+class ViewRequest:
+    """One view.
+
+    Attributes
+    ----------
+    view : str
+        One of `VIEWS`.
+    recording : Path
+    calibration : Path or None
+        In place of the recording's own.
+    frames : (first, one past the last or None)
+    """
+
+    view: str
+    recording: Path
+    calibration: Path | None = None
+    frames: tuple[int, int | None] = (0, None)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyView:
+    """The person in one view.
+
+    Attributes
+    ----------
+    view : str
+    surface : BurstDisparity
+        Of the depth camera, bias corrected.
+    body : (H, W) bool array
+        The person's measured pixels.
+    floor : Plane
+        In the depth camera's axes, normal up.
+    calibration : RgbdCalibration
+    n_frames : int
+    is_cut_above : bool
+        The picture ends before the person does.
+    notice : str or None
+        What was lost of the recording.
+    """
+
+    view: str
+    surface: BurstDisparity
+    body: BoolArray
+    floor: Plane
+    calibration: RgbdCalibration
+    n_frames: int
+    is_cut_above: bool
+    notice: str | None
+
+    @property
+    def camera(self) -> CameraCalibration:
+        """The depth camera."""
+        if self.calibration.depth is None:
+            raise ValueError("a view has a depth camera")
+        return self.calibration.depth
+
+    def points_m(self) -> FloatArray:
+        """Return the (N, 3) points of the person, depth camera's axes."""
+        depth_m = 1.0 / self.surface.mean_per_m[self.body].astype(float)
+        return np.asarray(viewing_rays(self.camera)[self.body] * depth_m[:, None], float)
+
+
+def see_view(request: ViewRequest, progress: Progress) -> BodyView:
+    """Read a burst and find the person.
+
+    Raises
+    ------
+    RecordingError
+        It is missing, broken, or has no such frames, or no depth.
+    CalibrationError
+        There is none of the depth camera, or one for another resolution.
+    BodyError
+        Nobody is seen, or no floor.
+    """
+    with open_recording(request.recording) as recording:
+        wanted = range(*slice(*request.frames).indices(len(recording)))
+        if not wanted:
+            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        calibration = calibration_of(recording, request.calibration)
+        if calibration.depth is None:
+            raise CalibrationError(
+                "The calibration lacks the depth camera. Give one of both cameras with "
+                "--calibration FILE."
+            )
+        total = DisparitySum(calibration.depth_bias, calibration.depth)
+        n_frames = 0
+        for done, index in enumerate(wanted, 1):
+            raw = recording.read(index).depth_raw
+            if raw is not None:
+                check_fits(calibration, None, raw.shape)
+                total.add(depth_in_metres(raw, recording.info.depth_unit_m))
+                n_frames += 1
+            progress(done, len(wanted))
+        notice = recording.notice
+    if not n_frames:
+        raise RecordingError(
+            "{file} holds no depth, and a surface takes depth. Record both streams.",
+            file=request.recording.name,
+        )
+    return person_in(
+        request.view,
+        total.result(LEAST_SHARE, GREATEST_SD_PER_M),
+        calibration,
+        notice,
+        name=request.recording.name,
+    )
+
+
+def person_in(
+    view: str,
+    surface: BurstDisparity,
+    calibration: RgbdCalibration,
+    notice: str | None = None,
+    name: str = "",
+) -> BodyView:
+    """Find the person in the mean depth of a burst.
+
+    Raises
+    ------
+    BodyError
+        Nobody is seen, or no floor.
+    """
+    camera = calibration.depth
+    if camera is None:
+        raise ValueError("a surface takes the calibration of a depth camera")
+    with np.errstate(divide="ignore"):
+        depth_m = np.asarray(1.0 / surface.mean_per_m, np.float32)
+    up = None if calibration.gravity is None else -calibration.gravity
+    floor = calibration.floor or find_floor(depth_m, camera, up)
+    if floor is None:
+        raise BodyError(
+            "No floor is seen in {file}, and heights are measured from it. Turn the sensor down, "
+            "or give a calibration that knows the floor.",
+            file=name,
+        )
+    mask = find_body(depth_m, camera, floor)
+    if mask is None:
+        raise BodyError(
+            "Nobody is seen in {file}. The patient stands alone, 0.8 to 4 m in front of the "
+            "sensor.",
+            file=name,
+        )
+    body = mask.pixels & np.isfinite(depth_m)
+    return BodyView(
+        view,
+        surface,
+        body,
+        floor,
+        calibration,
+        surface.n_frames,
+        is_cut_above=_touches_top(body, floor),
+        notice=notice,
+    )
+
+
+def _touches_top(body: BoolArray, floor: Plane) -> bool:
+    """Say whether the person goes on beyond the side of the picture where up is."""
+    up_u, up_v = floor.normal[:2]
+    if abs(up_v) >= abs(up_u):
+        return bool((body[:2] if up_v < 0 else body[-2:]).any())
+    return bool((body[:, :2] if up_u < 0 else body[:, -2:]).any())

@@ -1,0 +1,138 @@
+"""A measured body as files: the surface as PLY, the numbers as JSON."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from adibas.alignment.surfels import Surface
+from adibas.data.body_measures import BodyMeasure
+from adibas.pipeline.back import Back
+from adibas.pipeline.body import MeasuredBody
+from adibas.reports.map_files import write_ply
+from adibas.surface.merging import BodySurface
+
+GREY = 190
+RADIUS_M = 0.003
+PROFILE_STEP_M = 0.01
+UNITS = {
+    "angle": ("deg", 180.0 / math.pi, 3),
+    "length": ("mm", 1000.0, 2),
+    "volume": ("l", 1000.0, 3),
+}
+"""Unit on paper, how many of it are in the core's, and digits."""
+
+
+def write_body_ply(surface: BodySurface, path: Path) -> None:
+    """Write the surface, patient axes (x right, y up, z back); confidence: how well it was seen.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    n = len(surface.points_m)
+    write_ply(
+        Surface(
+            surface.points_m.astype(np.float32),
+            surface.normals.astype(np.float32),
+            np.full((n, 3), GREY, np.uint8),
+            np.full(n, RADIUS_M, np.float32),
+            surface.weights.astype(np.float32),
+        ),
+        path,
+    )
+
+
+def on_paper(measure: BodyMeasure) -> tuple[float | None, tuple[float, float] | None, str]:
+    """Return value, interval and unit of a measure as reports show them."""
+    unit, factor, digits = UNITS[measure.definition.quantity]
+    value = None if measure.value is None else round(measure.value * factor, digits)
+    interval = measure.interval
+    if interval is not None:
+        interval = (round(interval[0] * factor, digits), round(interval[1] * factor, digits))
+    return value, interval, unit
+
+
+def body_to_json(body: MeasuredBody) -> dict[str, Any]:
+    """Return the document of ``adibas body --json``."""
+    joined = body.whole.joined
+    return {
+        "views": {
+            view: {
+                "frames": body.n_frames[view],
+                "patient_from_camera": {
+                    "rotation": np.round(pose.rotation, 8).tolist(),
+                    "translation_m": np.round(pose.translation_m, 5).tolist(),
+                },
+            }
+            for view, pose in body.whole.patient_from_camera.items()
+        },
+        "points": len(body.whole.surface.points_m),
+        "joined_rms_mm": None if joined is None else round(1e3 * joined.rms_m, 3),
+        "measures": [_measure(one) for one in measures_of(body)],
+        "spine": None if body.back is None else _spine(body.back),
+        "landmarks": [
+            {
+                "name": mark.name,
+                "places_m": {
+                    view: np.round(place, 5).tolist() for view, place in mark.places_m.items()
+                },
+                "apart_mm": None if mark.apart_m is None else round(1e3 * mark.apart_m, 2),
+            }
+            for mark in body.landmarks
+        ],
+        "notices": [notice.text for notice in body.notices],
+        "provenance": {
+            view: {
+                "recording_sha256": one.recording_sha256,
+                "calibration": one.calibration,
+                "version": one.version,
+                "parameters": dict(one.parameters),
+            }
+            for view, one in body.provenances.items()
+        },
+    }
+
+
+def measures_of(body: MeasuredBody) -> tuple[BodyMeasure, ...]:
+    """Return every measure that was asked for, in the order of reports."""
+    return () if body.back is None else body.back.measures
+
+
+def _measure(measure: BodyMeasure) -> dict[str, Any]:
+    value, interval, unit = on_paper(measure)
+    return {
+        "id": measure.definition.measure_id,
+        "value": value,
+        "unit": unit,
+        "ci95": None if interval is None else list(interval),
+        "source": measure.definition.source,
+        "reason": measure.reason,
+    }
+
+
+def _spine(back: Back) -> dict[str, Any]:
+    """Return the line and the points of the profile, millimetres over the floor and the like."""
+    y_m = back.profile.heights_m(PROFILE_STEP_M)
+    shape = back.shape
+    return {
+        "stature_mm": round(1e3 * back.stature_m, 1),
+        "height_mm": np.round(1e3 * y_m, 1).tolist(),
+        "right_mm": np.round(1e3 * back.line.at(y_m), 2).tolist(),
+        "back_mm": np.round(1e3 * back.profile.back_m(y_m), 2).tolist(),
+        "rotation_deg": np.round(np.degrees(back.profile.rotation_rad(y_m)), 2).tolist(),
+        "points_mm": None
+        if shape is None
+        else {
+            name: round(1e3 * height_m, 1)
+            for name, height_m in (
+                ("ict", shape.ict_m),
+                ("ka", shape.ka_m),
+                ("itl", shape.itl_m),
+                ("la", shape.la_m),
+                ("ils", shape.ils_m),
+            )
+        },
+    }

@@ -1,0 +1,222 @@
+"""The back and the whole body of simulated people with bent spines, sensor noise as documented.
+
+The truth of a spine is the skin over the spinous processes; of a surface, the body's mesh.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from adibas.arrays import FloatArray
+from adibas.data.calibration import RgbdCalibration
+from adibas.errors import BodyError
+from adibas.geometry.rigid import RigidTransform
+from adibas.markers.disparity import fuse_depth
+from adibas.pipeline.back import Back, measure_back
+from adibas.pipeline.body_views import LEAST_SHARE, BodyView, person_in
+from adibas.pipeline.whole_body import WholeBody, join_body
+from adibas.simulation.poses import DOWN, FORWARD, HEADINGS_RAD, LEFT, View
+from adibas.simulation.rotations import about
+from benchmarks.body_scenes import BackScene, burst, draw_back_scene, true_midline_m
+from benchmarks.body_truth import plain_truth, smoothed_truth
+from benchmarks.table import Row
+
+BACK_SEEDS = range(3000, 3250)
+QUICK_BACKS = 8
+BODY_SEEDS = range(4000, 4010)
+QUICK_BODIES = 2
+N_FRAMES = 20
+VIEWS: tuple[View, ...] = ("posterior", "anterior", "right_lateral", "left_lateral")
+SWAY_M, SWAY_RAD = 0.005, np.radians(1.0)
+SQUARE_COSINE = np.cos(np.radians(65.0))
+N_SAMPLES = 400_000
+LANDMARKS = ("c7", "left_acromion", "right_acromion", "left_greater_trochanter", "sternal_notch")
+
+
+def rows(*, quick: bool) -> Iterable[Row]:
+    """Measure; with `quick` a few bodies of each."""
+    yield from _backs(BACK_SEEDS[:QUICK_BACKS] if quick else BACK_SEEDS)
+    seeds = BODY_SEEDS[:QUICK_BODIES] if quick else BODY_SEEDS
+    yield from _bodies(seeds, "statue", 0.0)
+    yield from _bodies(seeds, "5 mm and 1 deg of sway between views", 1.0)
+
+
+def _backs(seeds: range) -> Iterator[Row]:
+    errors, plain, held, aside, n_refused = [], [], [], [], 0
+    for seed in seeds:
+        scene = draw_back_scene(seed)
+        try:
+            back = measure_back(_seen(scene, "posterior", seed, 0.0))
+        except BodyError:
+            n_refused += 1
+            continue
+        midline_m = back.patient_from_camera.apply(
+            scene.depth_from_world.apply(true_midline_m(scene, scene.posed("posterior")))
+        )
+        aside.append(_aside_mm(back, midline_m))
+        if back.shape is None:
+            n_refused += 1
+            continue
+        factors = np.array([np.degrees(1.0), np.degrees(1.0), 1e3, 1e3])
+        found = factors * np.array([one.value for one in back.measures[:4]])
+        half = factors * np.array(
+            [one.interval[1] - one.interval[0] for one in back.measures[:4] if one.interval]
+        )
+        known = (back.stature_m, back.profile.top_m)
+        error = found - smoothed_truth(midline_m, *known).values()
+        errors.append(error)
+        plain.append(found - plain_truth(midline_m, *known).values())
+        held.append(np.abs(error) <= half / 2.0)
+    told = f"bent spines, {N_FRAMES} frames at 2 m, seeds {seeds[0]}-{seeds[-1]}"
+    yield from _spine_rows(told, np.array(errors), np.array(plain))
+    share = 100.0 * float(np.mean(held))
+    n_held = np.size(held)
+    yield Row(f"{told}: intervals that hold the truth ({n_held})", share, "%", 95.0, "goal 93-97")
+    yield Row(f"{told}: line of the spine, aside, rms", _rms(np.array(aside)), "mm")
+    yield Row(f"{told}: not measured", float(n_refused), f"of {len(seeds)}")
+
+
+def _spine_rows(told: str, errors: FloatArray, plain: FloatArray) -> Iterator[Row]:
+    for column, name in enumerate(("kyphosis", "lordosis")):
+        some = errors[:, column]
+        yield Row(f"{told}: {name}, rms", _rms(some), "deg", 2.0, "goal <=")
+        yield Row("same, within 2 deg", 100.0 * float((np.abs(some) <= 2.0).mean()), "%")
+        yield Row("same, mean", float(some.mean()), "deg")
+        yield Row("same, against tangents on 60 mm of the skin, rms", _rms(plain[:, column]), "deg")
+    for column, name in enumerate(("fleche cervicale", "fleche lombaire"), 2):
+        yield Row(f"{told}: {name}, rms", _rms(errors[:, column]), "mm")
+
+
+def _aside_mm(back: Back, midline_m: FloatArray) -> float:
+    y_m = np.linspace(0.58, 0.84, 60) * back.stature_m
+    true_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 0])
+    return 1e3 * _rms(back.line.at(y_m) - true_m)
+
+
+def _bodies(seeds: range, told: str, sway: float) -> Iterator[Row]:
+    squares, slanted, apart, landmarks, n_refused = [], [], [], [], 0
+    for seed in seeds:
+        scene = draw_back_scene(seed, is_portrait=True)
+        motions = _sways(seed, sway)
+        views = [
+            _seen(scene, view, 10 * seed + number, sway, motions[number])
+            for number, view in enumerate(VIEWS)
+        ]
+        try:
+            whole = join_body(views)
+        except BodyError:
+            n_refused += 1
+            continue
+        off_mm = _off_mm(scene, whole, motions[0])
+        squares.append(off_mm)
+        slanted.append(np.abs(off_mm) > 5.0)
+        some_apart, some_marks = _poses(scene, whole, motions)
+        apart += some_apart
+        landmarks += some_marks
+    name = f"four views, {told}, seeds {seeds[0]}-{seeds[-1]}"
+    error = _rms(np.concatenate(squares))
+    yield Row(f"{name}: surface seen at 65 deg or less, rms", error, "mm", 2.0, "goal <=")
+    far = 100.0 * float(np.concatenate(slanted).mean())
+    yield Row("same: farther off than 5 mm", far, "%")
+    yield Row("same: a view's place, 1 m over the floor, rms", _rms(np.array(apart)), "mm")
+    yield Row(
+        "same: true landmarks of two views apart, rms", _rms(np.array(landmarks)), "mm", 2.0, "goal"
+    )
+    yield Row("same: not joined", float(n_refused), f"of {len(seeds)}")
+
+
+def _sways(seed: int, sway: float) -> list[RigidTransform]:
+    """Return how the body stands otherwise in each view: a lean and a shift of the given size."""
+    rng = np.random.default_rng([seed, 0x5A])
+    motions = []
+    for number in range(len(VIEWS)):
+        lean, aside = rng.normal(size=3), rng.normal(size=3)
+        lean[1] *= 1.0
+        aside[1] = 0.0
+        turn = sway * SWAY_RAD * lean / np.linalg.norm(lean)
+        shift_m = sway * SWAY_M * aside / np.linalg.norm(aside)
+        if number == 0:
+            turn, shift_m = 0.0 * turn, 0.0 * shift_m
+        motions.append(
+            RigidTransform(
+                about(LEFT, turn[0]) @ about(DOWN, turn[1]) @ about(FORWARD, turn[2]), shift_m
+            )
+        )
+    return motions
+
+
+def _seen(
+    scene: BackScene,
+    view: View,
+    seed: int,
+    sway: float,
+    motion: RigidTransform | None = None,
+) -> BodyView:
+    posed = scene.posed(view)
+    if sway and motion is not None:
+        heading = about(DOWN, HEADINGS_RAD[view])
+        vertices_m = motion.apply(posed.vertices_m @ heading) @ heading.T
+        posed = replace(posed, vertices_m=vertices_m)
+    calibration: RgbdCalibration = scene.calibration
+    surface = fuse_depth(
+        burst(scene, posed, N_FRAMES, seed),
+        calibration.depth_bias,
+        calibration.depth,
+        least_share=LEAST_SHARE,
+    )
+    return person_in(view, surface, calibration)
+
+
+def _off_mm(scene: BackScene, whole: WholeBody, first: RigidTransform) -> FloatArray:
+    """Return signed distances of the surface from the true mesh as the first view saw it."""
+    posed = scene.posed("posterior")
+    axes = whole.patient_from_camera["posterior"]
+    del first  # the first view stands as the body was posed
+    vertices_m = axes.apply(scene.depth_from_world.apply(posed.vertices_m))
+    points_m, normals = _mesh_samples(vertices_m, scene.patient.body.model.triangles)
+    surface = whole.surface
+    nearest = np.asarray(cKDTree(points_m).query(surface.points_m)[1])
+    off_m = ((surface.points_m - points_m[nearest]) * normals[nearest]).sum(axis=1)
+    return np.asarray(1e3 * off_m)
+
+
+def _mesh_samples(vertices_m: FloatArray, triangles: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    """Return points spread evenly over a mesh, and the triangles' normals there."""
+    rng = np.random.default_rng(0)
+    a, b, c = (vertices_m[triangles[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    chosen = rng.choice(len(area), N_SAMPLES, p=area / area.sum())
+    u, v = rng.random((2, N_SAMPLES))
+    over = u + v > 1.0
+    u[over], v[over] = 1.0 - u[over], 1.0 - v[over]
+    points_m = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
+    return points_m, cross[chosen] / area[chosen, None]
+
+
+def _poses(
+    scene: BackScene, whole: WholeBody, motions: Sequence[RigidTransform]
+) -> tuple[list[float], list[float]]:
+    """Return how far each further view lies wrong, and its landmarks from the first view's, mm."""
+    first = whole.patient_from_camera["posterior"] @ scene.depth_from_world
+    marks = scene.posed("posterior").landmarks
+    apart, landmarks = [], []
+    for view, motion in list(zip(VIEWS, motions, strict=True))[1:]:
+        heading = about(DOWN, HEADINGS_RAD["posterior"]) @ about(DOWN, HEADINGS_RAD[view]).T
+        back = about(DOWN, HEADINGS_RAD[view])
+        swayed = RigidTransform(back, np.zeros(3)) @ motion @ RigidTransform(back.T, np.zeros(3))
+        true = first @ RigidTransform(heading, np.zeros(3)) @ swayed.inverse()
+        found = whole.patient_from_camera[view] @ scene.depth_from_world
+        error = found @ true.inverse()
+        middle_m = np.array([0.0, 1.0, 0.0])
+        apart.append(1e3 * float(np.linalg.norm(error.apply(middle_m) - middle_m)))
+        for name in LANDMARKS:
+            place_m = first.apply(marks[name])
+            landmarks.append(1e3 * float(np.linalg.norm(error.apply(place_m) - place_m)))
+    return apart, landmarks
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

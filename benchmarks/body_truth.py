@@ -1,0 +1,90 @@
+"""What the spine of a simulated body measures: by the definitions, on its own skin's midline."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray
+from adibas.surface.sagittal import SagittalParams
+from adibas.surface.spine_profile import ProfileParams
+
+STEP_M = 0.002
+HALF_TANGENT_M = 0.03
+
+
+@dataclass(frozen=True, slots=True)
+class TrueSpine:
+    """Angles in degrees and fleches in millimetres."""
+
+    kyphosis_deg: float
+    lordosis_deg: float
+    fleche_cervicale_mm: float
+    fleche_lombaire_mm: float
+
+    def values(self) -> FloatArray:
+        """Return the four as an array."""
+        return np.array(
+            [
+                self.kyphosis_deg,
+                self.lordosis_deg,
+                self.fleche_cervicale_mm,
+                self.fleche_lombaire_mm,
+            ]
+        )
+
+
+def smoothed_truth(midline_m: FloatArray, stature_m: float, top_m: float) -> TrueSpine:
+    """Return the measures of a midline whose waves under 0.13 m are halved, as the estimate's are.
+
+    Parameters
+    ----------
+    midline_m : (N, 3) array
+        Patient axes, from the neck down.
+    top_m : float
+        Height at which the estimate's profile begins.
+    """
+    y_m = np.arange(midline_m[-1, 1], midline_m[0, 1], STEP_M)
+    z_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 2])
+    third = np.diff(np.eye(len(y_m)), 3, axis=0) / STEP_M**3
+    stiffness = (ProfileParams().shortest_wave_m / (2.0 * np.pi)) ** 6
+    smooth_m = np.linalg.solve(np.eye(len(y_m)) + stiffness * third.T @ third, z_m)
+    return _measured(y_m, smooth_m, np.gradient(smooth_m, y_m), stature_m, top_m)
+
+
+def plain_truth(midline_m: FloatArray, stature_m: float, top_m: float) -> TrueSpine:
+    """Return the measures of the midline as it is; a tangent touches 60 mm of it."""
+    y_m = np.arange(midline_m[-1, 1], midline_m[0, 1], STEP_M)
+    z_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 2])
+    half = round(HALF_TANGENT_M / STEP_M)
+    places = range(half, len(y_m) - half)
+    slopes = [
+        float(np.polyfit(y_m[at - half : at + half + 1], z_m[at - half : at + half + 1], 1)[0])
+        for at in places
+    ]
+    inner = slice(half, len(y_m) - half)
+    return _measured(y_m[inner], z_m[inner], np.array(slopes), stature_m, top_m)
+
+
+def _measured(
+    y_m: FloatArray, z_m: FloatArray, slopes: FloatArray, stature_m: float, top_m: float
+) -> TrueSpine:
+    params = SagittalParams()
+    share = y_m / stature_m
+    low, high = params.thoracolumbar
+    itl = _argmax(slopes, (share >= low) & (share <= high))
+    ict = _argmax(-slopes, (y_m > y_m[itl]) & (y_m < top_m))
+    ils = _argmax(-slopes, (y_m < y_m[itl]) & (share >= params.lowest))
+    angles_deg = np.degrees(np.arctan(slopes[[ict, itl, ils]]))
+    apex_m = z_m[itl : ict + 1].max()
+    neck_m = z_m[(y_m >= y_m[ict]) & (y_m < top_m)].min()
+    return TrueSpine(
+        float(angles_deg[1] - angles_deg[0]),
+        float(angles_deg[1] - angles_deg[2]),
+        1e3 * float(apex_m - neck_m),
+        1e3 * float(apex_m - z_m[ils : itl + 1].min()),
+    )
+
+
+def _argmax(values: FloatArray, allowed: BoolArray) -> int:
+    places = np.flatnonzero(allowed)
+    return int(places[values[places].argmax()])

@@ -1,0 +1,148 @@
+"""A recording from behind becomes a surface, measures of the back and reports; or a sentence."""
+
+import contextlib
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import openpyxl
+import pypdf
+import pytest
+
+from adibas.cli.command_line import main
+from adibas.data.surface import BurstDisparity
+from adibas.errors import BodyError
+from adibas.pipeline.back import measure_back
+from adibas.pipeline.body_views import person_in
+from adibas.recordings import create_recording
+from adibas.reports.map_files import ROW
+from adibas.simulation.depth_noise import EXACT
+from adibas.simulation.patient import SHAPES
+from adibas.simulation.scenes import open_scene
+from benchmarks.body_scenes import midline
+
+SETTINGS = {
+    "shape": SHAPES[1],
+    "has_color": False,
+    "is_swaying": False,
+    "depth_noise": EXACT,
+    "distance_m": 2.2,
+}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return open_scene("posterior", 3, **SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def view(scene):
+    frame = scene.frame(0)
+    depth_m = np.asarray(frame.truth.depth_m, np.float32)
+    surface = BurstDisparity(1.0 / depth_m, np.ones(depth_m.shape, np.int64), 1)
+    return person_in("posterior", surface, scene.info.calibration, name="x")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, scene):
+    path = tmp_path_factory.mktemp("back")
+    for name, one in (
+        ("behind", scene),
+        ("side", open_scene("left_lateral", 3, **SETTINGS)),
+        ("empty", open_scene("empty", 3, has_color=False)),
+        ("near", open_scene("posterior", 3, **(SETTINGS | {"distance_m": 1.3}))),
+    ):
+        with create_recording(path / f"{name}.mcap", one.info) as recording:
+            for index in range(2):
+                recording.write(one.frame(index).sensor_frame)
+    return path
+
+
+def run(*arguments):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as stop:
+            code = stop.code
+    return code, out.getvalue(), err.getvalue()
+
+
+def test_measures_surface_and_reports_are_written(folder, scene):
+    ply, pdf, xlsx = folder / "b.ply", folder / "r.pdf", folder / "r.xlsx"
+    told = f"posterior={folder / 'behind.mcap'}"
+    code, out, _ = run("body", told, "--out", ply, "--report", pdf, "--json")
+    assert code == 0
+    document = json.loads(out)
+    measures = {one["id"]: one for one in document["measures"]}
+    kyphosis = measures["BACK.KYPHOSIS"]
+    assert 20.0 < kyphosis["value"] < 60.0
+    assert kyphosis["ci95"][0] < kyphosis["value"] < kyphosis["ci95"][1]
+    assert all(one["source"] for one in measures.values())
+    assert measures["BACK.TRUNK.INCLINATION"]["reason"]
+    stature_m = scene.person(0)[0].body.stature_m
+    assert document["spine"]["stature_mm"] == pytest.approx(1e3 * stature_m, abs=20.0)
+    header, _, body = ply.read_bytes().partition(b"end_header\n")
+    assert len(np.frombuffer(body, ROW)) == document["points"] > 3000
+    assert b"ply" in header
+    assert "Report on the back" in pypdf.PdfReader(pdf).pages[0].extract_text()
+    code, _, _ = run("body", told, "--out", ply, "--report", xlsx)
+    assert code == 0
+    rows = list(openpyxl.load_workbook(xlsx)["Measures"].values)
+    assert len(rows) == 1 + len(measures)
+    assert rows[1][2] == pytest.approx(kyphosis["value"], abs=0.01)
+
+
+def test_line_of_the_spine_lies_over_the_spinous_processes(view, scene):
+    back = measure_back(view)
+    patient, posed = scene.person(0)
+    true_m = midline(patient.body).on(posed.vertices_m, patient.body.model.triangles)
+    true_m = back.patient_from_camera.apply(scene.depth_from_world.apply(true_m))
+    heights_m = np.linspace(0.60, 0.84, 30) * back.stature_m
+    right_m = np.interp(heights_m, true_m[::-1, 1], true_m[::-1, 0])
+    np.testing.assert_allclose(back.line.at(heights_m), right_m, atol=0.005)
+    off_m = back.profile.back_m(heights_m) - np.interp(heights_m, true_m[::-1, 1], true_m[::-1, 2])
+    assert np.std(off_m) < 0.004
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("empty", "Nobody is seen in empty.mcap"),
+        ("side", "The back is not turned to the sensor"),
+        ("near", "The head is cut off"),
+        ("missing", "missing.mcap"),
+    ],
+)
+def test_what_cannot_be_measured_is_told_in_a_sentence(folder, name, words):
+    code, _, err = run("body", f"posterior={folder / name}.mcap", "--out", folder / f"{name}.ply")
+    assert code == 1
+    assert words in err
+    assert not (folder / f"{name}.ply").exists()
+
+
+def test_an_arm_before_the_back_is_told(view):
+    mean = view.surface.mean_per_m.copy()
+    rows, columns = np.nonzero(view.body)
+    top = rows.min() + int(0.30 * view.camera.intrinsics.fy * 1.75 / 2.2)
+    middle = int(np.median(columns))
+    mean[top : top + 25, middle - 60 : middle + 60] += 0.02
+    covered = replace(view, surface=BurstDisparity(mean, np.ones(mean.shape, np.int64), 1))
+    with pytest.raises(BodyError, match="before the back"):
+        measure_back(covered)
+
+
+def test_wrong_words_are_wrong_usage(folder):
+    told = f"posterior={folder / 'behind.mcap'}"
+    assert run("body", "back.mcap", "--out", folder / "x.ply")[0] == 2
+    code, _, err = run("body", told, "--out", folder / "x.txt")
+    assert code == 1
+    assert ".ply" in err
+    code, _, err = run("body", told, told, "--out", folder / "x.ply")
+    assert code == 1
+    assert "given twice" in err
+    labels = f"anterior={folder / 'behind.mcap'}"
+    code, _, err = run("body", told, "--labels", labels, "--out", folder / "x.ply")
+    assert code == 1
+    assert "no recording" in err
