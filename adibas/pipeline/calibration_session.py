@@ -39,7 +39,7 @@ from adibas.pipeline.calibration_pictures import (
     PictureFolder,
 )
 from adibas.pipeline.calibration_report import report_of_depth_outcome
-from adibas.pipeline.calibration_watch import Moment, MomentWatch
+from adibas.pipeline.calibration_watch import Moment, MomentWatch, load_kernels
 from adibas.pipeline.learning import PICTURE_SUFFIXES, read_picture
 from adibas.pipeline.live_frames import LiveFrame
 from adibas.progress import Progress
@@ -129,7 +129,7 @@ class RefusedImage:
 class CalibrationSession:
     """The pictures of one board before one sensor, and all that is done with them.
 
-    `see`, `add` and what changes the pictures belong to one thread; `keep`, `read_images` and
+    To make one reads the disk and may compile: not for the window's thread. `see`, `add` and what changes the pictures belong to one thread; `keep`, `read_images` and
     `outcome` may run in another meanwhile.
 
     Parameters
@@ -158,6 +158,7 @@ class CalibrationSession:
         self._kept = kept
         self._folder = PictureFolder(kept.pictures_folder(sensor.key, sensor.color_size))
         found: KeptPictures = self._folder.read()
+        load_kernels()
         self.board = found.board or board
         self.n_lost = found.n_lost
         self._watch = MomentWatch(self.board, sensor.intrinsics)

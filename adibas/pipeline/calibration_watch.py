@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from adibas.calibration.finder import TEXTS, BoardSearch, as_gray
 from adibas.calibration.guidance import GuidanceParams, Stance, StillWatch, is_new, stance_of
 from adibas.calibration.sharpness import blur_px
@@ -88,6 +90,16 @@ class Moment:
     def text(self) -> str:
         """What hinders, in the language in use; empty where nothing does."""
         return "" if self.hindrance is None else _(self.hindrance).format(**self.fields)
+
+
+def load_kernels() -> None:
+    """Load or compile what adds up depth, in the calling thread.
+
+    The window's thread sees the frames; at the first of them it would wait for the compiler.
+    """
+    depth = DisparitySum(DepthBias())
+    depth.add(np.ones((1, 1), np.float32))
+    depth.result(1.0, 1.0)
 
 
 class MomentWatch:

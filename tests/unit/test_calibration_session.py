@@ -55,6 +55,25 @@ def opened(kept, sensor=SENSOR, board=BOARD):
     return CalibrationSession(sensor, kept, board)
 
 
+def test_nothing_is_compiled_when_the_window_sees_its_first_frames(kept):
+    made = """
+import sys
+from pathlib import Path
+from adibas.calibration.kept import KeptCalibrations
+from adibas.markers.disparity_kernels import accumulate, summarise
+from tests.unit.test_calibration_session import hold, opened
+
+session = opened(KeptCalibrations(Path(sys.argv[1])))
+kernels = accumulate, summarise
+before = [len(kernel.signatures) for kernel in kernels]
+hold(session, 0)
+print(before, [len(kernel.signatures) for kernel in kernels], session._watch._depth is None)
+"""
+    command = [sys.executable, "-c", made, str(kept.folder)]
+    told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    assert told.strip() == "[1, 1] [1, 1] False"
+
+
 def hold(session, index, start_s=0.0, **faults):
     """Hold the board still for half a second; return what every frame was."""
     times_s = start_s + np.arange(0.0, 0.55, 0.1)
