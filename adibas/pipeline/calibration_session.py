@@ -129,8 +129,9 @@ class RefusedImage:
 class CalibrationSession:
     """The pictures of one board before one sensor, and all that is done with them.
 
-    To make one reads the disk and may compile: not for the window's thread. `see`, `add` and what changes the pictures belong to one thread; `keep`, `read_images` and
-    `outcome` may run in another meanwhile.
+    To make one reads the disk and may compile: not for the window's thread. `see`, `add` and what
+    changes the pictures belong to one thread; `keep`, `read_images` and `outcome` may run in
+    another meanwhile.
 
     Parameters
     ----------
