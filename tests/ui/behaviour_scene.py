@@ -20,23 +20,28 @@ def time_ms(index):
     return START_MS + FRAME_MS * index
 
 
-def make_recording(path, n_frames=N_FRAMES, *, color=True):
-    """Record grey frames, each as bright as its number."""
-    options = RecordingOptions(color="png")
-    with create_recording(path, INFO, options) as writer:
-        for index in range(n_frames):
-            shade = np.full((24, 32, 3), index, np.uint8)
-            depth = np.full((24, 32), 1000 + index, np.uint16)
-            time_ns = time_ms(index) * 1_000_000
-            writer.write(
-                SensorFrame(
-                    sequence=index,
-                    timestamp_ns=time_ns,
-                    depth_raw=depth,
-                    color=shade if color else None,
-                    color_timestamp_ns=time_ns if color else None,
-                )
+def make_frames(n_frames, *, color=True):
+    """Return grey frames, each as bright as its number."""
+    frames = []
+    for index in range(n_frames):
+        time_ns = time_ms(index) * 1_000_000
+        frames.append(
+            SensorFrame(
+                sequence=index,
+                timestamp_ns=time_ns,
+                depth_raw=np.full((24, 32), 1000 + index, np.uint16),
+                color=np.full((24, 32, 3), index, np.uint8) if color else None,
+                color_timestamp_ns=time_ns if color else None,
             )
+        )
+    return frames
+
+
+def make_recording(path, n_frames=N_FRAMES, *, color=True):
+    """Record such frames."""
+    with create_recording(path, INFO, RecordingOptions(color="png")) as writer:
+        for frame in make_frames(n_frames, color=color):
+            writer.write(frame)
     return path
 
 

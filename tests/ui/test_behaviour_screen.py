@@ -9,10 +9,12 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QLineEdit, QPu
 from adibas.data.coding import Occurrence
 from adibas.recordings.codings import read_codings
 from tests.ui.behaviour_scene import FRAME_MS, make_recording, time_ms
+from tests.ui.conftest import NoSensor
 from ui.behaviour.screen import build_behaviour_screen
 from ui.behaviour.timeline import TimelineView
 from ui.behaviour.transport import Transport
 from ui.behaviour.video_view import VideoView
+from ui.workspace import Workspace
 
 LEFT = Qt.MouseButton.LeftButton
 SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
@@ -70,6 +72,12 @@ class Observer:
     def button(self, text):
         buttons = self.screen.findChildren(QPushButton)
         return next(one for one in buttons if one.text().replace("&", "").startswith(text))
+
+
+@pytest.fixture
+def workspace(inline_jobs, preferences):
+    """What screens share, without a store and a sensor."""
+    return Workspace(None, inline_jobs, preferences, NoSensor())
 
 
 @pytest.fixture

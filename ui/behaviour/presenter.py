@@ -234,6 +234,8 @@ class BehaviourPresenter:
 
     def _open(self, source: Source) -> None:
         self.stop()
+        self.coding.keep()
+        self._keeper.flush()  # it may be the same recording, whose draft is read anew
         label = _("Opening {name}").format(name=source.title)
         self._workspace.jobs.start(label, lambda _control: _opened(source), self._on_opened)
 
