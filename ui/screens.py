@@ -115,6 +115,7 @@ def preload() -> threading.Thread:
         try:
             for module in MODULES:
                 import_module(module)
+            import_module("adibas.measures.protocol_store").protocol_titles()
             import_module("adibas.kernels").wake_compiler()
         finally:
             take_up()

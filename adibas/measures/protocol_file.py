@@ -4,6 +4,7 @@ The format is described in docs/protocols.md.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from adibas.data.protocols import Protocol
@@ -15,6 +16,7 @@ from adibas.measures.protocol_rules import Rules
 
 FORMAT = "adibas-protocol"
 VERSION = 1
+MOST_KEPT = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,16 @@ def load_protocol(path: Path) -> Protocol:
     ProtocolError
         The first mistake of the file, with its line.
     """
+    try:
+        changed_ns = path.stat().st_mtime_ns
+    except OSError:
+        changed_ns = 0  # whoever reads it says why it cannot be read
+    return _loaded(path.absolute(), changed_ns)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _loaded(path: Path, _changed_ns: int) -> Protocol:
+    """Read each state of a file once: the one of 1,470 measures takes a while."""
     checked = check_protocol(path)
     if checked.protocol is None:
         raise checked.errors[0]

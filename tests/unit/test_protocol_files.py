@@ -1,6 +1,7 @@
 """Protocol files: what is shipped is whole, and every mistake is told with its line."""
 
 import json
+import os
 
 import pytest
 from hypothesis import given
@@ -277,6 +278,16 @@ def test_protocols_are_found_by_name_and_by_file(tmp_path, monkeypatch):
         find_protocol("none")
     with pytest.raises(ProtocolError, match="is missing"):
         load_protocol(tmp_path / "sapo-1.json")
+
+
+def test_a_file_is_read_once_until_it_changes(tmp_path):
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(small()), encoding="utf-8")
+    first = load_protocol(path)
+    assert load_protocol(path) is first
+    path.write_text(json.dumps(small() | {"title": "Another"}), encoding="utf-8")
+    os.utime(path, ns=(0, path.stat().st_mtime_ns + 1))
+    assert load_protocol(path).title.text == "Another"
 
 
 def test_every_pair_and_triplet_are_measured_where_all_are_seen():

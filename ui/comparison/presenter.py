@@ -8,12 +8,12 @@ from typing import Protocol
 from adibas.data.sessions import Session
 from adibas.errors import ProtocolError
 from adibas.files import written_whole
+from adibas.measures.protocol_store import find_protocol, protocol_titles
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import last_two_alike
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.comparison.content import Choices
-from ui.comparison.known_protocols import KnownProtocols
 from ui.comparison.numbers_presenter import NumbersPresenter, NumbersView
 from ui.comparison.pictures_presenter import PicturesPresenter, PicturesView
 from ui.ports import JobControl
@@ -47,7 +47,6 @@ class ComparisonPresenter:
         self.pictures = PicturesPresenter(view, workspace)
         self.numbers = NumbersPresenter(view, workspace)
         self._choices = Choices()
-        self._protocols = KnownProtocols()
         self._patient: str | None = None
         self._opened_id: str | None = None
         self._is_protocol_chosen = False
@@ -163,7 +162,7 @@ class ComparisonPresenter:
             sessions=sessions,
             earlier=earlier,
             later=later,
-            protocols=self._protocols.titles(),
+            protocols=tuple((name, title.text) for name, title in protocol_titles()),
         )
         if not self._is_protocol_chosen:
             choices = replace(choices, protocol=self._protocol_of(choices))
@@ -213,7 +212,7 @@ class ComparisonPresenter:
 
     def _show_numbers(self) -> None:
         try:
-            wish = ProtocolWish(self._protocols.find(self._choices.protocol))
+            wish = ProtocolWish(find_protocol(self._choices.protocol))
         except ProtocolError as error:
             self._workspace.report_problem(error)
             return
