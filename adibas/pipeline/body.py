@@ -9,6 +9,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.clock import Clock, utc_now
+from adibas.data.body_measures import BodyMeasure
 from adibas.data.markers import Marker
 from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
@@ -21,11 +22,13 @@ from adibas.pipeline.session import PostureRequest, analyse_recording
 from adibas.pipeline.whole_body import WholeBody, WholeBodyParams, join_body
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
+from adibas.surface.girths import slice_measures
 from adibas.texts import message
 
 POSTERIOR = "posterior"
 ORDER = (POSTERIOR, "anterior", "right_lateral", "left_lateral")
 """The first of the views gives the axes."""
+VIEWS_ALL_AROUND = 3
 NO_BACK = message("Without a posterior view the back is not measured.")
 NOTICE = message("{notice}")
 
@@ -81,6 +84,8 @@ class MeasuredBody:
     whole : WholeBody
     back : Back or None
         None without a posterior view.
+    girths : tuple of BodyMeasure
+        Girths and volumes; empty of fewer than three views.
     landmarks : tuple of Landmark
     patient : str
     n_frames : mapping
@@ -92,6 +97,7 @@ class MeasuredBody:
 
     whole: WholeBody
     back: Back | None
+    girths: tuple[BodyMeasure, ...]
     landmarks: tuple[Landmark, ...]
     patient: str
     n_frames: Mapping[str, int]
@@ -131,6 +137,7 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
     return MeasuredBody(
         whole,
         back,
+        _girths(whole, len(views)),
         _landmarks(views, markers, whole),
         request.patient,
         MappingProxyType({view.view: view.n_frames for view in views}),
@@ -142,6 +149,13 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
         ),
         _notices(views, back),
     )
+
+
+def _girths(whole: WholeBody, n_views: int) -> tuple[BodyMeasure, ...]:
+    if n_views < VIEWS_ALL_AROUND:
+        return ()
+    surface = whole.surface
+    return slice_measures(surface, float(surface.points_m[:, 1].max()))
 
 
 def _check_views(request: BodyRequest, names: list[str]) -> None:

@@ -98,7 +98,7 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
 
 def measures_of(body: MeasuredBody) -> tuple[BodyMeasure, ...]:
     """Return every measure that was asked for, in the order of reports."""
-    return () if body.back is None else body.back.measures
+    return (*(() if body.back is None else body.back.measures), *body.girths)
 
 
 def _measure(measure: BodyMeasure) -> dict[str, Any]:

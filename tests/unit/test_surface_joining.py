@@ -1,0 +1,164 @@
+"""Views of a body in closed form come together; girths and volumes are those of the formula."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
+from adibas.surface.girths import slice_measures
+from adibas.surface.merging import BodySurface, SeenPoints, merge_points
+from adibas.surface.patient_axes import TURNS_RAD, guessed_axes, turned
+from adibas.surface.slices import leg_slices, slice_parts, trunk_slices, volume_m3
+from adibas.surface.view_joining import OrientedPoints, join_views
+
+RADII_M = np.array([0.18, 0.9, 0.11])
+CENTER_M = np.array([0.0, 0.9, 0.0])
+SIDES = ("posterior", "right_lateral", "anterior", "left_lateral")
+OUTWARD = {
+    "posterior": (0.0, 0.0, 1.0),
+    "right_lateral": (1.0, 0.0, 0.0),
+    "anterior": (0.0, 0.0, -1.0),
+    "left_lateral": (-1.0, 0.0, 0.0),
+}
+
+
+def ellipsoid(n=40_000, seed=0):
+    """Points spread over an ellipsoid with a hump, which no turn about the vertical keeps."""
+    rng = np.random.default_rng(seed)
+    way = rng.normal(size=(n, 3))
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    points_m = CENTER_M + RADII_M * way
+    normals = way / RADII_M
+    return points_m, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def seen_from(side, noise_m=0.0, seed=0):
+    points_m, normals = ellipsoid(seed=seed)
+    cosines = normals @ np.array(OUTWARD[side])
+    seen = cosines > 0.3
+    rng = np.random.default_rng([seed, 1])
+    points_m = points_m[seen] + rng.normal(0.0, noise_m, (seen.sum(), 1)) * normals[seen]
+    return SeenPoints(points_m, normals[seen], cosines[seen], np.full(seen.sum(), 2.0))
+
+
+def test_views_that_were_moved_come_back():
+    true = [
+        RigidTransform(np.eye(3), np.zeros(3)),
+        RigidTransform(
+            Rotation.from_rotvec([0.01, 0.03, -0.008]).as_matrix(), [0.01, 0.003, -0.012]
+        ),
+        RigidTransform(
+            Rotation.from_rotvec([-0.006, -0.04, 0.01]).as_matrix(), [0.0, -0.004, 0.015]
+        ),
+        RigidTransform(
+            Rotation.from_rotvec([0.008, 0.02, 0.005]).as_matrix(), [-0.012, 0.002, 0.006]
+        ),
+    ]
+    views = []
+    for number, (side, motion) in enumerate(zip(SIDES, true, strict=True)):
+        seen = seen_from(side, 0.001, number)
+        views.append(OrientedPoints(seen.points_m, seen.normals).moved(motion.inverse()))
+    joined = join_views(views)
+    for found, motion, view in zip(joined.motions, true, views, strict=True):
+        apart_m = found.apply(view.points_m) - motion.apply(view.points_m)
+        across_m = np.abs((apart_m * (view.normals @ motion.rotation.T)).sum(axis=1))
+        assert np.sqrt((across_m**2).mean()) < 0.001
+    assert joined.rms_m < 0.004
+    assert joined.n_pairs > 1000
+
+
+def test_views_without_a_shared_place_are_told():
+    back, front = seen_from("posterior"), seen_from("anterior")
+    views = [OrientedPoints(one.points_m, one.normals) for one in (back, front)]
+    views = [
+        OrientedPoints(view.points_m[far], view.normals[far])
+        for view in views
+        for far in (np.abs(view.normals[:, 2]) > 0.7,)
+    ]
+    assert join_views(views) is None
+    with pytest.raises(ValueError, match="two views"):
+        join_views(views[:1])
+
+
+def test_outlines_put_the_views_within_centimetres():
+    floor = Plane(np.array([0.0, -1.0, 0.0]), 1.0)
+    camera_from_world = RigidTransform(np.diag([1.0, -1.0, -1.0]), [0.0, 1.0, 2.0])
+    views = {}
+    for side in SIDES:
+        facing = turned(RigidTransform(np.eye(3), [0.02, 0.0, 0.05]), -TURNS_RAD[side])
+        views[side] = (camera_from_world.apply(facing.apply(seen_from(side).points_m)), floor)
+    guessed = guessed_axes(views)
+    for side in SIDES:
+        true_m = seen_from(side).points_m
+        assert np.abs(guessed[side].apply(views[side][0]) - true_m).max() < 0.06
+
+
+def test_a_single_view_is_guessed_too():
+    floor = Plane(np.array([0.0, -1.0, 0.0]), 1.0)
+    camera_from_world = RigidTransform(np.diag([1.0, -1.0, -1.0]), [0.0, 1.0, 2.0])
+    points_m = camera_from_world.apply(seen_from("posterior").points_m)
+    axes = guessed_axes({"posterior": (points_m, floor)})["posterior"]
+    assert np.abs(axes.apply(points_m)[:, 1] - seen_from("posterior").points_m[:, 1]).max() < 1e-9
+
+
+def test_merged_points_lie_on_the_surface_and_know_who_saw_them():
+    surface = merge_points([seen_from(side, 0.001, k) for k, side in enumerate(SIDES)])
+    way = (surface.points_m - CENTER_M) / RADII_M
+    off = (np.linalg.norm(way, axis=1) - 1.0) * RADII_M[2]
+    assert np.sqrt((off**2).mean()) < 0.0012
+    np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0)
+    assert surface.n_views.max() == 2.0
+    with pytest.raises(ValueError, match="squarely"):
+        merge_points([SeenPoints(np.zeros((1, 3)), np.eye(3)[:1], np.zeros(1), np.ones(1))])
+
+
+def test_girth_and_area_of_a_slice_are_those_of_the_ellipse():
+    points_m, normals = ellipsoid(400_000)
+    n = len(points_m)
+    surface = BodySurface(points_m, normals, np.ones(n), np.ones(n))
+    (part,) = slice_parts(surface, CENTER_M[1])
+    a, b = RADII_M[[0, 2]]
+    share = ((a - b) / (a + b)) ** 2
+    ramanujan_m = np.pi * (a + b) * (1 + 3 * share / (10 + np.sqrt(4 - 3 * share)))
+    assert part.girth_m == pytest.approx(ramanujan_m, rel=0.01)
+    assert part.area_m2 == pytest.approx(np.pi * a * b, rel=0.02)
+    assert part.seen_share == 1.0
+    parts = trunk_slices(surface, 0.4, 1.4)
+    low, high = (np.array([0.4, 1.4]) - CENTER_M[1]) / RADII_M[1]
+    exact = np.pi * a * b * RADII_M[1] * ((high - high**3 / 3) - (low - low**3 / 3))
+    assert volume_m3(parts, 0.01) == pytest.approx(exact, rel=0.03)
+
+
+def test_legs_are_two_and_named_by_the_patient():
+    angles = np.random.default_rng(0).uniform(0, 2 * np.pi, 60_000)
+    height_m = np.random.default_rng(1).uniform(0.1, 0.7, 60_000)
+    columns = []
+    for x_m, radius_m in ((-0.1, 0.06), (0.1, 0.07)):
+        columns.append(
+            np.stack([x_m + radius_m * np.cos(angles), height_m, radius_m * np.sin(angles)], axis=1)
+        )
+    points_m = np.concatenate(columns)
+    n = len(points_m)
+    surface = BodySurface(points_m, np.tile([1.0, 0.0, 0.0], (n, 1)), np.ones(n), np.ones(n))
+    left, right = leg_slices(surface, 0.2, 0.6)
+    assert len(left) == len(right) >= 40
+    assert np.median([part.girth_m for part in left]) == pytest.approx(2 * np.pi * 0.06, rel=0.02)
+    assert np.median([part.girth_m for part in right]) == pytest.approx(2 * np.pi * 0.07, rel=0.02)
+    assert slice_parts(surface, 3.0) == ()
+
+
+def test_girths_have_names_and_what_is_not_seen_has_a_reason():
+    points_m, normals = ellipsoid(400_000)
+    n = len(points_m)
+    surface = BodySurface(points_m, normals, np.ones(n), np.ones(n))
+    found = {one.definition.measure_id: one for one in slice_measures(surface, 1.8)}
+    least = found["GIRTH.TRUNK.LEAST"]
+    ellipse_m = slice_parts(surface, 0.70 * 1.8 - 0.01)[0].girth_m
+    assert least.value == pytest.approx(ellipse_m, abs=0.02)
+    assert found["VOLUME.TRUNK"].value > 0.01
+    assert found["GIRTH.CALF.LEFT"].value is None
+    assert found["GIRTH.CALF.LEFT"].reason
+    half = points_m[:, 2] > 0.0
+    behind = BodySurface(points_m[half], normals[half], np.ones(half.sum()), np.ones(half.sum()))
+    assert all(one.value is None for one in slice_measures(behind, 1.8))
