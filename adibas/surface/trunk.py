@@ -60,6 +60,8 @@ def hidden_share(
 ) -> float:
     """Return the share of the back about the spine that is unknown or too steep for a back."""
     rows = (grid.y_m >= 0.6 * stature_m) & (grid.y_m <= 0.8 * stature_m)
+    if rows.sum() <= 1:
+        return 1.0
     y_m = grid.y_m[rows]
     aside_m = grid.x_m[None, :] - profile.line.at(y_m)[:, None]
     about = np.abs(aside_m) <= params.beside_m
