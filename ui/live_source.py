@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
-from adibas.pipeline.live_frames import LiveFrame, SensorState
+from adibas.pipeline.live_frames import LiveFrame, Naming, SensorState
 from adibas.sensors.ports import SensorOptions
 from adibas.sensors.sources import open_source
 from ui.events import Event
@@ -47,6 +47,7 @@ class QtLiveSource(QObject):
         self._core: LiveView | None = None
         self._core_lock = Lock()
         self._target: MarkerTarget | None = None
+        self._naming: Naming | None = None
         self._rotation_deg = 0
         self._board: Board | None = None
         self._orders = ThreadPoolExecutor(1, thread_name_prefix="live-orders")
@@ -75,6 +76,7 @@ class QtLiveSource(QObject):
             if self._core is None:
                 self._core = LiveView(self._listener, opener=self._opener)
                 self._core.set_target(self._target)
+                self._core.set_naming(self._naming)
                 self._core.set_rotation(self._rotation_deg)
                 self._core.set_board(self._board)
             return self._core
@@ -90,6 +92,13 @@ class QtLiveSource(QObject):
             self._target = target
             if self._core is not None:
                 self._core.set_target(target)
+
+    def set_naming(self, naming: Naming | None) -> None:
+        """Name markers after these landmarks."""
+        with self._core_lock:
+            self._naming = naming
+            if self._core is not None:
+                self._core.set_naming(naming)
 
     def set_rotation(self, rotation_deg: int) -> None:
         """Say how far the picture is turned for showing."""

@@ -9,7 +9,7 @@ from ui.events import Event
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
     from adibas.data.board import Board
     from adibas.pipeline.live import LiveView
-    from adibas.pipeline.live_frames import LiveFrame, SensorState
+    from adibas.pipeline.live_frames import LiveFrame, Naming, SensorState
     from adibas.pipeline.posture import MarkerTarget
     from adibas.sensors.ports import SensorOptions
 
@@ -99,6 +99,8 @@ class LiveSource(Protocol):
     def open(self, source: str, options: "SensorOptions") -> None: ...
 
     def set_target(self, target: "MarkerTarget | None") -> None: ...
+
+    def set_naming(self, naming: "Naming | None") -> None: ...
 
     def set_rotation(self, rotation_deg: int) -> None: ...
 

@@ -14,7 +14,7 @@ from adibas.data.frames import SourceInfo
 from adibas.errors import SensorError
 from adibas.pipeline.acquisition import Arrival, Opener, Source
 from adibas.pipeline.burst_recording import Burst, BurstRecording
-from adibas.pipeline.live_frames import LiveFrame, LiveListener, SensorState
+from adibas.pipeline.live_frames import LiveFrame, LiveListener, Naming, SensorState
 from adibas.pipeline.live_threads import LiveThreads
 from adibas.pipeline.looking import Look, look_at
 from adibas.pipeline.posture import MarkerTarget, PostureParams
@@ -122,6 +122,11 @@ class LiveView:
         """Look for these markers from the next frame on; None looks for none."""
         with self._look_lock:
             self._look = replace(self._look, target=target)
+
+    def set_naming(self, naming: Naming | None) -> None:
+        """Name markers after these landmarks from the next frame on; None: not any more."""
+        with self._look_lock:
+            self._look = replace(self._look, naming=naming)
 
     def set_board(self, board: Board | None) -> None:
         """Look for this board in place of a person from the next frame on; None: as before."""

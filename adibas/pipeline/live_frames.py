@@ -1,6 +1,7 @@
 """What the live view tells: frames with all that is drawn over them, and how the sensor fares."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
@@ -14,6 +15,14 @@ if TYPE_CHECKING:  # the window knows these types before anything is compiled
     from adibas.pipeline.plumb import PlumbLine
 
 SensorKind: TypeAlias = Literal["closed", "opening", "live", "lost", "ended"]
+
+
+@dataclass(frozen=True, slots=True)
+class Naming:
+    """After what markers are named: the landmarks of a protocol (its name), in one of its views."""
+
+    protocol: str
+    view: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +44,8 @@ class LiveFrame:
         The person in the colour image; None where nobody is seen.
     detections : Detections or None
         Markers in this frame; None where nobody is seen or no marker is looked for.
+    joints : dict
+        Pixel (u, v) of each joint that a marker surely marks, by its name.
     board : BoardSearch or None
         What the search for a board came to; None where none is looked for, or without colour.
     plumb : PlumbLine or None
@@ -55,6 +66,7 @@ class LiveFrame:
     depth_in_color_m: Float32Array | None = None
     outline: BoolArray | None = None
     detections: "Detections | None" = None
+    joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     board: "BoardSearch | None" = None
     plumb: "PlumbLine | None" = None
     hints: tuple[Message, ...] = ()

@@ -1,5 +1,6 @@
 """What is seen in one live frame: the stages in the order of a burst, for the screen."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from adibas.alignment.registration import register_pixels
@@ -16,7 +17,8 @@ from adibas.markers.detection import Detections
 from adibas.markers.led import LedParams
 from adibas.pipeline import hints
 from adibas.pipeline.acquisition import Arrival
-from adibas.pipeline.live_frames import LiveFrame
+from adibas.pipeline.live_frames import LiveFrame, Naming
+from adibas.pipeline.live_joints import joints_among
 from adibas.pipeline.plumb import plumb_line
 from adibas.pipeline.posture import (
     MarkerTarget,
@@ -47,12 +49,15 @@ class Look:
         As in the measuring of a burst.
     board : Board or None
         To be found in place of a person; depth is given as measured then.
+    naming : Naming or None
+        After what markers are named; None: they have no names.
     """
 
     target: MarkerTarget | None = None
     calibration: RgbdCalibration | None = None
     params: PostureParams = field(default_factory=PostureParams)
     board: Board | None = None
+    naming: Naming | None = None
 
     def calibration_of(self, info: SourceInfo) -> RgbdCalibration | None:
         """Return the calibration in use for a source."""
@@ -108,6 +113,7 @@ def _seen(
         depth_in_color_m=registration.depth_m,
         outline=None if sight is None else sight.outline,
         detections=detections,
+        joints=_joints(detections, registration.depth_m, calibration, look),
         plumb=plumb,
         hints=stance + told,
     )
@@ -125,6 +131,17 @@ def _markers(
         is_led = isinstance(look.target, LedParams)
         return None, (hints.TOO_BRIGHT if is_led else hints.COLOR_FITS_ALL,)
     return found, ()
+
+
+def _joints(
+    found: Detections | None,
+    depth_in_color_m: Float32Array,
+    calibration: RgbdCalibration,
+    look: Look,
+) -> Mapping[str, tuple[float, float]]:
+    if found is None or look.naming is None:
+        return {}
+    return joints_among(found.blobs, depth_in_color_m, calibration, look.naming)
 
 
 def _floor(

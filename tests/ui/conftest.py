@@ -153,6 +153,7 @@ class NoSensor:
         self.state = SensorState("closed")
         self.view = None
         self.target = None
+        self.naming = None
         self.rotation_deg = 0
         self.board = None
         self.orders = []
@@ -166,6 +167,9 @@ class NoSensor:
 
     def set_target(self, target) -> None:
         self.target = target
+
+    def set_naming(self, naming) -> None:
+        self.naming = naming
 
     def set_rotation(self, rotation_deg) -> None:
         self.rotation_deg = rotation_deg

@@ -18,15 +18,18 @@ from adibas.geometry.pinhole import Intrinsics
 from adibas.markers.color_model import ColorModel
 from adibas.markers.led import LedParams
 from adibas.pipeline.live import LiveFrame, SensorState
+from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.targets import target_to_document
 from adibas.sensors.ports import SensorDescription, SensorOptions, VideoMode
 from adibas.sessions import NewCapture
 from tests.ui.conftest import NoSensor
 from ui.capture import disk_watch, presenter, sources
+from ui.capture.live_overlays import overlays_of
 from ui.capture.ports import CaptureView
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import SIZES, SourceChoice, find_sources, usual_sources
 from ui.ports import CancelledError
+from ui.widgets.overlays import Line
 from ui.workspace import Workspace
 
 LARGE, SMALL = (1280, 1024), (640, 480)
@@ -608,3 +611,21 @@ def test_libraries_are_asked_for_their_sensors(monkeypatch):
     nameless = [SensorDescription("", "", "", "u")]
     monkeypatch.setattr(sources.openni2_modes, "list_sensors", lambda: nameless)
     assert find_sources(())[0] == SourceChoice("OpenNI2 (OpenNI2)", "openni2", SIZES, True)
+
+
+def test_live_markers_are_named_after_the_protocol_of_the_session(seen, workspace, store, ana):
+    workspace.choose_session(
+        store.sessions.start(ana.pseudonym, SessionSetup(protocol="joints-15"))
+    )
+    assert workspace.live.naming == Naming("joints-15", "anterior")
+    seen.choose_view("posterior")
+    assert workspace.live.naming == Naming("joints-15", "posterior")
+    workspace.choose_session(store.sessions.start(ana.pseudonym, SessionSetup()))
+    assert workspace.live.naming is None
+
+
+def test_bones_are_drawn_between_the_joints_that_are_seen():
+    places = {"left_elbow": (20.0, 30.0), "left_hand": (25.0, 60.0), "head": (3.0, 4.0)}
+    frame = LiveFrame(1, 0, None, None, joints=places)
+    assert overlays_of(frame, lambda _name: True) == (Line(25.0, 60.0, 20.0, 30.0, "bone"),)
+    assert overlays_of(frame, lambda name: name != "markers") == ()

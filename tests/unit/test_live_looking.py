@@ -10,6 +10,7 @@ from adibas.calibration.finder import BoardProblem
 from adibas.data.board import Board
 from adibas.data.calibration import CameraCalibration
 from adibas.data.frames import EncodedImage, SensorFrame
+from adibas.data.joints import JOINT_NAMES
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 from adibas.markers.color_model import LearningParams, grow_region, learn_colors
@@ -17,9 +18,11 @@ from adibas.markers.lab import rgb_to_lab
 from adibas.markers.led import LedParams
 from adibas.pipeline import hints
 from adibas.pipeline.acquisition import Arrival
+from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.looking import Look, look_at
 from adibas.pipeline.posture import PostureParams
 from adibas.simulation.boards import render_board
+from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 
 
@@ -171,3 +174,25 @@ def test_why_no_board_is_found_is_told(whole):
     blind = look_at(arrival_of(whole, without_color), Look(board=Board(8, 5, 0.025)))
     assert blind.board is None
     assert hints.NO_COLOR in blind.hints
+
+
+@pytest.fixture(scope="module")
+def joints_marked():
+    """A patient with a sticker before each joint."""
+    return open_scene("anterior", seed=7, distance_m=3.0, markers=MarkerSettings(JOINT_NAMES))
+
+
+def test_markers_on_joints_are_named_in_the_live_picture(joints_marked):
+    simulated = joints_marked.frame(0)
+    look = Look(target=learned(simulated), naming=Naming("joints-15", "anterior"))
+    joints = look_at(arrival_of(joints_marked), look).joints
+    truth = {one.name: (one.u, one.v) for one in simulated.truth.markers}
+    assert len(joints) >= 12
+    for name, place in joints.items():
+        assert place == pytest.approx(truth[name], abs=2.0)
+
+
+@pytest.mark.parametrize("naming", [None, Naming("sapo-1", "anterior"), Naming("lost", "anterior")])
+def test_nothing_is_named_without_a_protocol_of_joints(joints_marked, naming):
+    look = Look(target=learned(joints_marked.frame(0)), naming=naming)
+    assert look_at(arrival_of(joints_marked), look).joints == {}

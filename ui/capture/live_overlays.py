@@ -5,16 +5,19 @@ from collections.abc import Callable
 
 from adibas.pipeline.live import LiveFrame
 from adibas.texts import translate as _
+from ui.widgets.bones import bones
 from ui.widgets.overlays import Dot, Line, Overlay, Region
 
 
 def overlays_of(frame: LiveFrame, shows: Callable[[str], bool]) -> tuple[Overlay, ...]:
-    """Return body, markers and plumb line, as far as `shows` wants them."""
+    """Return body, markers with their bones and plumb line, as far as `shows` wants them."""
     overlays: list[Overlay] = []
     if shows("body") and frame.outline is not None:
         overlays.append(Region(frame.outline))
     if shows("plumb") and frame.plumb is not None:
         overlays += _plumb(frame)
+    if shows("markers"):
+        overlays += bones(frame.joints)
     if shows("markers") and frame.detections is not None:
         overlays += [Dot(blob.u, blob.v, blob.radius_px) for blob in frame.detections.blobs]
         overlays += [

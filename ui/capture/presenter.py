@@ -7,6 +7,7 @@ from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
 from adibas.pipeline.capturing import CaptureRequest, take_capture
 from adibas.pipeline.live import LiveFrame, SensorState
+from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.targets import target_from_document, target_to_document
 from adibas.texts import describe, message, translate_plural
 from adibas.texts import translate as _
@@ -208,6 +209,7 @@ class CapturePresenter:
     def _go_to(self, view: str) -> None:
         self._next_view = view
         self._show_views()
+        self._name_markers()
         self.sources.open(view)
 
     def _on_session(self) -> None:
@@ -222,8 +224,15 @@ class CapturePresenter:
             self._take_over_markers(session)
         self.sources.use(self.sources.setup if session is None else session.setup)
         self._show_views()
+        self._name_markers()
         self._show_readiness()
         self.sources.open(self._next_view)
+
+    def _name_markers(self) -> None:
+        """Let live markers be named after the session's protocol."""
+        protocol = self.sources.setup.protocol
+        naming = Naming(protocol, self._next_view) if protocol else None
+        self._workspace.live.set_naming(naming)
 
     def _take_over_markers(self, session: Session | None) -> None:
         """Look for the markers of a session; one without any goes on with those in use."""

@@ -2,14 +2,13 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
 
-from adibas.data.joints import PARENT_OF
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow, Points
 from ui.review.wording import value_text
+from ui.widgets.bones import bones
 from ui.widgets.overlays import Curve, Dot, Line, Overlay, Role
 
 REFUSED_KEY = "\n"
@@ -43,13 +42,6 @@ def overlays_of(points: Points) -> tuple[Overlay, ...]:
     ]
     drawn += [_dot(marker, points) for marker in points.markers]
     return tuple(drawn)
-
-
-def bones(places: Mapping[str, Pixel]) -> Iterator[Line]:
-    """Join the joints among named places."""
-    for joint, parent in PARENT_OF.items():
-        if joint in places and parent in places:
-            yield Line(*places[joint], *places[parent], "bone")
 
 
 def refused_index(name: str) -> int | None:

@@ -1,0 +1,79 @@
+"""Which markers of a live frame are which joints, to be drawn: their places are taken roughly."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from adibas.arrays import Float32Array, FloatArray
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.markers import Marker
+from adibas.errors import ProtocolError
+from adibas.geometry.distortion import undistort_pixels
+from adibas.markers.blobs import Blob
+from adibas.measures.protocol_store import find_protocol
+from adibas.pipeline.live_frames import Naming
+from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+
+ABOUT = 3.0
+"""The depth about a marker is taken from so many of its radii, since its own may be missing."""
+ROUGH_M = 0.01
+"""A burst measures better than a glance."""
+
+
+def joints_among(
+    blobs: tuple[Blob, ...],
+    depth_in_color_m: Float32Array,
+    calibration: RgbdCalibration,
+    naming: Naming,
+) -> Mapping[str, tuple[float, float]]:
+    """Return the pixel (u, v) of each joint that a marker surely marks.
+
+    Parameters
+    ----------
+    blobs : tuple of Blob
+        The markers in the colour image.
+    depth_in_color_m : (H, W) float32 array
+        In the colour camera's axes, metres; NaN where not measured.
+    calibration : RgbdCalibration
+        With the colour camera.
+    naming : Naming
+        Nothing is named after a protocol whose landmarks are no joints, or that is lost.
+    """
+    try:
+        protocol = find_protocol(naming.protocol)
+    except ProtocolError:  # told where it is measured
+        return {}
+    if calibration.color is None or not names_joints(protocol):
+        return {}
+    markers = tuple(
+        Marker(
+            f"m{number}",
+            blob.u,
+            blob.v,
+            blob.radius_px,
+            np.eye(2),
+            position_m,
+            ROUGH_M**2 * np.eye(3),
+        )
+        for number, blob in enumerate(blobs, 1)
+        if (position_m := _place_m(blob, depth_in_color_m, calibration.color)) is not None
+    )
+    named = with_joint_names(markers, naming.view, calibration)
+    return {one.label: (one.u, one.v) for one in named if one.label in JOINT_NAMES}
+
+
+def _place_m(
+    blob: Blob, depth_in_color_m: Float32Array, camera: CameraCalibration
+) -> FloatArray | None:
+    reach_px = round(ABOUT * blob.radius_px)
+    u, v = round(blob.u), round(blob.v)
+    about = depth_in_color_m[
+        max(v - reach_px, 0) : v + reach_px + 1, max(u - reach_px, 0) : u + reach_px + 1
+    ]
+    seen = about[np.isfinite(about)]
+    if not seen.size:
+        return None
+    x, y = undistort_pixels(np.array([blob.u, blob.v]), camera.intrinsics, camera.distortion)
+    place_m = float(np.median(seen)) * np.array([x, y, 1.0])
+    return place_m if np.isfinite(place_m).all() else None
