@@ -2,15 +2,31 @@
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QHelpEvent, QWheelEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QLineEdit, QPushButton
+from PySide6.QtWidgets import (
+    QApplication,
+    QCheckBox,
+    QComboBox,
+    QInputDialog,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QTableWidget,
+    QTabWidget,
+    QToolTip,
+)
+from shiboken6 import isValid
 
 from adibas.data.coding import Occurrence
 from adibas.recordings.codings import read_codings
 from tests.ui.behaviour_scene import FRAME_MS, make_recording, time_ms
 from tests.ui.conftest import NoSensor
+from tests.ui.test_mnemonics import assert_each_letter_is_one_control
+from ui.behaviour.scheme_dialog import SchemeDialog
 from ui.behaviour.screen import build_behaviour_screen
+from ui.behaviour.section_dialog import SectionDialog
 from ui.behaviour.timeline import TimelineView
 from ui.behaviour.transport import Transport
 from ui.behaviour.video_view import VideoView
@@ -62,6 +78,9 @@ class Observer:
             (one.behaviour, one.begin_ms, one.end_ms)
             for one in self.coding.draft.coding.occurrences
         ]
+
+    def begun(self):
+        return [(one.behaviour,) for one in self.coding.draft.begun]
 
     def bar(self, behaviour):
         content = self.timeline._content
@@ -254,3 +273,156 @@ def test_the_speed_is_chosen_from_a_list(observer):
     chooser.activated.emit(0)
     assert observer.screen._presenter._playing.speed == 0.25
     assert QApplication.focusWidget() is observer.timeline
+
+
+def dialog_of(kind):
+    (found,) = [one for one in QApplication.topLevelWidgets() if isinstance(one, kind)]
+    return found
+
+
+def choose(observer, button, action):
+    """Choose from the menu of a button."""
+    menu = observer.button(button).menu()
+    (chosen,) = [one for one in menu.actions() if one.text().startswith(action)]
+    assert chosen.isEnabled()
+    chosen.trigger()
+
+
+def test_the_scheme_is_changed_in_a_dialog(observer):
+    choose(observer, "Scheme", "Change the coding scheme")
+    dialog = dialog_of(SchemeDialog)
+    dialog.activateWindow()
+    observer.qtbot.waitUntil(dialog.isActiveWindow)
+    add, ok = (
+        next(one for one in dialog.findChildren(QPushButton) if one.text() == text)
+        for text in ("&Add", "&Use this scheme")
+    )
+    QTest.mouseClick(add, LEFT)
+    QTest.keyClicks(QApplication.focusWidget(), "yawns")
+    QTest.keyClick(QApplication.focusWidget(), Key.Key_Tab)
+    QTest.keyClick(QApplication.focusWidget(), Key.Key_Down)
+    QTest.keyClick(QApplication.focusWidget(), Key.Key_Tab)
+    QTest.keyClicks(QApplication.focusWidget(), "s")
+    QTest.mouseClick(ok, LEFT)
+    (wrong,) = [one for one in dialog.findChildren(QLabel) if one.property("kind") == "bad"]
+    assert "s stands twice" in wrong.text()
+    assert wrong.isVisible()
+    key = dialog._texts["key"]
+    key.setFocus()
+    key.selectAll()
+    QTest.keyClicks(key, "y")
+    QTest.mouseClick(ok, LEFT)
+    observer.qtbot.waitUntil(lambda: not isValid(dialog) or not dialog.isVisible())
+    assert observer.button("yawns").text() == "yawns  [y]"
+    observer.key(Key.Key_Y)
+    assert [name for name, *_times in observer.events() or observer.begun()] == ["yawns"]
+
+
+def test_a_behaviour_is_removed_in_the_dialog(observer):
+    choose(observer, "Scheme", "Change the coding scheme")
+    dialog = dialog_of(SchemeDialog)
+    observer.qtbot.waitUntil(dialog.isVisible)
+    buttons = {one.text(): one for one in dialog.findChildren(QPushButton)}
+    for _behaviour in range(10):
+        QTest.mouseClick(buttons["&Remove"], LEFT)
+    assert not buttons["&Remove"].isEnabled()
+    QTest.mouseClick(buttons["&Add"], LEFT)
+    QTest.mouseClick(buttons["&Use this scheme"], LEFT)
+    assert [one.name for one in observer.coding.draft.coding.ethogram.behaviours] == [
+        "new behaviour"
+    ]
+
+
+def test_a_section_is_marked_and_removed_in_a_dialog(observer):
+    observer.step_to(30)
+    choose(observer, "Coding", "Mark a section")
+    dialog = dialog_of(SectionDialog)
+    observer.qtbot.waitUntil(dialog.isVisible)
+    mark = next(one for one in dialog.findChildren(QPushButton) if one.text() == "&Mark")
+    assert not mark.isEnabled()
+    QTest.keyClicks(dialog.findChild(QComboBox).lineEdit(), "game")
+    QTest.mouseClick(mark, LEFT)
+    (section,) = observer.coding.draft.coding.sections
+    assert (section.name, section.begin_ms, section.end_ms) == ("game", time_ms(30), time_ms(89))
+    observer.qtbot.waitUntil(lambda: not isValid(dialog) or not dialog.isVisible())
+    QApplication.sendPostedEvents(None, 52)
+    choose(observer, "Coding", "Mark a section")
+    dialog = next(
+        one
+        for one in QApplication.topLevelWidgets()
+        if isinstance(one, SectionDialog) and one.isVisible()
+    )
+    QTest.mouseClick(
+        next(one for one in dialog.findChildren(QPushButton) if one.text() == "&Remove"), LEFT
+    )
+    assert observer.coding.draft.coding.sections == ()
+
+
+def test_a_second_observer_codes_and_both_are_compared(observer):
+    seated_until(observer, 30)
+    QTest.mouseClick(observer.button("Second observer"), LEFT)
+    dialog = dialog_of(QInputDialog)
+    observer.qtbot.waitUntil(dialog.isVisible)
+    QTest.keyClicks(dialog.findChild(QLineEdit), "MP")
+    QTest.keyClick(dialog.findChild(QLineEdit), Key.Key_Return)
+    assert observer.coding.is_blind
+    assert not observer.button("Find").isEnabled()
+    observer.step_to(0)
+    seated_until(observer, 60)
+    QTest.mouseClick(observer.button("End the second"), LEFT)
+    assert observer.events() == [("seated", time_ms(0), time_ms(30))]
+    pages = observer.screen.findChild(QTabWidget)
+    pages.setCurrentIndex(2)
+    table = pages.currentWidget().findChild(QTableWidget)
+    assert table.item(0, 0).text() == "Kappa by units of time (Cohen)"
+    observer.screen.grab()
+
+
+def test_counts_are_read_in_a_table(observer):
+    seated_until(observer, 30)
+    pages = observer.screen.findChild(QTabWidget)
+    pages.setCurrentIndex(1)
+    table = pages.currentWidget().findChild(QTableWidget)
+    titles = [table.horizontalHeaderItem(n).text() for n in range(table.columnCount())]
+    assert table.item(0, titles.index("Total [s]")).text() == "0.99"
+    kinds = pages.currentWidget().findChild(QComboBox)
+    kinds.setCurrentIndex(3)
+    kinds.activated.emit(3)
+    assert table.rowCount() == 1
+    table.selectRow(0)
+    observer.coding.undo()
+    observer.coding.undo()
+    assert table.rowCount() == 0
+
+
+def test_each_letter_goes_to_one_control_of_the_open_screen(observer):
+    seated_until(observer, 30)
+    observer.key(Key.Key_Left, CTRL)
+    pages = observer.screen.findChild(QTabWidget)
+    for index in range(pages.count()):
+        pages.setCurrentIndex(index)
+        assert_each_letter_is_one_control(observer.screen)
+
+
+def test_the_timeline_tells_what_is_under_the_mouse_and_follows_the_wheel(observer):
+    seated_until(observer, 30)
+    timeline = observer.timeline
+    view, place = timeline.viewport(), timeline.middle_of(observer.bar("seated"))
+    tip = QHelpEvent(QEvent.Type.ToolTip, place, view.mapToGlobal(place))
+    QApplication.sendEvent(view, tip)
+    observer.qtbot.waitUntil(lambda: "0:00.990" in QToolTip.text())
+    QToolTip.hideText()
+    before = timeline.scale
+    for modifiers in (CTRL, SHIFT, NO_KEY):
+        wheel = QWheelEvent(
+            QPointF(place),
+            QPointF(view.mapToGlobal(place)),
+            QPoint(0, 120),
+            QPoint(0, 120),
+            Qt.MouseButton.NoButton,
+            modifiers,
+            Qt.ScrollPhase.NoScrollPhase,
+            False,
+        )
+        QApplication.sendEvent(view, wheel)
+    assert timeline.scale.to_ms - timeline.scale.from_ms < before.to_ms - before.from_ms

@@ -49,7 +49,8 @@ class CodePanel(QWidget):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._subject_label.setText(_("&Who is observed"))
-        self._hold.setText(_("A state lasts while its key is &held"))
+        self._hold.setText(_("&Hold keys down"))
+        self._hold.setToolTip(_("A state lasts while its key is held."))
         self.show_desk(self._desk)
 
     def show_desk(self, desk: Desk) -> None:

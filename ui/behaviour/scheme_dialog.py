@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
@@ -30,6 +31,7 @@ from ui.widgets.flow import in_a_flow
 from ui.widgets.scrolled import Scrolled
 
 NAMES_LETTERS, FIELD_LETTERS = 20, 28
+USUAL_LETTERS, USUAL_LINES = 100, 36
 TEXTS = ("name", "key", "category", "color", "group", "modifiers", "description")
 
 
@@ -64,9 +66,17 @@ class SchemeDialog(QDialog):
         self._box = QDialogButtonBox(standard.Ok | standard.Cancel, self)
         self._lay_out()
         self._connect()
+        self._order_focus()
         self.retranslate()
         self._subjects.setText(self._fields.subjects)
         self._show_names(0)
+        self._take_room()
+
+    def _take_room(self) -> None:
+        """Be as large as reads well, and no larger than the window."""
+        metrics, parent = self.fontMetrics(), self.parentWidget()
+        wanted = QSize(USUAL_LETTERS * metrics.averageCharWidth(), USUAL_LINES * metrics.height())
+        self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
 
     def _lay_out(self) -> None:
         letter_px = self.fontMetrics().averageCharWidth()
@@ -108,6 +118,13 @@ class SchemeDialog(QDialog):
         self._remove.clicked.connect(self._on_remove)
         self._box.accepted.connect(self._on_accepted)
         self._box.rejected.connect(self.reject)
+
+    def _order_focus(self) -> None:
+        """Let Tab go through the fields as they are read."""
+        fields = [self._texts["name"], self._kind, *(self._texts[name] for name in TEXTS[1:])]
+        order = [self._list, self._add, self._remove, *fields, self._subjects]
+        for before, after in pairwise(order):
+            self.setTabOrder(before, after)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

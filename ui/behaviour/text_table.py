@@ -11,7 +11,8 @@ from PySide6.QtWidgets import (
 
 from ui.behaviour.tables import TextTable
 
-LEAST_LINES = 3
+TABLE_LINES = 8
+"""That are seen at least, with the titles."""
 
 
 class TextTableView(QTableWidget):

@@ -32,7 +32,7 @@ class Transport(QWidget):
         self._speed_label.setBuddy(self._speed)
         for speed in SPEEDS:
             self._speed.addItem("", speed)
-        self._where = QLabel(self)
+        self._where, self._when = QLabel(self), QLabel(self)
         for button in (self._play, *self._steps.values()):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         column = QVBoxLayout(self)
@@ -40,7 +40,13 @@ class Transport(QWidget):
         steps = self._steps
         column.addLayout(
             in_a_flow(
-                steps["back"], self._play, steps["on"], self._speed_label, self._speed, self._where
+                steps["back"],
+                self._play,
+                steps["on"],
+                self._speed_label,
+                self._speed,
+                self._where,
+                self._when,
             )
         )
         self._play.clicked.connect(self.played)
@@ -80,10 +86,6 @@ class Transport(QWidget):
         if position is not None:
             since, whole = position.time_ms - position.begin_ms, position.end_ms - position.begin_ms
             self._where.setText(
-                _("Frame {number} of {n}, {time} of {whole}").format(
-                    number=position.index + 1,
-                    n=position.n_frames,
-                    time=time_text(since),
-                    whole=time_text(whole),
-                )
+                _("Frame {number} of {n}").format(number=position.index + 1, n=position.n_frames)
             )
+            self._when.setText(f"{time_text(since)} / {time_text(whole)}")
