@@ -13,16 +13,16 @@ from adibas.data.coding import MS_PER_S
 from adibas.texts import translate as _
 from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter, workbook_filter
 from ui.behaviour.tables import TextTable
-from ui.behaviour.text_table import TABLE_LINES, TextTableView
+from ui.behaviour.text_table import TextTableView
 from ui.widgets.flow import in_a_flow
-from ui.widgets.scrolled import Scrolled
+from ui.widgets.side_panel import SidePanel
 
 FIELDS = ("unit", "tolerance", "interval")
 LONGEST_S = 3600.0
 SHORTEST_S = 0.01
 
 
-class AgreementPage(Scrolled):
+class AgreementPage(SidePanel):
     """Choose the other coding, see how far both agree."""
 
     other_chosen = Signal(object)
@@ -47,7 +47,6 @@ class AgreementPage(Scrolled):
         self._told = QLabel(self)
         self._told.setWordWrap(True)
         self._table = TextTableView(self)
-        self.keep_lines(self._table, TABLE_LINES)
         column = self.column
         column.setContentsMargins(8, 8, 8, 8)
         column.addLayout(in_a_flow(self._open, self._write))

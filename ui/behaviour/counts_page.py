@@ -13,14 +13,14 @@ from adibas.texts import translate as _
 from ui.behaviour.counts_presenter import TABLES, USUAL_BIN_S
 from ui.behaviour.file_dialogs import ask_save, workbook_filter
 from ui.behaviour.tables import TextTable
-from ui.behaviour.text_table import TABLE_LINES, TextTableView
+from ui.behaviour.text_table import TextTableView
 from ui.widgets.flow import in_a_flow
-from ui.widgets.scrolled import Scrolled
+from ui.widgets.side_panel import SidePanel
 
 LONGEST_BIN_S = 36_000.0
 
 
-class CountsPage(Scrolled):
+class CountsPage(SidePanel):
     """One table at a time."""
 
     table_chosen = Signal(str)
@@ -39,7 +39,6 @@ class CountsPage(Scrolled):
         self._bin.setValue(USUAL_BIN_S)
         self._bin.setKeyboardTracking(False)
         self._bin.setEnabled(False)
-        self.keep_lines(self._table, TABLE_LINES)
         column = self.column
         column.setContentsMargins(8, 8, 8, 8)
         column.addLayout(in_a_flow(self._kind, self._bin_label, self._bin, self._write))

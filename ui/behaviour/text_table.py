@@ -1,6 +1,6 @@
 """A table of texts that can be read, and copied line by line."""
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -28,6 +28,11 @@ class TextTableView(QTableWidget):
         self.verticalHeader().hide()
         self.horizontalHeader().setHighlightSections(False)
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        """Ask for room for some lines."""
+        letters = self.fontMetrics()
+        return QSize(20 * letters.averageCharWidth(), TABLE_LINES * letters.height())
 
     def show_table(self, table: TextTable) -> None:
         """Show these lines; the current one stays where it is."""

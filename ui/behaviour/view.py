@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QComboBox,
@@ -63,7 +63,7 @@ class BehaviourScreen(Screen):
         self._timeline = TimelineView(theme, self)
         self._code, self._selected = CodePanel(self), SelectedPanel(self)
         self._counts, self._agreement = CountsPage(self), AgreementPage(self)
-        self._tabs, self._pages = QTabWidget(self), QStackedWidget(self)
+        self._tabs, self._pages = _Pages(self), QStackedWidget(self)
         self._ticking = QTimer(self)
         self._ticking.setInterval(TICK_MS)
         self._lay_out()
@@ -348,6 +348,14 @@ class BehaviourScreen(Screen):
     def _ask_recording(self) -> None:
         name_filter = _("Recordings") + f" {RECORDINGS}"
         ask_open(self, _("Open a recording"), name_filter, self._presenter.open_file)
+
+
+class _Pages(QTabWidget):
+    """Never so narrow that a title is cut."""
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        least = super().minimumSizeHint()
+        return least.expandedTo(QSize(self.tabBar().sizeHint().width(), 0))
 
 
 def _open(dialog: QDialog) -> None:
