@@ -674,6 +674,23 @@ def test_counts_follow_the_coding_while_they_are_seen(scene):
     scene.view.show_counts.assert_not_called()
 
 
+def test_sampling_says_what_it_would_have_seen(scene):
+    scene.open()
+    scene.seated(0, 15)
+    counts = scene.presenter.counts
+    counts.set_seen(is_seen=True)
+    counts.set_bin(1.0)
+    shares = {}
+    for kind in ("partial", "whole", "momentary"):
+        counts.choose_table(kind)
+        shares[kind] = next(one[2:] for one in shown_counts(scene).lines if one[1] == "seated")
+    assert shares == {
+        "partial": ("33.3", "16.9"),
+        "whole": ("0.0", "16.9"),
+        "momentary": ("0.0", "16.9"),
+    }
+
+
 def test_transitions_say_what_began_after_what(scene):
     scene.open()
     scene.coding.press("seated")

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.texts import translate as _
-from ui.behaviour.counts_presenter import TABLES, USUAL_BIN_S
+from ui.behaviour.counts_presenter import IN_INTERVALS, TABLES, USUAL_BIN_S
 from ui.behaviour.file_dialogs import ask_save, workbook_filter
 from ui.behaviour.tables import TextTable
 from ui.behaviour.text_table import TextTableView
@@ -49,11 +49,15 @@ class CountsPage(SidePanel):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        titles = (_("Totals and conditions"), _("Time bins"), _("Transitions"), _("Events"))
+        titles = (
+            *(_("Totals and conditions"), _("Time bins"), _("Transitions"), _("Events")),
+            *(_("Partial-interval sampling"), _("Whole-interval sampling")),
+            _("Momentary sampling"),
+        )
         for index, title in enumerate(titles):
             self._kind.setItemText(index, title)
         self._kind.setAccessibleName(_("What is counted"))
-        self._bin_label.setText(_("&Time bin [s]"))
+        self._bin_label.setText(_("In&terval [s]"))
         self._write.setText(_("&Write..."))
         self._table.setAccessibleName(_("Counts"))
 
@@ -63,7 +67,7 @@ class CountsPage(SidePanel):
 
     def _on_kind(self, index: int) -> None:
         kind = self._kind.itemData(index)
-        self._bin.setEnabled(kind == "bins")
+        self._bin.setEnabled(kind in IN_INTERVALS)
         self.table_chosen.emit(kind)
 
     def _ask_file(self) -> None:

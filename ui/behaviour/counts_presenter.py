@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.behaviour.agreement import AgreementParams
+from adibas.behaviour.sampling import SAMPLINGS
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.pipeline.behaviour_agreement import AgreementReport, compare_codings
 from adibas.pipeline.coding_files import read_for
@@ -19,7 +20,8 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.pipeline.behaviour import BehaviourAnalysis
 
-TABLES = ("totals", "bins", "transitions", "events")
+TABLES = ("totals", "bins", "transitions", "events", *SAMPLINGS)
+IN_INTERVALS = ("bins", *SAMPLINGS)
 USUAL_BIN_S = 60.0
 
 

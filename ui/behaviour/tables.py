@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from adibas.behaviour.agreement import Figure
+from adibas.behaviour.sampling import SAMPLINGS, Sampling, samples
 from adibas.data.coding import Coding
 from adibas.reports import behaviour_tables as tables
 from adibas.reports.agreement_texts import method_text
@@ -42,12 +43,16 @@ def counted_table(kind: str, coding: Coding, bin_ms: int) -> TextTable:
     Parameters
     ----------
     kind : str
-        ``totals`` (with those of each condition), ``bins``, ``transitions`` or ``events``.
+        ``totals`` (with those of each condition), ``bins``, ``transitions``, ``events``, or one of
+        `SAMPLINGS`.
     coding : Coding
     bin_ms : int
-        Length of a time bin.
+        Length of a time bin, or of an interval of sampling.
     """
     codings = [coding]
+    sampling = next((one for one in SAMPLINGS if one == kind), None)
+    if sampling is not None:
+        return _samples(coding, sampling, bin_ms)
     if kind == "transitions":
         return _transitions(codings)
     if kind == "totals":
@@ -58,6 +63,24 @@ def counted_table(kind: str, coding: Coding, bin_ms: int) -> TextTable:
     else:
         columns, rows = tables.event_columns(), tables.event_rows(codings)
     return text_table(columns[1:], (row[1:] for row in rows))  # all of one observer
+
+
+def _samples(coding: Coding, sampling: Sampling, interval_ms: int) -> TextTable:
+    """Return what sampling would have seen, beside the true share of the time."""
+    titles = (_("Who"), _("Behaviour"), _("Intervals [%]"), _("Time [%]"))
+    lines = tuple(
+        (
+            subject_text(one.subject),
+            behaviour_text(one.behaviour),
+            *(_percent(share) for share in (one.share, one.true_share)),
+        )
+        for one in samples(coding, sampling, interval_ms)
+    )
+    return TextTable(titles, lines, frozenset({2, 3}))
+
+
+def _percent(share: float | None) -> str:
+    return NOTHING if share is None else decimal_text(100 * share, 1)
 
 
 def _transitions(codings: Sequence[Coding]) -> TextTable:

@@ -9,6 +9,7 @@ from PySide6.QtGui import (
     QMouseEvent,
     QPainter,
     QPaintEvent,
+    QPixmap,
     QResizeEvent,
     QWheelEvent,
 )
@@ -16,7 +17,13 @@ from PySide6.QtWidgets import QAbstractScrollArea, QFrame, QToolTip, QWidget
 
 from adibas.data.coding import Occurrence
 from ui.behaviour.content import Bar, Timeline, time_text
-from ui.behaviour.timeline_painter import LineHeights, paint_timeline, row_text
+from ui.behaviour.timeline_painter import (
+    LineHeights,
+    TimelineLook,
+    paint_moving,
+    paint_still,
+    row_text,
+)
 from ui.behaviour.timeline_scale import TimeScale
 from ui.theme import Theme
 
@@ -53,6 +60,8 @@ class TimelineView(QAbstractScrollArea):
         self._held: tuple[Bar, str] | None = None
         self._ghost: Occurrence | None = None
         self._pressed_at: QPointF | None = None
+        self._picture: QPixmap | None = None
+        self._painted_as: tuple[object, ...] = ()
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -93,22 +102,36 @@ class TimelineView(QAbstractScrollArea):
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
         painter = QPainter(self.viewport())
-        content = self._content
-        if self._held is not None and self._ghost is not None:
-            held = replace(self._held[0], begin_ms=self._ghost.begin_ms, end_ms=self._ghost.end_ms)
-            bars = tuple(held if bar is self._held[0] else bar for bar in content.bars)
-            content = replace(content, bars=bars)
-        paint_timeline(
-            painter,
-            content,
-            self._scale,
-            self._heights,
-            self._theme.tokens,
-            (self._at_ms, self.verticalScrollBar().value(), self.viewport().height()),
+        look = TimelineLook(
+            self._scale, self._heights, self._theme.tokens, self.verticalScrollBar().value()
         )
+        height_px = self.viewport().height()
+        painter.drawPixmap(0, 0, self._still_picture(look))
+        paint_moving(painter, self._content, look, self._at_ms, height_px)
         if self.hasFocus():
             painter.setPen(self.palette().highlight().color())
             painter.drawRect(self.viewport().rect().adjusted(0, 0, -1, -1))
+
+    def _still_picture(self, look: TimelineLook) -> QPixmap:
+        """Return what does not move while the video runs: it is painted once."""
+        content = self._content
+        if self._held is not None and self._ghost is not None:
+            begin_ms, end_ms = self._ghost.begin_ms, self._ghost.end_ms
+            held = replace(self._held[0], begin_ms=begin_ms, end_ms=end_ms)
+            bars = tuple(held if bar is self._held[0] else bar for bar in content.bars)
+            content = replace(content, bars=bars)
+        viewport = self.viewport()
+        ratio = viewport.devicePixelRatioF()
+        painted_as = (content, look, viewport.size(), ratio, self.font().toString())
+        if self._picture is None or self._painted_as != painted_as:
+            self._picture = QPixmap(viewport.size() * ratio)
+            self._picture.setDevicePixelRatio(ratio)
+            painter = QPainter(self._picture)
+            painter.setFont(self.font())
+            paint_still(painter, content, look, viewport.height())
+            painter.end()
+            self._painted_as = painted_as
+        return self._picture
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
         super().resizeEvent(event)
@@ -117,6 +140,7 @@ class TimelineView(QAbstractScrollArea):
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.LanguageChange):
+            self._picture = None
             self._fit()
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)

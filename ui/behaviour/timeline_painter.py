@@ -45,31 +45,54 @@ def row_text(row: Row) -> str:
     return f"{name} ({subject_text(row.subject)})" if row.subject else name
 
 
-def paint_timeline(
-    painter: QPainter,
-    content: Timeline,
-    scale: TimeScale,
-    heights: LineHeights,
-    tokens: Tokens,
-    where: tuple[int, int, int],
-) -> None:
-    """Paint everything; `where`: time of the video, what is scrolled away, height of the room."""
-    at_ms, scrolled_px, height_px = where
+@dataclass(frozen=True, slots=True)
+class TimelineLook:
+    """How the timeline is painted: which time lies where, how high lines are, and colours."""
+
+    scale: TimeScale
+    heights: LineHeights
+    tokens: Tokens
+    scrolled_px: int
+
+
+def paint_still(painter: QPainter, content: Timeline, look: TimelineLook, height_px: int) -> None:
+    """Paint everything that stays where it is while the video runs."""
+    scale, heights, tokens = look.scale, look.heights, look.tokens
     right_px = scale.left_px + scale.width_px
     painter.fillRect(QRectF(0, 0, right_px + 20, height_px), QColor(tokens.raised))
     painter.save()
-    painter.translate(0, -scrolled_px)
+    painter.translate(0, -look.scrolled_px)
     _paint_lines(painter, content, scale, heights, tokens)
-    room = QRectF(scale.left_px, 0, scale.width_px + 1, heights.top_of(len(content.rows)))
-    painter.setClipRect(room)
+    _clip(painter, content, look)
     for bar in content.bars:
-        if bar.end_ms >= scale.from_ms and bar.begin_ms <= scale.to_ms:
-            _paint_bar(painter, bar, content, scale, heights, (tokens, at_ms))
+        is_seen = bar.end_ms >= scale.from_ms and bar.begin_ms <= scale.to_ms
+        if is_seen and bar.layer != "begun":
+            _paint_bar(painter, bar, bar.end_ms, content, look)
     painter.restore()
     _paint_ruler(painter, content, scale, heights, tokens)
-    x = scale.x_of(at_ms)
-    painter.setPen(QPen(QColor(tokens.bad), 2))
+
+
+def paint_moving(
+    painter: QPainter, content: Timeline, look: TimelineLook, at_ms: int, height_px: int
+) -> None:
+    """Paint what lasts up to now, and where the video is."""
+    painter.save()
+    painter.translate(0, -look.scrolled_px)
+    _clip(painter, content, look)
+    for bar in content.bars:
+        if bar.layer == "begun":
+            _paint_bar(painter, bar, max(at_ms, bar.begin_ms), content, look)
+    painter.restore()
+    x = look.scale.x_of(at_ms)
+    painter.setPen(QPen(QColor(look.tokens.bad), 2))
     painter.drawLine(QPointF(x, 0), QPointF(x, height_px))
+
+
+def _clip(painter: QPainter, content: Timeline, look: TimelineLook) -> None:
+    """Let bars cover neither names nor the ruler."""
+    top_px = look.heights.ruler_px + look.scrolled_px
+    height_px = look.heights.top_of(len(content.rows))
+    painter.setClipRect(QRectF(look.scale.left_px, top_px, look.scale.width_px + 1, height_px))
 
 
 def _paint_lines(
@@ -88,19 +111,14 @@ def _paint_lines(
 
 
 def _paint_bar(
-    painter: QPainter,
-    bar: Bar,
-    content: Timeline,
-    scale: TimeScale,
-    heights: LineHeights,
-    look: tuple[Tokens, int],
+    painter: QPainter, bar: Bar, end_ms: int, content: Timeline, look: TimelineLook
 ) -> None:
-    tokens, at_ms = look
-    end_ms = max(at_ms, bar.begin_ms) if bar.layer == "begun" else bar.end_ms
-    left, right = scale.x_of(bar.begin_ms), scale.x_of(end_ms)
-    top_px, height_px = heights.part_of(bar.layer)
+    tokens = look.tokens
+    left, right = look.scale.x_of(bar.begin_ms), look.scale.x_of(end_ms)
+    top_px, height_px = look.heights.part_of(bar.layer)
+    top = look.heights.top_of(bar.row) + top_px
+    place = QRectF(left, top, max(right - left, LEAST_PX), height_px)
     is_chosen = bar.occurrence is not None and bar.occurrence == content.chosen
-    place = QRectF(left, heights.top_of(bar.row) + top_px, max(right - left, LEAST_PX), height_px)
     color = QColor(tokens.bad) if bar.layer == "difference" else _color(content.rows[bar.row])
     painter.setPen(QPen(QColor(tokens.text), 2.5 if is_chosen else 1))
     if bar.layer == "difference":
