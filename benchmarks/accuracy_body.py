@@ -27,11 +27,11 @@ BACK_SEEDS = range(3000, 3250)
 QUICK_BACKS = 8
 BODY_SEEDS = range(4000, 4010)
 QUICK_BODIES = 2
-N_FRAMES = 20
+N_FRAMES = 30
 VIEWS: tuple[View, ...] = ("posterior", "anterior", "right_lateral", "left_lateral")
 SWAY_M, SWAY_RAD = 0.005, np.radians(1.0)
-SQUARE_COSINE = np.cos(np.radians(65.0))
 N_SAMPLES = 400_000
+FAR_MM = 5.0
 LANDMARKS = ("c7", "left_acromion", "right_acromion", "left_greater_trochanter", "sternal_notch")
 
 
@@ -109,9 +109,9 @@ def _bodies(seeds: range, told: str, sway: float) -> Iterator[Row]:
         except BodyError:
             n_refused += 1
             continue
-        off_mm = _off_mm(scene, whole, motions[0])
+        off_mm = _off_mm(scene, whole)
         squares.append(off_mm)
-        slanted.append(np.abs(off_mm) > 5.0)
+        slanted.append(np.abs(off_mm) > FAR_MM)
         some_apart, some_marks = _poses(scene, whole, motions)
         apart += some_apart
         landmarks += some_marks
@@ -133,7 +133,6 @@ def _sways(seed: int, sway: float) -> list[RigidTransform]:
     motions = []
     for number in range(len(VIEWS)):
         lean, aside = rng.normal(size=3), rng.normal(size=3)
-        lean[1] *= 1.0
         aside[1] = 0.0
         turn = sway * SWAY_RAD * lean / np.linalg.norm(lean)
         shift_m = sway * SWAY_M * aside / np.linalg.norm(aside)
@@ -169,11 +168,10 @@ def _seen(
     return person_in(view, surface, calibration)
 
 
-def _off_mm(scene: BackScene, whole: WholeBody, first: RigidTransform) -> FloatArray:
+def _off_mm(scene: BackScene, whole: WholeBody) -> FloatArray:
     """Return signed distances of the surface from the true mesh as the first view saw it."""
     posed = scene.posed("posterior")
     axes = whole.patient_from_camera["posterior"]
-    del first  # the first view stands as the body was posed
     vertices_m = axes.apply(scene.depth_from_world.apply(posed.vertices_m))
     points_m, normals = _mesh_samples(vertices_m, scene.patient.body.model.triangles)
     surface = whole.surface

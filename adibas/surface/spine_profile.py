@@ -29,7 +29,9 @@ class ProfileParams:
     Attributes
     ----------
     reach_m : float
-        To either side of the line that takes part: 40 mm.
+        To either side of the line that takes part: 30 mm.
+    side_reach_m : float
+        The same for `a`, the rotation: 55 mm, where a furrow beside the line counts little.
     knot_m : float
         Between knots: 15 mm.
     shortest_wave_m : float
@@ -41,7 +43,8 @@ class ProfileParams:
         Konolige & Mihelich (2011) tell of structured light.
     """
 
-    reach_m: float = 0.04
+    reach_m: float = 0.03
+    side_reach_m: float = 0.055
     knot_m: float = 0.015
     shortest_wave_m: float = 0.13
     side_wave_m: float = 0.13
@@ -121,19 +124,44 @@ def fit_profile(
     """
     params = params or ProfileParams()
     top_m, bottom_m = float(line.y_m[0]), float(line.y_m[-1])
+    knots = _knots(bottom_m, top_m, params.knot_m)
+    near = _fit_within(points_m, line, knots, params.reach_m, params)
+    wide = _fit_within(points_m, line, knots, params.side_reach_m, params)
+    parts = near.parts.copy()
+    parts[1] = wide.parts[1]
+    return SpineProfile(line, knots, parts, near.covariance, near.noise_m, top_m, bottom_m)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    parts: FloatArray
+    covariance: FloatArray
+    noise_m: float
+
+
+def _knots(bottom_m: float, top_m: float, apart_m: float) -> FloatArray:
+    n_spans = max(round((top_m - bottom_m) / apart_m), 4)
+    step_m = (top_m - bottom_m) / n_spans
+    knots: FloatArray = bottom_m + step_m * np.arange(-DEGREE, n_spans + DEGREE + 1, dtype=float)
+    return knots
+
+
+def _fit_within(
+    points_m: FloatArray,
+    line: SymmetryLine,
+    knots: FloatArray,
+    reach_m: float,
+    params: ProfileParams,
+) -> _Fit:
+    """Fit the three parts to what lies within reach of the line."""
+    bottom_m, top_m = float(knots[DEGREE]), float(knots[-DEGREE - 1])
     t_m = points_m[:, 0] - line.at(points_m[:, 1])
-    near = (
-        (np.abs(t_m) <= params.reach_m) & (points_m[:, 1] <= top_m) & (points_m[:, 1] >= bottom_m)
-    )
+    near = (np.abs(t_m) <= reach_m) & (points_m[:, 1] <= top_m) & (points_m[:, 1] >= bottom_m)
     t_m, y_m, z_m = t_m[near], points_m[near, 1], points_m[near, 2]
     if not len(y_m):
         raise ValueError("no points lie about the line")
-    n_spans = max(round((top_m - bottom_m) / params.knot_m), 4)
-    step_m = (top_m - bottom_m) / n_spans
-    knots: FloatArray = bottom_m + step_m * np.arange(-DEGREE, n_spans + DEGREE + 1, dtype=float)
     rows = BSpline.design_matrix(y_m, knots, DEGREE, extrapolate=True)
-    scale_m = params.reach_m
-    aside = diags_array(t_m / scale_m)
+    aside = diags_array(t_m / reach_m)
     design = csr_array(hstack([rows, aside @ rows, aside @ aside @ rows]))
     penalty = _penalty(knots, len(y_m) / (top_m - bottom_m), params)
     kept = np.ones(len(y_m), bool)
@@ -146,11 +174,11 @@ def fit_profile(
         kept = np.abs(off_m) <= OUTLIER_SDS * max(noise_m, 1e-6)
     inverse = np.linalg.inv(gram + penalty)
     n = rows.shape[1]
-    density = len(y_m) / ((top_m - bottom_m) * 2.0 * params.reach_m)
+    density = len(y_m) / ((top_m - bottom_m) * 2.0 * reach_m)
     alike = max(density * params.window_m2, 1.0)
     covariance = noise_m**2 * alike * (inverse @ gram @ inverse)[:n, :n]
-    parts = solved.reshape(N_PARTS, n) / np.array([[1.0], [scale_m], [scale_m**2]])
-    return SpineProfile(line, knots, parts, covariance, noise_m, top_m, bottom_m)
+    parts = solved.reshape(N_PARTS, n) / np.array([[1.0], [reach_m], [reach_m**2]])
+    return _Fit(parts, covariance, noise_m)
 
 
 def _penalty(knots: FloatArray, per_metre: float, params: ProfileParams) -> FloatArray:
