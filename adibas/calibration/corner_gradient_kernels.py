@@ -58,7 +58,7 @@ def _add_lines(patch: FloatArray, shape: FloatArray, square_share: float, sums: 
             right, down = j - middle, i - middle
             along = (right * shape[3] - down * shape[2]) / area
             across = (down * shape[0] - right * shape[1]) / area
-            if max(abs(along), abs(across)) > square_share:
+            if math.hypot(along, across) > square_share:
                 continue
             weight = math.exp(-(right * right + down * down) / (reach * reach))
             by_u = 0.5 * (patch[i, j + 1] - patch[i, j - 1])
@@ -106,7 +106,7 @@ def meet_all(
 ) -> FloatArray:
     """Return (N, 3) u, v and standard deviation of the corners near `starts` (N, 2).
 
-    `shapes` (N, 16) as those of `corner_fit_kernels`; `limits`: share of a square, pixels on each
+    `shapes` (N, 16) as those of `corner_fit_kernels`; `limits`: radius in squares, pixels on each
     side of the corner. NaN where there is no corner, or none within a pixel of the start.
     """
     result = np.full((len(starts), 3), np.nan)

@@ -131,6 +131,15 @@ def test_in_the_window_of_their_tool_our_corners_are_the_stored_ones(
     assert (near < 3.0).mean() > 0.95
 
 
+def test_the_window_does_not_reach_the_next_corner_of_an_oblique_board(real_data):
+    path = real_data / "calibration" / "opencv_left" / "left02.jpg"
+    gray, board = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), Board(9, 6, 0.025)
+    corners = find_board(gray, board, path.name, BY_GRADIENTS)
+    assert corners.n_seen == board.n_corners
+    modelled = find_board(gray, board, path.name)
+    assert np.abs(corners.pixels - modelled.pixels).max() < 1.0
+
+
 def test_his_model_has_his_parameters_within_his_tolerances(real_data):
     board = Board(12, 13, 0.03)
     found = [
