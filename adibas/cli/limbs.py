@@ -23,8 +23,9 @@ SEGMENT = message("find the limbs in every frame of a recording")
 EVALUATE = message("measure on labelled images that had no part in the training")
 SETS = ("full-body-15", "upper-body-7", "hand-6")
 CUTS = ("omega_1", "omega_2", "none")
-N_FRAMES, N_TREES, N_PIXELS, DEPTH = 3000, 2, 300, 20
-THESIS_TREES, THESIS_PIXELS = 3, 1000
+N_FRAMES = 3500
+SHIPPED_FOREST, THESIS_FOREST = (2, 24, 250), (3, 20, 1000)
+"""Trees, depth, pixels of an image."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -68,14 +69,15 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
         "--labels", choices=SETS, default="", help=_("those of the images if not given")
     )
     _add_count(parser, "--frames", N_FRAMES, _("how many images are simulated; {n} if not given"))
-    _add_forest(parser, N_TREES, N_PIXELS)
+    _add_forest(parser, SHIPPED_FOREST)
     add_out(parser, "model.npz", _("model to write; an older one is replaced"))
     parser.set_defaults(action=_train)
 
 
-def _add_forest(parser: argparse.ArgumentParser, n_trees: int, n_pixels: int) -> None:
+def _add_forest(parser: argparse.ArgumentParser, forest: tuple[int, int, int]) -> None:
+    n_trees, depth, n_pixels = forest
     _add_count(parser, "--trees", n_trees, _("of the forest; {n} if not given"))
-    _add_count(parser, "--depth", DEPTH, _("of each tree; {n} if not given"))
+    _add_count(parser, "--depth", depth, _("of each tree; {n} if not given"))
     _add_count(parser, "--pixels", n_pixels, _("drawn from each image; {n} if not given"))
     parser.add_argument(
         "--seed", type=int, default=0, metavar="N", help=_("of what is random; 0 if not given")
@@ -155,7 +157,7 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
         metavar=_("FOLDER"),
         help=_("folder for a picture of each image: the truth, the forest, and after the cut"),
     )
-    _add_forest(parser, THESIS_TREES, THESIS_PIXELS)
+    _add_forest(parser, THESIS_FOREST)
     _add_cut(parser)
     parser.set_defaults(action=_evaluate)
 

@@ -27,13 +27,22 @@ _SETTINGS = "settings.json"
 _FRAMES = "frames"
 
 SHIPPED = ForestParams(
-    n_trees=2, n_images=None, n_pixels=300, evenness=0.5, min_pixels=40, shrinkage=50.0
+    n_trees=2,
+    max_depth=24,
+    n_images=None,
+    n_pixels=250,
+    evenness=0.5,
+    n_candidates=30,
+    max_offset_m=1.0,
+    min_offset_m=0.05,
+    pixel_share=0.5,
+    min_pixels=20,
+    shrinkage=50.0,
 )
-"""Many images with few pixels each: they differ more than pixels of one image.
-
-The shipped files are of before: without `evenness`, grown with `min_pixels` 8, and pruned to 40.
-"""
-SHIPPED_FRAMES = 3000
+"""Many images with few pixels each: they differ more than pixels of one image (docs/limbs.md)."""
+SHIPPED_FRAMES = 3500
+MEMORY = Memory(image_bytes=1 << 30)
+"""Holds the images of the shipped models' training; more of them are read anew at every level."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +191,7 @@ def _grown(
 
     tree = _kept(path)
     if tree is None:
-        tree = train_tree(images, request.params, request.seed, number, Memory(), tell)
+        tree = train_tree(images, request.params, request.seed, number, MEMORY, tell)
         with written_whole(path) as unfinished, unfinished.open("wb") as file:
             np.savez_compressed(file, child=tree.child, nodes=tree.nodes, counts=tree.counts)
     progress("training", (number + 1) * n_levels, n_steps)

@@ -1,15 +1,17 @@
 """Limbs in recordings of the simulated clinic, with the shipped models."""
 
 import json
+from dataclasses import asdict
 
 import cv2
 import numpy as np
 import pytest
 
-from adibas.cli import main
+from adibas.cli import limbs, main
 from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_segmenting import PICTURE, shipped_model
+from adibas.pipeline.limb_training import SHIPPED, SHIPPED_FRAMES
 from adibas.recordings import create_recording
 from adibas.simulation.scenes import open_scene
 
@@ -28,6 +30,15 @@ def test_the_shipped_models_have_the_labels_of_their_names(labels):
     assert model.labels is labels
     assert model.has_clutter
     assert model.forest.provenance["images"] == "simulator"
+
+
+@pytest.mark.parametrize("labels", [FULL_BODY, UPPER_BODY])
+def test_the_command_makes_the_shipped_models_again_if_nothing_is_said(labels):
+    provenance = shipped_model(labels.name).forest.provenance
+    assert provenance["params"] == asdict(SHIPPED)
+    assert (provenance["n_images"], provenance["mirrored"]) == (SHIPPED_FRAMES, True)
+    forest = (SHIPPED.n_trees, SHIPPED.max_depth, SHIPPED.n_pixels)
+    assert (SHIPPED_FRAMES, forest) == (limbs.N_FRAMES, limbs.SHIPPED_FOREST)
 
 
 def test_the_limbs_of_a_patient_are_written_as_pictures_and_as_images_to_train_on(tmp_path, capsys):
