@@ -26,6 +26,7 @@ from adibas.sessions import open_store
 from adibas.sessions.demo_patient import demo_patient
 from adibas.texts import speaking
 from tests.ui import window_user
+from tests.ui.behaviour_scene import make_recording
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import CTRL, SECRET, visible, visible_dialogs
 from ui.log import LOG_FILE, start_log
@@ -400,6 +401,17 @@ def test_a_dropped_picture_goes_to_the_learner(user, tmp_path):
     user.settle()
     assert user.screen._presenter._picture.color_rgb.shape == (48, 64, 3)
     user.close()
+
+
+def test_a_recording_dropped_onto_the_behaviour_screen_is_coded(user, tmp_path):
+    user.go_to("behaviour")
+    assert user.drop(make_recording(tmp_path / "child.mcap", 3))
+    user.settle()
+    assert user.window.shown == "behaviour"
+    user.until(lambda: user.screen._presenter.source is not None)
+    user.key(Key.Key_S)
+    user.close()
+    assert (tmp_path / "child.coding.csv").is_file()
 
 
 @pytest.fixture

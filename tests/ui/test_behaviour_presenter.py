@@ -354,6 +354,24 @@ def test_every_step_is_kept_and_taken_back(scene):
     assert scene.events == [("seated", time_ms(0), time_ms(30))]
 
 
+def test_a_state_that_lasts_while_the_video_runs_is_kept_as_long_as_it_is(scene):
+    path = scene.open()
+    scene.presenter.play_or_stop()
+    for seconds in (0.5, 2.0):
+        scene.clock.now_s += seconds
+        scene.presenter.tick()
+    assert scene.kept(path) is None
+    scene.coding.press("seated")
+    scene.presenter.go_to(0)
+    scene.coding.press("looks at the task")
+    scene.presenter.play_or_stop()
+    for seconds in (2.0, 0.1, 2.0):
+        scene.clock.now_s += seconds
+        scene.presenter.tick()
+    (looks, _seated) = scene.kept(path).coding.occurrences
+    assert looks.end_ms == time_ms(63)
+
+
 def test_what_was_coded_is_there_when_the_recording_is_opened_again(scene):
     path = scene.open()
     scene.seated(0, 30)

@@ -117,6 +117,11 @@ class CodingPresenter:
         if self._history is not None and self._place is not None:
             self._keeper.keep(self._place, self._history.now, self._now())
 
+    def keep_begun(self) -> None:
+        """Write how long states last by now, if any was begun."""
+        if self.draft is not None and self.draft.begun:
+            self.keep()
+
     def press(self, behaviour: str) -> None:
         """Code a behaviour at the frame that is seen."""
         draft = self.draft

@@ -24,6 +24,9 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.recordings.ports import RecordingReader
 
+KEEP_EVERY_S = 2.0
+"""So much of a state that lasts is lost in a crash at most."""
+
 
 @dataclass(frozen=True, slots=True)
 class Position:
@@ -96,6 +99,7 @@ class BehaviourPresenter:
         self._times_ms: tuple[int, ...] = ()
         self._index = 0
         self._asked: int | None = None
+        self._kept_s = 0.0
         self._playing = Playing((0,))
         self.coding = CodingPresenter(view, workspace, keeper, self.now_ms, self.go_to_ms)
         self.finding = FindingPresenter(view, workspace, self.coding)
@@ -201,7 +205,11 @@ class BehaviourPresenter:
         """Show the frame that is due, unless the one before is still being read."""
         if not self._playing.is_on or self._asked is not None:
             return
-        due = self._playing.due(self._clock_s())
+        now_s = self._clock_s()
+        if now_s - self._kept_s >= KEEP_EVERY_S:
+            self._kept_s = now_s
+            self.coding.keep_begun()
+        due = self._playing.due(now_s)
         if due != self._index:
             self._ask(due)
         if due == len(self._times_ms) - 1:
