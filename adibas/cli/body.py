@@ -6,10 +6,8 @@ from pathlib import Path
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
 from adibas.cli.recording_options import add_calibration, add_frames
-from adibas.cli.report_options import add_language, add_patient, check_report
+from adibas.cli.report_options import add_language, add_patient, check_report, check_surface
 from adibas.data.posture import VIEWS
-from adibas.errors import FileError
-from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -64,12 +62,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.reports.body import BODY_KINDS, write_body
     from adibas.reports.body_files import body_to_json, write_body_ply
 
-    if arguments.out.suffix.lower() != ".ply":
-        raise FileError(
-            "{file} is no surface. Give --out a name that ends in .ply.",
-            file=arguments.out.name or str(arguments.out),
-        )
-    check_place(arguments.out)
+    check_surface(arguments.out)
     if arguments.report is not None:
         check_report(arguments.report, BODY_KINDS)
     request = BodyRequest(

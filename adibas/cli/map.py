@@ -6,7 +6,7 @@ from pathlib import Path
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
 from adibas.cli.recording_options import add_calibration, add_frames, add_recording
-from adibas.errors import FileError
+from adibas.cli.report_options import check_surface
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -40,13 +40,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.mapping import MapRequest, map_recording
     from adibas.reports.map_files import map_to_json, write_ply, write_trajectory
 
-    if arguments.out.suffix.lower() != ".ply":
-        raise FileError(
-            "{file} is no surface. Give --out a name that ends in .ply.",
-            file=arguments.out.name or str(arguments.out),
-        )
-    for path in filter(None, (arguments.out, arguments.trajectory)):
-        check_place(path)
+    check_surface(arguments.out)
+    if arguments.trajectory is not None:
+        check_place(arguments.trajectory)
     request = MapRequest(arguments.recording, arguments.calibration, arguments.frames)
     with console.progress(_("Mapping")) as progress:
         mapped = map_recording(request, progress)

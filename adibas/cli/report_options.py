@@ -54,3 +54,19 @@ def check_report(path: Path, kinds: Sequence[str]) -> None:
             endings=", ".join(kinds),
         )
     check_place(path)
+
+
+def check_surface(path: Path) -> None:
+    """See, before long work, that a surface can be written as PLY.
+
+    Raises
+    ------
+    FileError
+        The name ends otherwise, or nothing can be written there.
+    """
+    if path.suffix.lower() != ".ply":
+        raise FileError(
+            "{file} is no surface. Give --out a name that ends in .ply.",
+            file=path.name or str(path),
+        )
+    check_place(path)
