@@ -36,6 +36,8 @@ KEYS = {
     "zoom-in": (),
 }
 """Of each tool, in the order in which they stand; zoom keys are the picture's own."""
+ICONS_ALONE = ("undo", "redo", "zoom-out", "fit", "zoom-in")
+"""Everybody knows these; their names are in the tips."""
 GROUPS_END = ("angle", "rename", "space")
 
 
@@ -68,7 +70,7 @@ class ReviewTools(QToolBar):
             self._actions[name].triggered.connect(lambda _on, name=name: self.asked.emit(name))
         self.setIconSize(QSize(ICON_PX, ICON_PX))
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        for name in ("zoom-out", "fit", "zoom-in"):
+        for name in ICONS_ALONE:
             button = self.widgetForAction(self._actions[name])
             if isinstance(button, QToolButton):
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)

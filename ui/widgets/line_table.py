@@ -17,6 +17,8 @@ class LineTable(QTableView):
     resized = Signal()
     """There is more or less room for columns than before."""
     letters_changed = Signal()
+    """Lines and titles have letters of another size or kind."""
+    _has_other_letters = Signal()
 
     def __init__(self, parent: QWidget | None = None, *, takes_delete: bool = False) -> None:
         super().__init__(parent)
@@ -31,6 +33,10 @@ class LineTable(QTableView):
         self.verticalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
         self.horizontalHeader().setHighlightSections(False)
         self.horizontalHeader().setStretchLastSection(True)
+        # The titles get their letters after the lines.
+        self._has_other_letters.connect(
+            self.letters_changed.emit, Qt.ConnectionType.QueuedConnection
+        )
         self.doubleClicked.connect(lambda index: self.entered_line.emit(index.row()))
 
     def fit_lines(self) -> None:
@@ -46,7 +52,7 @@ class LineTable(QTableView):
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange:
             self.fit_lines()
-            self.letters_changed.emit()
+            self._has_other_letters.emit()
 
     def event(self, event: QEvent) -> bool:
         """Keep Delete from the shortcut of the screen where the table has a use for it."""
