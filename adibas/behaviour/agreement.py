@@ -237,7 +237,7 @@ def _clipped(coding: Coding, within: Span) -> Coding:
             one.modifiers,
         )
         for one in coding.occurrences
-        if one.begin_ms <= end and one.end_ms >= begin
+        if begin <= one.begin_ms <= end or one.begin_ms < begin < one.end_ms
     )
     return Coding(coding.name, coding.ethogram, begin, end, kept, coding.observer)
 
@@ -258,7 +258,7 @@ def _time_units(
     codings: Sequence[Coding], states: tuple[str, ...], within: Span, params: AgreementParams
 ) -> tuple[list[Figure], list[Table]]:
     if not states or len(states) > MOST_STATES:
-        reason = Sentence(NO_STATES) if not states else Sentence(TOO_MANY_STATES, {"most": 60})
+        reason = Sentence(NO_STATES) if not states else Sentence(TOO_MANY_STATES, {"most": MOST_STATES})
         return [Figure("", "", Coefficient("time-unit-kappa", None, 0, reason=reason))], []
     times_ms = unit_middles(within, params.unit_ms)
     figures: list[Figure] = []

@@ -1,6 +1,7 @@
 """Agreement of observers: published worked examples, and what must hold for any codings."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -305,3 +306,12 @@ def test_counts_and_seconds_of_intervals_are_those_of_the_session():
     assert counts[:, 0].tolist() == [1, 0, 0, 0, 0, 0]
     assert seconds[:, 0].tolist() == [5, 10, 5, 0, 0, 0]
     assert not seconds[:, 1].any()
+
+
+def test_what_ended_before_all_watched_is_no_event_of_the_time_that_they_share():
+    early = coding(("seated", 0, 10, "child"), ("fidgets", 5, 15, "child"), end_ms=20_000)
+    late = replace(coding(("fidgets", 10, 15, "child"), end_ms=20_000), begin_ms=10_000)
+    result = agreement([early, late])
+    assert result.within_ms == (10_000, 20_000)
+    assert all(match.is_agreed for match in result.matches)
+    assert result.differences == ()
