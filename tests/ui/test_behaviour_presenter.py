@@ -820,6 +820,39 @@ def test_a_recording_of_the_session_is_coded_and_sealed(stored_scene):
     assert scene.presenter.source.path == Path(writer.recording_id)
 
 
+def test_a_recording_of_another_session_is_left(stored_scene):
+    scene, store = stored_scene, stored_scene.workspace.store
+    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    session, later = (store.sessions.start(patient.pseudonym, SessionSetup()) for _ in range(2))
+    with store.recordings.create(session.session_id, INFO) as writer:
+        for frame in make_frames(9):
+            writer.write(frame)
+    scene.workspace.choose_session(session)
+    scene.presenter.open_stored(writer.recording_id)
+    scene.workspace.choose_session(session)
+    scene.coding.press("seated")
+    assert scene.presenter.source is not None
+    scene.workspace.choose_session(later)
+    assert scene.presenter.source is None
+    assert scene.coding.draft is None
+    scene.view.show_source.assert_called_with("")
+    scene.workspace.choose_session(None)
+    scene.open()
+    scene.workspace.choose_session(session)
+    assert scene.presenter.source.title == "child"
+
+
+def test_another_language_says_everything_again(scene):
+    scene.open()
+    scene.presenter.counts.compare_file(other_coding(scene, 0, 60))
+    scene.presenter.counts.set_seen(is_seen=True)
+    scene.view.reset_mock()
+    scene.presenter.refresh()
+    scene.view.show_desk.assert_called()
+    scene.view.show_counts.assert_called_once()
+    scene.view.show_agreement.assert_called_once()
+
+
 def test_closing_keeps_everything_and_ends_threads(scene):
     path = scene.open()
     scene.coding.press("seated")

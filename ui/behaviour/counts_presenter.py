@@ -62,6 +62,12 @@ class CountsPresenter:
         self._is_seen = is_seen
         self._count()
 
+    def show(self) -> None:
+        """Say everything again, in the language in use."""
+        self._count()
+        if self.report is not None:
+            self._show(self.report)
+
     def choose_table(self, kind: str) -> None:
         """Show another table."""
         self._kind = kind

@@ -33,12 +33,15 @@ class Source:
         How it is reached.
     place_for : callable
         Gives the place of a draft for the initials of a second observer; none for the first.
+    session_id : str
+        Of the session whose recording it is; empty for a file.
     """
 
     title: str
     path: Path
     access: "RecordingAccess"
     place_for: "Callable[[str], DraftPlace]"
+    session_id: str = ""
 
 
 class FrameFeed(Protocol):

@@ -108,7 +108,7 @@ class BehaviourPresenter:
         self._ends = [
             feed.arrived.subscribe(self._on_frame),
             feed.failed.subscribe(self._on_no_frame),
-            workspace.session_changed.subscribe(self._show_stored),
+            workspace.session_changed.subscribe(self._on_session),
         ]
 
     @property
@@ -121,6 +121,11 @@ class BehaviourPresenter:
         self._show_stored()
         if self._source is None:
             self._view.show_source("")
+
+    def refresh(self) -> None:
+        """Say everything again, in the language in use."""
+        self.coding.show()
+        self.counts.show()
 
     def leave(self) -> None:
         """Stop the video; what was coded is on the disk when this returns."""
@@ -287,6 +292,23 @@ class BehaviourPresenter:
 
     def _show_playing(self) -> None:
         self._view.show_playing(is_on=self._playing.is_on, speed=self._playing.speed)
+
+    def _on_session(self) -> None:
+        """Leave a recording of another patient or session."""
+        session, source = self._workspace.session, self._source
+        if source is not None and source.session_id:
+            now = "" if session is None else session.session_id
+            if now != source.session_id:
+                self._leave_recording()
+        self._show_stored()
+
+    def _leave_recording(self) -> None:
+        self.stop()
+        self.coding.close()
+        self.counts.forget()
+        self._feed.show(None)
+        self._source, self._times_ms, self._asked = None, (), None
+        self._view.show_source("")
 
     def _show_stored(self) -> None:
         choices: tuple[StoredChoice, ...] = ()

@@ -21,6 +21,7 @@ class StoredChoice:
     """A recording of the session that is looked at."""
 
     recording_id: str
+    session_id: str
     created_utc: datetime
     duration_s: float
 
@@ -45,7 +46,8 @@ def stored_choices(workspace: Workspace) -> tuple[StoredChoice, ...]:
         return ()
     found = workspace.store.recordings.of_session(session.session_id)
     return tuple(
-        StoredChoice(one.recording_id, one.created_utc, one.duration_ns / 1e9) for one in found
+        StoredChoice(one.recording_id, one.session_id, one.created_utc, one.duration_ns / 1e9)
+        for one in found
     )
 
 
@@ -61,4 +63,5 @@ def stored_source(store: "SessionStore", choice: StoredChoice) -> Source:
         Path(choice.recording_id),
         access,
         lambda observer: InStore(recordings, choice.recording_id, observer),
+        choice.session_id,
     )

@@ -45,6 +45,12 @@ VIDEO_WIDTH, PANEL_WIDTH = 700, 440
 VIDEO_HEIGHT, TIMELINE_HEIGHT = 430, 220
 RECORDINGS = "(*.mcap *.oni)"
 Key = Qt.Key
+COMMANDS = (
+    Qt.KeyboardModifier.ControlModifier
+    | Qt.KeyboardModifier.AltModifier
+    | Qt.KeyboardModifier.MetaModifier
+)
+"""A letter with one of these is no code."""
 
 
 class BehaviourScreen(Screen):
@@ -58,6 +64,7 @@ class BehaviourScreen(Screen):
         self._empty, self._open = QLabel(self), QPushButton(self)
         self._chooser = QComboBox(self)
         self._stored: tuple[StoredChoice, ...] = ()
+        self._is_bound = False
         self._tools = BehaviourTools(self)
         self._video, self._transport = VideoView(self), Transport(self)
         self._timeline = TimelineView(theme, self)
@@ -125,6 +132,7 @@ class BehaviourScreen(Screen):
     def bind(self, presenter: BehaviourPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
         self._presenter = presenter
+        self._is_bound = True
         coding = presenter.coding
         self._ticking.timeout.connect(presenter.tick)
         self._open.clicked.connect(self._ask_recording)
@@ -213,6 +221,8 @@ class BehaviourScreen(Screen):
         ):
             part.retranslate()
         self.show_stored(self._stored)
+        if self._is_bound:
+            self._presenter.refresh()
 
     def entered(self) -> None:
         self._presenter.enter()
@@ -300,11 +310,11 @@ class BehaviourScreen(Screen):
             Key.Key_Backspace: coding.remove,
             Key.Key_Escape: lambda: coding.select(None),
         }
-        action = actions.get(Key(event.key()))
-        if action is not None:
-            action()
+        found = next((action for key, action in actions.items() if key == event.key()), None)
+        if found is not None:
+            found()
             return True
-        if event.isAutoRepeat() or not event.text():
+        if event.isAutoRepeat() or not event.text() or event.modifiers() & COMMANDS:
             return False
         return presenter.key(event.text())
 
