@@ -13,12 +13,13 @@ contours (Kass, Witkin & Terzopoulos 1988); Efron & Tibshirani, An introduction 
 
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from scipy import ndimage
 
 from adibas.arrays import Float32Array, FloatArray, UInt8Array, check_shape
+from adibas.calibration.registration_check_kernels import rough_scores
 from adibas.calibration.registration_check_outline import (
     Outline,
     OutlineParams,
@@ -249,15 +250,18 @@ def _binned(profiles: FloatArray, outline: Outline) -> FloatArray:
     return sums
 
 
-def _score(parameters: FloatArray, sums: FloatArray, order: Literal[1, 3] = 3) -> FloatArray:
-    """Return the total strength for (..., 3) shifts and growths."""
+def _normals() -> FloatArray:
     turns = np.arange(N_DIRECTIONS) * (2.0 * np.pi / N_DIRECTIONS)
-    normals = np.stack([np.cos(turns), np.sin(turns)], axis=-1)
-    offsets = parameters[..., :2] @ normals.T + parameters[..., 2:]
+    return np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+
+
+def _score(parameters: FloatArray, sums: FloatArray) -> FloatArray:
+    """Return the total strength for (..., 3) shifts and growths, smooth between the samples."""
+    offsets = parameters[..., :2] @ _normals().T + parameters[..., 2:]
     middle = (sums.shape[1] - 1) / 2
     direction = np.broadcast_to(np.arange(N_DIRECTIONS), offsets.shape)
     places = [direction, middle + offsets * SAMPLES_PER_PX]
-    values = ndimage.map_coordinates(sums, places, order=order, mode="constant")
+    values = ndimage.map_coordinates(sums, places, order=3, mode="constant")
     return np.asarray(values.sum(axis=-1))
 
 
@@ -265,10 +269,10 @@ def _best(sums: FloatArray, search: Search) -> FloatArray:
     """Return the best (u, v, growth)."""
     shift_px, growth_px, _ = search
     shifts, growths = _grid(shift_px), _grid(growth_px)
-    grid = np.stack(np.meshgrid(shifts, shifts, growths, indexing="ij"), axis=-1)
-    scores = _score(grid, sums, order=1)
-    where = np.unravel_index(int(scores.argmax()), scores.shape)
-    return _climbed(grid[where], sums)
+    scores = np.empty((len(shifts), len(shifts), len(growths)))
+    rough_scores((shifts, growths), _normals(), sums, float(SAMPLES_PER_PX), scores)
+    right, down, wide = np.unravel_index(int(scores.argmax()), scores.shape)
+    return _climbed(np.array([shifts[right], shifts[down], growths[wide]]), sums)
 
 
 def _grid(limit_px: float) -> FloatArray:

@@ -96,6 +96,14 @@ def calibrate_a_camera() -> None:
     calibrate_camera([NamedImage(str(i), image) for i, image in enumerate(pictures)], board)
 
 
+def compare_depth_with_color() -> None:
+    """Look on a grid for where edges lie best."""
+    from adibas.calibration.registration_check_kernels import rough_scores
+
+    few, sums = np.zeros(SPACE), np.ones((SPACE, SPACE))
+    rough_scores((few, few), np.ones((SPACE, 2)), sums, 1.0, np.empty((SPACE,) * 3))
+
+
 def name_joints() -> None:
     """Name the points of a standing body."""
     from adibas.pipeline.skeleton_labelling import shipped_namer
@@ -136,6 +144,7 @@ def find_joints() -> None:
 WORKS: tuple[Callable[[], None], ...] = (
     take_session,
     calibrate_a_camera,
+    compare_depth_with_color,
     name_joints,
     find_limbs,
     find_joints,

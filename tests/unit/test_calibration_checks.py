@@ -8,6 +8,7 @@ from scipy.io import loadmat
 
 from adibas.calibration.drift import fit_drift
 from adibas.calibration.registration_check import RegistrationResult, check_registration
+from adibas.calibration.registration_check_kernels import rough_scores
 from adibas.calibration.vertical import vertical_from_accelerometer, vertical_from_floor
 from adibas.calibration.wand import WandParams, WandResult, check_wand
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
@@ -25,6 +26,20 @@ MILLIMETRE = 0.001
 def wand(measured_m, sd_m, length_m=0.5, params=None):
     ends_m = np.array([[0.0, 0.0, 2.0], [measured_m, 0.0, 2.0]])
     return check_wand(ends_m, np.eye(6) * sd_m**2 / 2, length_m, params)
+
+
+def test_the_rough_score_of_a_shift_is_that_of_straight_lines_between_samples():
+    rng = np.random.default_rng(8)
+    shifts, growths = np.linspace(-6.0, 6.0, 7), np.linspace(-2.0, 2.0, 3)
+    normals, sums = rng.normal(0.0, 0.7, (4, 2)), rng.normal(0.0, 1.0, (4, 21))
+    scores = np.empty((7, 7, 3))
+    rough_scores((shifts, growths), normals, sums, 2.0, scores)
+    u, v, growth = np.meshgrid(shifts, shifts, growths, indexing="ij")
+    expected = sum(
+        np.interp(10.0 + 2.0 * (u * x + v * y + growth), np.arange(21), row, left=0.0, right=0.0)
+        for (x, y), row in zip(normals, sums, strict=True)
+    )
+    np.testing.assert_allclose(scores, expected, atol=1e-12)
 
 
 def test_a_wand_of_the_right_length_passes():
