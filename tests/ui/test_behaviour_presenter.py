@@ -591,8 +591,55 @@ def test_a_coding_that_cannot_be_read_is_told(scene):
     scene.open()
     scene.seated(10, 20)
     scene.presenter.files.open_coding(scene.folder / "missing.csv")
-    assert scene.told[-1][0] == "bad"
+    scene.presenter.counts.compare_file(scene.folder / "missing.csv")
+    assert len(scene.workspace.jobs.problems) == 2
     assert scene.events == [("seated", time_ms(10), time_ms(20))]
+
+
+def later_jobs(scene, monkeypatch):
+    """Let jobs wait until what is returned is called."""
+    jobs = scene.workspace.jobs
+    start, waiting = jobs.start, []
+    monkeypatch.setattr(jobs, "start", lambda *told, **more: waiting.append((told, more)))
+
+    def run():
+        now = waiting[:]
+        waiting.clear()
+        for told, more in now:
+            start(*told, **more)
+
+    return run
+
+
+def test_a_coding_that_is_read_too_late_is_not_taken(scene, monkeypatch):
+    scene.open()
+    scene.seated(10, 20)
+    copy = scene.folder / "copy.csv"
+    scene.presenter.files.save_as(copy)
+    scene.coding.undo()
+    run = later_jobs(scene, monkeypatch)
+    scene.presenter.files.open_coding(copy)
+    scene.presenter.counts.compare_file(copy)
+    scene.presenter.files.begin_blind("XY")
+    run()
+    assert scene.events == []
+    assert scene.timeline.bars == ()
+
+
+def test_what_changes_while_two_are_compared_is_compared_after_it(scene, monkeypatch):
+    scene.open()
+    other = other_coding(scene, 0, 60)
+    scene.presenter.counts.compare_file(other)
+    run = later_jobs(scene, monkeypatch)
+    scene.seated(0, 60)
+    run()
+    run()
+    assert not [bar for bar in scene.timeline.bars if bar.layer == "difference"]
+    scene.coding.undo()
+    scene.presenter.counts.forget()
+    scene.view.reset_mock()
+    run()
+    scene.view.show_agreement.assert_not_called()
 
 
 def test_a_coding_without_a_scheme_keeps_the_one_in_use(scene):
@@ -788,7 +835,7 @@ def test_codings_that_share_no_scheme_are_told(scene):
     scheme = Ethogram("", (Behaviour("seated", "point"),))
     whole = (time_ms(0), time_ms(N_FRAMES - 1))
     scene.presenter.counts.compare(Coding("child", scheme, *whole, (), "MP"))
-    assert scene.told[-1][0] == "bad"
+    assert "state for one observer" in str(scene.workspace.jobs.problems[-1])
 
 
 def test_another_recording_is_not_compared_with_what_was_compared_before(scene):

@@ -55,6 +55,8 @@ class CountsPresenter:
         self._other: Coding | None = None
         self._params = AgreementParams()
         self.report: AgreementReport | None = None
+        self._is_comparing = False
+        self._is_stale = False
         coding.changed.subscribe(self._on_changed)
 
     def set_seen(self, *, is_seen: bool) -> None:
@@ -101,15 +103,18 @@ class CountsPresenter:
         draft = self._coding.draft
         if draft is None or self._coding.is_blind:
             return
-        observed_ms = (draft.coding.begin_ms, draft.coding.end_ms)
-        self._workspace.attempt(
-            lambda: self.compare(read_for(path, draft.coding.name, observed_ms))
+        name, observed_ms = draft.coding.name, (draft.coding.begin_ms, draft.coding.end_ms)
+        self._workspace.jobs.start(
+            _("Opening {name}").format(name=path.name),
+            lambda _control: read_for(path, name, observed_ms),
+            self.compare,
         )
 
     def compare(self, other: Coding) -> None:
         """Compare with this coding from now on."""
-        self._other = other
-        self._compare()
+        if not self._coding.is_blind:
+            self._other = other
+            self._compare()
 
     def set_params(self, params: AgreementParams) -> None:
         """Compare in this way from now on."""
@@ -152,15 +157,30 @@ class CountsPresenter:
             self._view.show_counts(counted_table(self._kind, coding, self._bin_ms))
 
     def _compare(self) -> None:
-        mine, other = self._coding.coding(), self._other
+        """Compare beside the window; what changes meanwhile is compared after it."""
+        mine, other, params = self._coding.coding(), self._other, self._params
         if mine is None or other is None:
             return
+        if self._is_comparing:
+            self._is_stale = True
+            return
+        self._is_comparing, self._is_stale = True, False
+        self._workspace.jobs.start(
+            _("Comparing"),
+            lambda _control: compare_codings([mine, other], params),
+            self._on_compared,
+            ended=self._on_compare_ended,
+        )
 
-        def compare() -> None:
-            self.report = compare_codings([mine, other], self._params)
-            self._show(self.report)
+    def _on_compare_ended(self) -> None:
+        self._is_comparing = False
+        if self._is_stale:
+            self._compare()
 
-        self._workspace.attempt(compare)
+    def _on_compared(self, report: AgreementReport) -> None:
+        if self._other is not None:
+            self.report = report
+            self._show(report)
 
     def _show(self, report: AgreementReport) -> None:
         (session,) = report.sessions

@@ -61,17 +61,20 @@ class FilesPresenter:
         draft = self._coding.draft
         if draft is None or self._coding.is_blind:
             return
+        name, observed_ms = draft.coding.name, (draft.coding.begin_ms, draft.coding.end_ms)
         scheme = draft.coding.ethogram if draft.coding.ethogram.is_locked else None
+        source = self._source
 
-        def taken(old: Draft) -> Draft:
-            observed_ms = (old.coding.begin_ms, old.coding.end_ms)
-            found = read_for(path, old.coding.name, observed_ms, scheme)
-            if not found.ethogram.behaviours:
-                found = replace(found, ethogram=old.coding.ethogram)
-            return replace(old, coding=replace(found, name=old.coding.name), begun=())
+        def taken(found: Coding) -> None:
+            if source is self._source and not self._coding.is_blind:
+                self._coding.edit(lambda old: _with_coding(old, found))
+                self._workspace.tell("good", _("{file} is open.").format(file=path.name))
 
-        if self._coding.edit(taken):
-            self._workspace.tell("good", _("{file} is open.").format(file=path.name))
+        self._workspace.jobs.start(
+            _("Opening {name}").format(name=path.name),
+            lambda _control: read_for(path, name, observed_ms, scheme),
+            taken,
+        )
 
     def save_as(self, path: Path) -> None:
         """Write a copy of what is coded, in the format that the ending names."""
@@ -146,6 +149,13 @@ class FilesPresenter:
     def _open(self, draft: Draft, place: DraftPlace, observer: str) -> None:
         self._coding.open(draft, place, observer)
         self._view.show_blind(observer)
+
+
+def _with_coding(draft: Draft, found: Coding) -> Draft:
+    """Return the draft with another coding; one without a scheme keeps the one in use."""
+    if not found.ethogram.behaviours:
+        found = replace(found, ethogram=draft.coding.ethogram)
+    return replace(draft, coding=replace(found, name=draft.coding.name), begun=())
 
 
 def _empty(draft: Draft, observer: str) -> Draft:
