@@ -161,6 +161,7 @@ def test_without_a_recording_nothing_can_be_done(scene):
         *(coding.accept, coding.remove, coding.set_begin, coding.set_end, coding.keep, coding.show),
         *(presenter.files.end_blind, lambda: coding.select_next(1), coding.select_next_proposed),
         *(lambda: coding.press("seated"), lambda: coding.release("seated")),
+        *(lambda: coding.use_ethogram(shipped_ethogram()),),
         *(lambda: presenter.go_to_ms(5), lambda: presenter.finding.find(None)),
         *(lambda: presenter.files.open_coding(Path("a.csv")),),
         *(lambda: presenter.files.save_as(Path("a.csv")),),
@@ -186,6 +187,16 @@ def test_a_recording_opens_on_its_first_frame(scene):
     assert int(picture[0, 0, 0]) == 0
     assert (position.index, position.n_frames, position.time_ms) == (0, N_FRAMES, time_ms(0))
     assert scene.coding.draft.coding.ethogram == shipped_ethogram()
+    scene.presenter.enter()
+    scene.view.show_source.assert_called_once_with("child")
+
+
+def test_a_key_that_was_not_pressed_here_ends_nothing(scene):
+    scene.open()
+    scene.coding.is_holding = True
+    scene.presenter.key_let_go("h")
+    assert scene.events == []
+    assert not scene.view.show_desk.call_args.args[0].can_undo
 
 
 def test_a_file_that_is_no_recording_is_told(scene):
