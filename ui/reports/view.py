@@ -80,6 +80,7 @@ class ReportsScreen(Screen):
         for choice in PictureChoice:
             self._pictures.addItem("", choice)
         self._lay_out()
+        self._make_room()
         self.retranslate()
 
     def _lay_out(self) -> None:
@@ -153,7 +154,10 @@ class ReportsScreen(Screen):
         """Let a whole session be read in letters of another size; the panel scrolls for it."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange:
-            self._sessions.setMinimumHeight(LEAST_LINES * self.fontMetrics().height())
+            self._make_room()
+
+    def _make_room(self) -> None:
+        self._sessions.setMinimumHeight(LEAST_LINES * self.fontMetrics().height())
 
     def entered(self) -> None:
         self._presenter.enter()
