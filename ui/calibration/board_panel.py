@@ -5,6 +5,7 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
     QGridLayout,
+    QHBoxLayout,
     QGroupBox,
     QLabel,
     QPushButton,
@@ -52,8 +53,11 @@ class BoardPanel(QGroupBox):
         size, columns, rows, square = self._labels
         layout = QGridLayout(self)
         size.setBuddy(self._sizes)
-        layout.addWidget(size, 0, 0)
-        layout.addWidget(self._sizes, 0, 1)
+        # Beside the longest label there is no room for "own board" in every language.
+        choice = QHBoxLayout()
+        choice.addWidget(size)
+        choice.addWidget(self._sizes, 1)
+        layout.addLayout(choice, 0, 0, 1, 2)
         own = ((columns, self._columns), (rows, self._rows), (square, self._square))
         for line, (label, box) in enumerate(own, 1):
             label.setBuddy(box)
