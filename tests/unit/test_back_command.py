@@ -11,6 +11,7 @@ import pypdf
 import pytest
 
 from adibas.cli.command_line import main
+from adibas.data.frames import SensorFrame
 from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError
 from adibas.pipeline.back import measure_back
@@ -146,3 +147,34 @@ def test_wrong_words_are_wrong_usage(folder):
     code, _, err = run("body", told, "--labels", labels, "--out", folder / "x.ply")
     assert code == 1
     assert "no recording" in err
+
+
+def test_a_recording_without_depth_or_calibration_is_told(folder, scene):
+    picture = np.zeros((48, 64, 3), np.uint8)
+    seen = SensorFrame(
+        sequence=0, timestamp_ns=1, depth_raw=None, color=picture, color_timestamp_ns=1
+    )
+    with create_recording(folder / "colour.mcap", scene.info) as recording:
+        recording.write(seen)
+    code, _, err = run("body", f"posterior={folder / 'colour.mcap'}", "--out", folder / "c.ply")
+    assert code == 1
+    assert "colour.mcap holds no depth" in err
+    lame = replace(scene.info, calibration=replace(scene.info.calibration, depth=None))
+    with create_recording(folder / "lame.mcap", lame) as recording:
+        recording.write(scene.frame(0).sensor_frame)
+    code, _, err = run("body", f"posterior={folder / 'lame.mcap'}", "--out", folder / "c.ply")
+    assert code == 1
+    assert "lacks the depth camera" in err
+    told = f"posterior={folder / 'behind.mcap'}"
+    code, _, err = run("body", told, "--frames", "7:9", "--out", folder / "c.ply")
+    assert code == 1
+    assert "no such frames" in err
+
+
+def test_heights_need_a_floor(view, scene):
+    calibration = replace(scene.info.calibration, floor=None, gravity=None)
+    above = view.surface.mean_per_m.copy()
+    above[scene.device.depth.height // 2 :] = np.nan
+    surface = BurstDisparity(above, np.ones(above.shape, np.int64), 1)
+    with pytest.raises(BodyError, match="No floor"):
+        person_in("posterior", surface, calibration, name="x")
