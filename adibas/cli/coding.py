@@ -51,6 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     count = actions.add_parser("count", **_told(COUNT))
     _add_coding(count)
     _add_seconds(count, "--bin", 60.0, _("length of a time bin, seconds; 60 if not given"))
+    count.add_argument("--out", type=Path, metavar="report.xlsx", help=_("report to write"))
+    add_language(count)
     count.set_defaults(action=_count)
     ethogram = actions.add_parser("ethogram", **_told(ETHOGRAM))
     add_out(ethogram, "ethogram.json", _("file to write"))
@@ -284,9 +286,13 @@ def _count(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.recordings.codings import read_codings
     from adibas.reports.behaviour_json import coding_to_json
     from adibas.reports.behaviour_texts import subject_text
+    from adibas.reports.coding_report import CODING_REPORT_KINDS, write_coding_report
 
+    if arguments.out is not None:
+        check_report(arguments.out, CODING_REPORT_KINDS)
     documents = []
-    for coding in read_codings(arguments.coding, _scheme(arguments)):
+    codings = read_codings(arguments.coding, _scheme(arguments))
+    for coding in codings:
         console.say(f"{coding.name} ({coding.observer or DASH})")
         for one in budgets(coding):
             console.say(
@@ -300,6 +306,9 @@ def _count(arguments: argparse.Namespace, console: Console) -> int:
             )
         document = coding_to_json(coding, _ms(arguments.bin))
         documents.append({"session": coding.name, **document})
+    if arguments.out is not None:
+        write_coding_report(codings, _ms(arguments.bin), arguments.out, arguments.language)
+        console.say(str(arguments.out))
     console.give({"bin_s": arguments.bin, "sessions": documents})
     return 0
 

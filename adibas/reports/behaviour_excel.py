@@ -1,5 +1,6 @@
 """The Excel report of behaviour."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from openpyxl import Workbook
@@ -55,14 +56,14 @@ def _add_sheets(workbook: Workbook, analysis: BehaviourAnalysis) -> None:
     add_table(workbook, _("Ethogram"), _ethogram_columns(), _ethogram_rows(codings), footer)
 
 
-def add_coding_sheets(workbook: Workbook, codings: list[Coding], bin_ms: int) -> None:
+def add_coding_sheets(workbook: Workbook, codings: Sequence[Coding], bin_ms: int) -> None:
     """Add the sheets of what is counted in codings, and of their ethograms."""
     footer = _("For research, education and documentation")
     _add_counts(workbook, codings, bin_ms, footer)
     add_table(workbook, _("Ethogram"), _ethogram_columns(), _ethogram_rows(codings), footer)
 
 
-def _add_counts(workbook: Workbook, codings: list[Coding], bin_ms: int, footer: str) -> None:
+def _add_counts(workbook: Workbook, codings: Sequence[Coding], bin_ms: int, footer: str) -> None:
     for title, columns, rows in (
         (_("Behaviour"), tables.budget_columns(), tables.budget_rows(codings)),
         (
@@ -88,7 +89,7 @@ def _ethogram_columns() -> list[Column]:
     ]
 
 
-def _ethogram_rows(codings: list[Coding]) -> list[tuple[Value, ...]]:
+def _ethogram_rows(codings: Sequence[Coding]) -> list[tuple[Value, ...]]:
     kinds = {"state": _("state"), "point": _("point event")}
     return [
         (

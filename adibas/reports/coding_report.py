@@ -1,6 +1,7 @@
-"""What is counted in a coding: totals, time bins, transitions, events."""
+"""What is counted in codings: totals, time bins, transitions, events."""
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 
 from openpyxl import Workbook
@@ -16,10 +17,10 @@ from adibas.texts import speaking
 CODING_REPORT_KINDS = (".xlsx", ".csv")
 
 
-def write_coding_report(coding: Coding, bin_ms: int, path: Path, language: str) -> None:
+def write_coding_report(codings: Sequence[Coding], bin_ms: int, path: Path, language: str) -> None:
     """Write the format that the file's ending, one of `CODING_REPORT_KINDS`, names.
 
-    A CSV holds the totals over the session and under each condition.
+    A CSV holds the totals over each session and under each condition.
 
     Raises
     ------
@@ -32,22 +33,22 @@ def write_coding_report(coding: Coding, bin_ms: int, path: Path, language: str) 
         case ".xlsx":
 
             def add(workbook: Workbook) -> None:
-                add_coding_sheets(workbook, [coding], bin_ms)
+                add_coding_sheets(workbook, codings, bin_ms)
 
             write_in_memory(path, language, add)
         case ".csv":
             with speaking(language):
-                _write_totals(coding, path)
+                _write_totals(codings, path)
         case suffix:
-            raise ValueError(f"no report of a coding ends in {suffix!r}")
+            raise ValueError(f"no report of codings ends in {suffix!r}")
 
 
-def _write_totals(coding: Coding, path: Path) -> None:
+def _write_totals(codings: Sequence[Coding], path: Path) -> None:
     with (
         written_whole(path) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([column.title for column in tables.budget_columns()])
-        for row in tables.budget_rows([coding]):
+        for row in tables.budget_rows(codings):
             writer.writerow([shielded(cell) if isinstance(cell, str) else cell for cell in row])

@@ -267,5 +267,13 @@ def test_readers_get_lines(observers, tmp_path, capsys):
     assert "nods is not in the ethogram" in capsys.readouterr().err
 
 
+def test_what_is_counted_is_written(observers, tmp_path, capsys):
+    report = tmp_path / "counts.xlsx"
+    code, _document = told(capsys, "coding", "count", observers[0], "--out", report)
+    assert code == 0
+    assert "Behaviour" in load_workbook(report).sheetnames
+    assert main(["coding", "count", str(observers[0]), "--out", str(tmp_path / "a.pdf")]) != 0
+
+
 def test_too_few_intervals_have_a_reason():
     assert "takes 5 intervals" in icc_of("icc-count", np.zeros((4, 2))).reason.text

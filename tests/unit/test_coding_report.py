@@ -18,7 +18,7 @@ DONE = coding(
 
 
 def test_a_workbook_holds_what_is_counted(tmp_path):
-    write_coding_report(DONE, 10_000, tmp_path / "a.xlsx", "en")
+    write_coding_report([DONE], 10_000, tmp_path / "a.xlsx", "en")
     workbook = load_workbook(tmp_path / "a.xlsx")
     assert workbook.sheetnames == [
         *("Behaviour", "Behaviour in time", "Events", "Transitions", "Ethogram")
@@ -26,7 +26,7 @@ def test_a_workbook_holds_what_is_counted(tmp_path):
 
 
 def test_a_table_holds_the_totals_of_each_condition(tmp_path):
-    write_coding_report(DONE, 10_000, tmp_path / "a.csv", "es")
+    write_coding_report([DONE], 10_000, tmp_path / "a.csv", "es")
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
         title, *rows = csv.reader(file)
     assert title[0] == "Observador"
@@ -37,7 +37,7 @@ def test_a_table_holds_the_totals_of_each_condition(tmp_path):
 
 def test_another_ending_is_a_mistake_of_the_caller(tmp_path):
     with pytest.raises(ValueError, match="pdf"):
-        write_coding_report(DONE, 10_000, tmp_path / "a.pdf", "en")
+        write_coding_report([DONE], 10_000, tmp_path / "a.pdf", "en")
 
 
 @pytest.mark.parametrize("ending", ["boris", "eaf", "csv", "xlsx"])

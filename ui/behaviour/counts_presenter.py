@@ -1,5 +1,6 @@
 """What is counted in the coding, and how far two observers agree. Knows nothing of Qt."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -14,7 +15,6 @@ from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter
 from ui.behaviour.finding_presenter import FindingPresenter
 from ui.behaviour.tables import TextTable, agreement_table, counted_table
-from ui.ports import JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -86,17 +86,7 @@ class CountsPresenter:
         if coding is None:
             return
         analysis, bin_ms, language = self._finding.analysis, self._bin_ms, spoken_language()
-
-        def work(_control: JobControl) -> None:
-            _write(path, coding, analysis, bin_ms, language)
-
-        self._workspace.jobs.start(
-            _("Writing {file}").format(file=path.name),
-            work,
-            lambda _none: self._workspace.tell(
-                "good", _("{file} is written.").format(file=path.name)
-            ),
-        )
+        self._write(path, lambda: _write(path, coding, analysis, bin_ms, language))
 
     def compare_file(self, path: Path) -> None:
         """Compare with the coding of another observer."""
@@ -132,14 +122,17 @@ class CountsPresenter:
         if report is None:
             return
 
-        def work(_control: JobControl) -> None:
+        def write() -> None:
             from adibas.reports.agreement_excel import write_agreement_workbook
 
             write_agreement_workbook(report, path, language)
 
+        self._write(path, write)
+
+    def _write(self, path: Path, write: Callable[[], None]) -> None:
         self._workspace.jobs.start(
             _("Writing {file}").format(file=path.name),
-            work,
+            lambda _control: write(),
             lambda _none: self._workspace.tell(
                 "good", _("{file} is written.").format(file=path.name)
             ),
@@ -211,4 +204,4 @@ def _write(
         return
     from adibas.reports.coding_report import write_coding_report
 
-    write_coding_report(coding, bin_ms, path, language)
+    write_coding_report([coding], bin_ms, path, language)
