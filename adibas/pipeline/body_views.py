@@ -1,11 +1,11 @@
 """One standing view of a patient as a surface: the mean depth of a burst, and the person in it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray
+from adibas.arrays import BoolArray, FloatArray, UInt8Array
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.body.rays import viewing_rays
@@ -19,6 +19,8 @@ from adibas.markers.disparity import DisparitySum
 from adibas.pipeline.session import calibration_of
 from adibas.progress import Progress
 from adibas.recordings import open_recording
+from adibas.recordings.decoding import decode_color
+from adibas.recordings.ports import RecordingReader
 
 LEAST_SHARE, GREATEST_SD_PER_M = 0.3, 0.02
 """Of `adibas.pipeline.posture.PostureParams`."""
@@ -63,6 +65,8 @@ class BodyView:
         The picture ends before the person does.
     notice : str or None
         What was lost of the recording.
+    picture_rgb : (H', W', 3) uint8 array or None
+        Of the colour camera, from the middle of the burst; None where there is none.
     """
 
     view: str
@@ -73,6 +77,7 @@ class BodyView:
     n_frames: int
     is_cut_above: bool
     notice: str | None
+    picture_rgb: UInt8Array | None = None
 
     @property
     def camera(self) -> CameraCalibration:
@@ -119,18 +124,20 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
                 n_frames += 1
             progress(done, len(wanted))
         notice = recording.notice
+        picture_rgb = _picture(recording, wanted[len(wanted) // 2], calibration)
     if not n_frames:
         raise RecordingError(
             "{file} holds no depth, and a surface takes depth. Record both streams.",
             file=request.recording.name,
         )
-    return person_in(
+    view = person_in(
         request.view,
         total.result(LEAST_SHARE, GREATEST_SD_PER_M),
         calibration,
         notice,
         name=request.recording.name,
     )
+    return replace(view, picture_rgb=picture_rgb)
 
 
 def person_in(
@@ -178,6 +185,18 @@ def person_in(
         is_cut_above=_touches_top(body, floor),
         notice=notice,
     )
+
+
+def _picture(
+    recording: RecordingReader, index: int, calibration: RgbdCalibration
+) -> UInt8Array | None:
+    """Return the colour picture of a frame, where the calibration tells where it belongs."""
+    frame = recording.read(index)
+    if frame.color is None or calibration.color is None:
+        return None
+    picture_rgb = decode_color(frame.color, frame.sequence)
+    check_fits(calibration, picture_rgb.shape[:2], None)
+    return picture_rgb
 
 
 def _touches_top(body: BoolArray, floor: Plane) -> bool:

@@ -8,8 +8,9 @@ from types import MappingProxyType
 import cv2
 import numpy as np
 
+from adibas.alignment.sights import color_pixels
 from adibas.alignment.views import ViewParams, prepare_view
-from adibas.arrays import BoolArray, Float32Array
+from adibas.arrays import BoolArray, Float32Array, FloatArray
 from adibas.errors import BodyError
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.body_views import BodyView
@@ -121,8 +122,26 @@ def seen_points(
     distances_m = np.linalg.norm(points_m, axis=1)
     cosines = -(outward * points_m).sum(axis=1) / distances_m
     return SeenPoints(
-        axes.apply(points_m), np.asarray(outward @ axes.rotation.T), cosines, distances_m
+        axes.apply(points_m),
+        np.asarray(outward @ axes.rotation.T),
+        cosines,
+        distances_m,
+        _colors(view, points_m),
     )
+
+
+def _colors(view: BodyView, points_m: FloatArray) -> FloatArray:
+    """Return (N, 3) colours of points in the depth camera's axes; NaN where none was seen."""
+    colors = np.full((len(points_m), 3), np.nan)
+    picture_rgb = view.picture_rgb
+    if picture_rgb is None:
+        return colors
+    columns, rows = np.nan_to_num(np.rint(color_pixels(points_m, view.calibration)), nan=-1.0).T
+    height, width = picture_rgb.shape[:2]
+    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+    at = rows[inside].astype(int), columns[inside].astype(int)
+    colors[inside] = picture_rgb[at]
+    return colors
 
 
 def off_edges(body: BoolArray, inverse_per_m: Float32Array, params: WholeBodyParams) -> BoolArray:
@@ -143,6 +162,7 @@ def moved(points: SeenPoints, motion: RigidTransform) -> SeenPoints:
         points.normals @ motion.rotation.T,
         points.cosines,
         points.distances_m,
+        points.colors,
     )
 
 

@@ -13,7 +13,8 @@ from adibas.pipeline.body import MeasuredBody
 from adibas.reports.map_files import write_ply
 from adibas.surface.merging import BodySurface
 
-GREY = 190
+GREY = 190.0
+"""Where no colour was seen."""
 RADIUS_M = 0.003
 PROFILE_STEP_M = 0.01
 UNITS = {
@@ -37,7 +38,7 @@ def write_body_ply(surface: BodySurface, path: Path) -> None:
         Surface(
             surface.points_m.astype(np.float32),
             surface.normals.astype(np.float32),
-            np.full((n, 3), GREY, np.uint8),
+            np.nan_to_num(surface.colors, nan=GREY).astype(np.uint8),
             np.full(n, RADIUS_M, np.float32),
             surface.weights.astype(np.float32),
         ),

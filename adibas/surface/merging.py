@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import FloatArray, check_shape, read_only
+from adibas.arrays import FloatArray, IntArray, check_shape, read_only
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,19 +36,23 @@ class BodySurface:
         How squarely and from how near the point was seen, summed over what was averaged.
     n_views : (N,) array
         How many views saw it.
+    colors : (N, 3) array
+        Of the view that saw the place most squarely and nearest; NaN where none is known.
     """
 
     points_m: FloatArray
     normals: FloatArray
     weights: FloatArray
     n_views: FloatArray
+    colors: FloatArray
 
     def __post_init__(self) -> None:
         check_shape("points_m", self.points_m, (None, 3))
         check_shape("normals", self.normals, self.points_m.shape)
         check_shape("weights", self.weights, (len(self.points_m),))
         check_shape("n_views", self.n_views, (len(self.points_m),))
-        for array in (self.points_m, self.normals, self.weights, self.n_views):
+        check_shape("colors", self.colors, self.points_m.shape)
+        for array in (self.points_m, self.normals, self.weights, self.n_views, self.colors):
             read_only(array)
 
 
@@ -63,12 +67,15 @@ class SeenPoints:
         Of the angle between normal and line of sight.
     distances_m : (N,) array
         From the camera.
+    colors : (N, 3) array
+        Red, green and blue, 0 to 255; NaN where no colour was seen.
     """
 
     points_m: FloatArray
     normals: FloatArray
     cosines: FloatArray
     distances_m: FloatArray
+    colors: FloatArray
 
 
 def merge_points(views: Sequence[SeenPoints], params: MergeParams | None = None) -> BodySurface:
@@ -81,9 +88,9 @@ def merge_points(views: Sequence[SeenPoints], params: MergeParams | None = None)
     """
     params = params or MergeParams()
     kept = [view.cosines >= params.least_cosine for view in views]
-    points_m, normals, cosines, distances_m = (
+    points_m, normals, cosines, distances_m, colors = (
         np.concatenate([getattr(view, name)[mask] for view, mask in zip(views, kept, strict=True)])
-        for name in ("points_m", "normals", "cosines", "distances_m")
+        for name in ("points_m", "normals", "cosines", "distances_m", "colors")
     )
     if not len(points_m):
         raise ValueError("no point is seen squarely enough")
@@ -111,4 +118,14 @@ def merge_points(views: Sequence[SeenPoints], params: MergeParams | None = None)
         normal[fine] / length[fine, None],
         total[fine],
         seen[fine].sum(axis=1).astype(float),
+        _best(colors, place, weights, n_cells)[fine],
     )
+
+
+def _best(values: FloatArray, place: IntArray, weights: FloatArray, n_cells: int) -> FloatArray:
+    """Return of each cell the (3,) values of its heaviest point that knows them."""
+    best = np.full((n_cells, values.shape[1]), np.nan)
+    known = np.flatnonzero(np.isfinite(values).all(axis=1))
+    rising = known[np.argsort(weights[known], kind="stable")]
+    best[place[rising]] = values[rising]  # the last of those that share a cell stays
+    return best

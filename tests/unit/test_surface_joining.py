@@ -39,7 +39,31 @@ def seen_from(side, noise_m=0.0, seed=0):
     seen = cosines > 0.3
     rng = np.random.default_rng([seed, 1])
     points_m = points_m[seen] + rng.normal(0.0, noise_m, (seen.sum(), 1)) * normals[seen]
-    return SeenPoints(points_m, normals[seen], cosines[seen], np.full(seen.sum(), 2.0))
+    return SeenPoints(
+        points_m,
+        normals[seen],
+        cosines[seen],
+        np.full(seen.sum(), 2.0),
+        np.full((seen.sum(), 3), np.nan),
+    )
+
+
+def uncoloured(points_m, normals):
+    n = len(points_m)
+    return BodySurface(points_m, normals, np.ones(n), np.ones(n), np.full((n, 3), np.nan))
+
+
+def test_a_place_has_the_colour_of_the_squarest_view_that_knows_one():
+    place, out = np.array([[0.001, 0.001, 0.001]]), np.array([[0.0, 0.0, 1.0]])
+    views = [
+        SeenPoints(place, out, np.array([cosine]), np.array([2.0]), np.array([color]))
+        for cosine, color in (
+            (0.5, [10.0, 20.0, 30.0]),
+            (0.9, [40.0, 50.0, 60.0]),
+            (1.0, [np.nan] * 3),
+        )
+    ]
+    np.testing.assert_allclose(merge_points(views).colors, [[40.0, 50.0, 60.0]])
 
 
 def test_views_that_were_moved_come_back():
@@ -110,13 +134,14 @@ def test_merged_points_lie_on_the_surface_and_know_who_saw_them():
     np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0)
     assert surface.n_views.max() == 2.0
     with pytest.raises(ValueError, match="squarely"):
-        merge_points([SeenPoints(np.zeros((1, 3)), np.eye(3)[:1], np.zeros(1), np.ones(1))])
+        merge_points(
+            [SeenPoints(np.zeros((1, 3)), np.eye(3)[:1], np.zeros(1), np.ones(1), np.ones((1, 3)))]
+        )
 
 
 def test_girth_and_area_of_a_slice_are_those_of_the_ellipse():
     points_m, normals = ellipsoid(400_000)
-    n = len(points_m)
-    surface = BodySurface(points_m, normals, np.ones(n), np.ones(n))
+    surface = uncoloured(points_m, normals)
     (part,) = slice_parts(surface, CENTER_M[1])
     a, b = RADII_M[[0, 2]]
     share = ((a - b) / (a + b)) ** 2
@@ -139,8 +164,7 @@ def test_legs_are_two_and_named_by_the_patient():
             np.stack([x_m + radius_m * np.cos(angles), height_m, radius_m * np.sin(angles)], axis=1)
         )
     points_m = np.concatenate(columns)
-    n = len(points_m)
-    surface = BodySurface(points_m, np.tile([1.0, 0.0, 0.0], (n, 1)), np.ones(n), np.ones(n))
+    surface = uncoloured(points_m, np.tile([1.0, 0.0, 0.0], (len(points_m), 1)))
     left, right = leg_slices(surface, 0.2, 0.6)
     assert len(left) == len(right) >= 40
     assert np.median([part.girth_m for part in left]) == pytest.approx(2 * np.pi * 0.06, rel=0.02)
@@ -150,8 +174,7 @@ def test_legs_are_two_and_named_by_the_patient():
 
 def test_girths_have_names_and_what_is_not_seen_has_a_reason():
     points_m, normals = ellipsoid(400_000)
-    n = len(points_m)
-    surface = BodySurface(points_m, normals, np.ones(n), np.ones(n))
+    surface = uncoloured(points_m, normals)
     found = {one.definition.measure_id: one for one in slice_measures(surface, 1.8)}
     least = found["GIRTH.TRUNK.LEAST"]
     ellipse_m = slice_parts(surface, 0.70 * 1.8 - 0.01)[0].girth_m
@@ -160,5 +183,5 @@ def test_girths_have_names_and_what_is_not_seen_has_a_reason():
     assert found["GIRTH.CALF.LEFT"].value is None
     assert found["GIRTH.CALF.LEFT"].reason
     half = points_m[:, 2] > 0.0
-    behind = BodySurface(points_m[half], normals[half], np.ones(half.sum()), np.ones(half.sum()))
+    behind = uncoloured(points_m[half], normals[half])
     assert all(one.value is None for one in slice_measures(behind, 1.8))
