@@ -873,6 +873,10 @@ def test_a_recording_of_the_session_is_coded_and_sealed(stored_scene):
     scene.presenter.open_stored(writer.recording_id)
     assert scene.events == [("seated", time_ms(0), time_ms(5))]
     assert not list(scene.folder.rglob("*.csv"))
+    scene.presenter.files.save_as(scene.folder / "copy.eaf")
+    scene.presenter.counts.write(scene.folder / "counts.csv")
+    logged = [one.subject for one in store.audit.entries() if one.action == "export"]
+    assert logged == 2 * [session.session_id]
     assert len(scene.presenter.source.access.sha256(scene.presenter.source.path)) == 64
     scene.presenter.open_stored("ab" * 16)
     assert scene.presenter.source.path == Path(writer.recording_id)

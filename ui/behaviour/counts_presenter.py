@@ -15,6 +15,7 @@ from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter
 from ui.behaviour.finding_presenter import FindingPresenter
 from ui.behaviour.tables import TextTable, agreement_table, counted_table
+from ui.ports import JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -36,7 +37,13 @@ class CountsView(Protocol):
 
 
 class CountsPresenter:
-    """Counts when the page is seen, and compares when asked."""
+    """Counts when the page is seen, and compares when asked.
+
+    Parameters
+    ----------
+    note_export : callable
+        Called before anything is written.
+    """
 
     def __init__(
         self,
@@ -44,11 +51,13 @@ class CountsPresenter:
         workspace: Workspace,
         coding: CodingPresenter,
         finding: FindingPresenter,
+        note_export: Callable[[], None],
     ) -> None:
         self._view = view
         self._workspace = workspace
         self._coding = coding
         self._finding = finding
+        self._note_export = note_export
         self._kind = TABLES[0]
         self._bin_ms = round(USUAL_BIN_S * MS_PER_S)
         self._is_seen = False
@@ -130,9 +139,13 @@ class CountsPresenter:
         self._write(path, write)
 
     def _write(self, path: Path, write: Callable[[], None]) -> None:
+        def work(_control: JobControl) -> None:
+            self._note_export()
+            write()
+
         self._workspace.jobs.start(
             _("Writing {file}").format(file=path.name),
-            lambda _control: write(),
+            work,
             lambda _none: self._workspace.tell(
                 "good", _("{file} is written.").format(file=path.name)
             ),

@@ -32,7 +32,9 @@ class FilesPresenter:
     Parameters
     ----------
     revealed : callable
-        Called with the coding of the first observer when the second one is done.
+        Called with the coding of the second observer when he is done.
+    note_export : callable
+        Called before anything is written.
     """
 
     def __init__(
@@ -42,12 +44,14 @@ class FilesPresenter:
         coding: CodingPresenter,
         keeper: Keeper,
         revealed: Callable[[Coding], None],
+        note_export: Callable[[], None],
     ) -> None:
         self._view = view
         self._workspace = workspace
         self._coding = coding
         self._keeper = keeper
         self._revealed = revealed
+        self._note_export = note_export
         self._source: Source | None = None
         self._first: Draft | None = None
 
@@ -85,6 +89,7 @@ class FilesPresenter:
         def save() -> None:
             from adibas.reports.codings import write_codings
 
+            self._note_export()
             write_codings(path, [for_file(coding, path)], spoken_language())
             self._workspace.tell("good", _("{file} is written.").format(file=path.name))
 

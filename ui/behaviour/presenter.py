@@ -103,8 +103,10 @@ class BehaviourPresenter:
         self._playing = Playing((0,))
         self.coding = CodingPresenter(view, workspace, keeper, self.now_ms, self.go_to_ms)
         self.finding = FindingPresenter(view, workspace, self.coding)
-        self.counts = CountsPresenter(view, workspace, self.coding, self.finding)
-        self.files = FilesPresenter(view, workspace, self.coding, keeper, self.counts.compare)
+        self.counts = CountsPresenter(view, workspace, self.coding, self.finding, self._note_export)
+        self.files = FilesPresenter(
+            view, workspace, self.coding, keeper, self.counts.compare, self._note_export
+        )
         self._ends = [
             feed.arrived.subscribe(self._on_frame),
             feed.failed.subscribe(self._on_no_frame),
@@ -309,6 +311,18 @@ class BehaviourPresenter:
         self._feed.show(None)
         self._source, self._times_ms, self._asked = None, (), None
         self._view.show_source("")
+
+    def _note_export(self) -> None:
+        """Log that something of a patient leaves the store.
+
+        Raises
+        ------
+        StoreError
+            It cannot be logged, and nothing may leave then.
+        """
+        store, source = self._workspace.store, self._source
+        if source is not None and source.session_id and not store.is_read_only:
+            store.note_export("coding", source.session_id)
 
     def _show_stored(self) -> None:
         choices: tuple[StoredChoice, ...] = ()
