@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from datetime import datetime
 
-from adibas.calibration.kept import KeptCalibrations, Sizes
+from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
+from adibas.data.frames import SourceInfo
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 
@@ -39,22 +40,16 @@ class Reminder:
         return _("This sensor was calibrated {age} ago.").format(age=_age(self.days))
 
 
-def remind(kept: KeptCalibrations, sensor: str, sizes: Sizes | None, now_utc: datetime) -> Reminder:
-    """Return when a sensor was calibrated.
-
-    Parameters
-    ----------
-    sensor : str
-        As `sensor_key` tells it.
-    sizes : pair of (int, int) or None
-        Of its images.
+def remind(kept: KeptCalibrations, info: SourceInfo, now_utc: datetime) -> Reminder:
+    """Return when a sensor was calibrated for images of these sizes.
 
     Raises
     ------
     CalibrationError
         A calibration of this sensor is damaged.
     """
-    newest = kept.newest(sensor, sizes)
+    sizes = None if info.calibration is None else sizes_of(info.calibration)
+    newest = kept.newest(sensor_key(info), sizes)
     if newest is None:
         return Reminder(None, is_urgent=True)
     days = max((now_utc - newest.made_utc).days, 0)

@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -85,13 +86,14 @@ class KeptCalibrations:
         CalibrationError
             One of them is damaged.
         """
-        paths = sorted(self._folder_of(sensor).glob("[0-9]*.json"), reverse=True)
-        read = [(path, read_calibration(path)) for path in paths]
-        return tuple(
-            KeptCalibration(path, calibration, _time(calibration.created_utc))
-            for path, calibration in read
-            if calibration.sensor_serial == sensor
-        )
+        return tuple(self._newest_first(sensor))
+
+    def _newest_first(self, sensor: str) -> Iterator[KeptCalibration]:
+        """Read one after the other, as far as they are asked for."""
+        for path in sorted(self._folder_of(sensor).glob("[0-9]*.json"), reverse=True):
+            calibration = read_calibration(path)
+            if calibration.sensor_serial == sensor:
+                yield KeptCalibration(path, calibration, _time(calibration.created_utc))
 
     def newest(self, sensor: str, sizes: Sizes | None = None) -> KeptCalibration | None:
         """Return the newest of a sensor for images of these sizes; None where there is none.
@@ -106,9 +108,9 @@ class KeptCalibrations:
         Raises
         ------
         CalibrationError
-            One of them is damaged.
+            It is damaged, or a newer one for other sizes is.
         """
-        kept = self.of_sensor(sensor) if sensor else ()
+        kept = self._newest_first(sensor) if sensor else ()
         fitting = (one for one in kept if sizes is None or sizes_of(one.calibration) == sizes)
         return next(fitting, None)
 

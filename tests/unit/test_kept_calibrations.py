@@ -40,6 +40,15 @@ def test_the_newest_comes_first_whatever_order_they_were_kept_in(kept):
     assert kept.newest("A1").made_utc == MADE + timedelta(days=9)
 
 
+def test_an_older_one_that_is_damaged_does_not_keep_the_newest_away(kept):
+    older = kept.keep(calibration(days=1))
+    kept.keep(calibration(days=2))
+    older.write_text("[]", encoding="utf-8")
+    assert kept.newest("A1").made_utc == MADE + timedelta(days=2)
+    with pytest.raises(CalibrationError):
+        kept.of_sensor("A1")
+
+
 @pytest.mark.parametrize("other", ["A2", "a1", "A/1", "../A1", "A1 ", "", "Ä1", "A" * 300])
 def test_no_sensor_gets_the_calibration_of_another(kept, other):
     kept.keep(calibration("A1"))

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from adibas.arrays import UInt8Array
-from adibas.calibration.kept import KeptCalibrations, sizes_of
+from adibas.calibration.kept import KeptCalibrations
 from adibas.clock import Clock, utc_now
 from adibas.data.board import Board
 from adibas.data.frames import SourceInfo
@@ -236,9 +236,7 @@ class CalibrationPresenter:
 
         def work(_control: JobControl) -> tuple[CalibrationSession, Reminder]:
             session = CalibrationSession(sensor, self._bench.kept, board)
-            calibration = sensor.info.calibration
-            sizes = None if calibration is None else sizes_of(calibration)
-            return session, remind(self._bench.kept, sensor.key, sizes, self._bench.clock())
+            return session, remind(self._bench.kept, sensor.info, self._bench.clock())
 
         self._bench.start(_("Looking for pictures taken before"), work, self._on_opened)
 

@@ -1,6 +1,6 @@
 """Reminds of a sensor that should be calibrated. Knows nothing of Qt."""
 
-from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
+from adibas.calibration.kept import KeptCalibrations
 from adibas.clock import Clock, utc_now
 from adibas.pipeline.live_frames import SensorState
 from adibas.sensors.sources import is_sensor
@@ -42,8 +42,7 @@ class CalibrationAge:
         if not is_sensor(live.opened[0]):
             self._view.show_calibration_due("")
             return
-        sizes = None if info.calibration is None else sizes_of(info.calibration)
-        reminder = remind(self._kept, sensor_key(info), sizes, self._clock())
+        reminder = remind(self._kept, info, self._clock())
         self._view.show_calibration_due(reminder.text if reminder.is_urgent else "")
 
     def calibrate(self) -> None:
