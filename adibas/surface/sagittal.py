@@ -28,9 +28,10 @@ class SagittalParams:
     lowest : float
         Of the inflection ILS: 0.53, the upper end of the natal cleft.
     shape_sds : (kyphosis, lordosis, fleche cervicale, fleche lombaire)
-        Radians and metres: by how much the fitted profile differs from the skin over the spinous
-        processes where there is no noise, on simulated bodies with bent spines: 0.8 degrees, 1.9
-        and 1.2 mm. They are counted with the noise.
+        Radians and metres; counted with the noise: 0.8 degrees, 1.9 and 1.2 mm. Without noise
+        the fitted profile differs from the skin over the spinous processes by 1.2 and 1.0
+        degrees, 1.9 and 1.2 mm (root mean square of 16 simulated bodies with bent spines), some
+        of which the fit's own scatter counts already.
     n_draws, seed : int
         Of the profiles that are drawn to see what noise does.
     """
