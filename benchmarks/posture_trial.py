@@ -12,7 +12,8 @@ from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
 from adibas.measures.geometry_tables import all_angles, all_distances
-from adibas.pipeline.skeleton_names import with_joint_names
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.pipeline.skeleton_names import with_names
 from adibas.recordings.decoding import to_rgbd
 from adibas.simulation.patient import SHAPES, MarkerSettings
 from adibas.simulation.postures import POSTURES
@@ -78,7 +79,7 @@ def analyse(analysis: Analysis) -> Result:
     simulated = [scene.frame(index) for index in range(analysis.n_frames)]
     frames = [to_rgbd(one.sensor_frame, scene.info) for one in simulated]
     found = find(frames, calibration, learned_target(analysis.settings))
-    named = with_joint_names(found, "anterior", calibration)
+    named = with_names(shipped_namer(), found, "anterior", calibration)
     return _compared(analysis.number, named, [one.truth for one in simulated])
 
 

@@ -70,6 +70,11 @@ def _add_train(train: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("learn from the captures of the patient store whose markers were corrected"),
     )
+    train.add_argument(
+        "--use",
+        action="store_true",
+        help=_("name the markers of this user by the model from now on, where a protocol fits"),
+    )
     add_out(train, "model.json", _("model to write; an older one is replaced"))
     add_store(train)
     train.set_defaults(action=_train)
@@ -146,6 +151,7 @@ def _learned_from_sessions(arguments: argparse.Namespace, console: Console) -> "
 
 
 def _train(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.pipeline.namers import keep_own_model
     from adibas.skeleton.model_files import write_model
 
     sources = (arguments.simulator, arguments.sessions, arguments.shapes is not None)
@@ -153,6 +159,8 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
         raise FileError("Give a file of labelled shapes, --simulator or --sessions: one of them.")
     model = _learned(arguments, console)
     write_model(model, arguments.out)
+    if arguments.use:
+        keep_own_model(model)
     n_prototypes = sum(len(part.prototypes) for part in model.models())
     console.say(
         _("{file}: {names}, {prototypes}.").format(

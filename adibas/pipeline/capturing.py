@@ -17,6 +17,7 @@ from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorErro
 from adibas.markers.disparity import fuse_depth
 from adibas.pipeline.burst_recording import Burst
 from adibas.pipeline.live import LiveView
+from adibas.pipeline.namers import namer_of
 from adibas.pipeline.posture import (
     MarkerFindings,
     MarkerTarget,
@@ -26,7 +27,7 @@ from adibas.pipeline.posture import (
 )
 from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+from adibas.pipeline.skeleton_names import with_names
 from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
@@ -164,11 +165,10 @@ def _named(
     markers: tuple[Marker, ...],
     calibration: RgbdCalibration,
 ) -> tuple[Marker, ...]:
-    """Return the markers with the names of joints where the session's protocol marks these."""
+    """Return the markers with names where the landmarks of the session's protocol are known."""
     wish, _notices = wish_of_session(store.sessions.get(request.session_id))
-    if wish is None or not names_joints(wish.protocol):
-        return markers
-    return with_joint_names(markers, request.view, calibration)
+    namer = None if wish is None else namer_of(wish.protocol)
+    return markers if namer is None else with_names(namer, markers, request.view, calibration)
 
 
 def calibration_in_use(live: LiveView) -> RgbdCalibration:

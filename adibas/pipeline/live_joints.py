@@ -13,7 +13,8 @@ from adibas.geometry.distortion import undistort_pixels
 from adibas.markers.blobs import Blob
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline.live_frames import Naming
-from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+from adibas.pipeline.namers import namer_of
+from adibas.pipeline.skeleton_names import with_names
 
 ABOUT = 3.0
 """The depth about a marker is taken from so many of its radii, since its own may be missing."""
@@ -38,13 +39,14 @@ def joints_among(
     calibration : RgbdCalibration
         With the colour camera.
     naming : Naming
-        Nothing is named after a protocol whose landmarks are no joints, or that is lost.
+        Nothing is named after a protocol whose landmarks nobody knows, or that is lost.
     """
     try:
         protocol = find_protocol(naming.protocol)
     except ProtocolError:  # told where it is measured
         return {}
-    if calibration.color is None or not names_joints(protocol):
+    namer = namer_of(protocol)
+    if calibration.color is None or namer is None:
         return {}
     markers = tuple(
         Marker(
@@ -59,7 +61,7 @@ def joints_among(
         for number, blob in enumerate(blobs, 1)
         if (position_m := _place_m(blob, depth_in_color_m, calibration.color)) is not None
     )
-    named = with_joint_names(markers, naming.view, calibration)
+    named = with_names(namer, markers, naming.view, calibration)
     return {one.label: (one.u, one.v) for one in named if one.label in JOINT_NAMES}
 
 

@@ -14,10 +14,11 @@ from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.labels import read_labels, with_labels
 from adibas.pipeline.learning import read_target
+from adibas.pipeline.namers import namer_of
 from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst, doubts_about
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+from adibas.pipeline.skeleton_names import with_names
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -89,9 +90,10 @@ def analyse_recording(
         notices = tuple(notice for notice in (recording.notice,) if notice)
     check_findings(findings)
     markers = with_labels(findings.markers, labels)
-    if request.protocol is not None and names_joints(request.protocol.protocol):
+    namer = None if request.protocol is None else namer_of(request.protocol.protocol)
+    if namer is not None:
         by_hand = frozenset(line.label for line in labels)
-        markers = with_joint_names(markers, request.view, calibration, by_hand)
+        markers = with_names(namer, markers, request.view, calibration, by_hand)
     analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,

@@ -1,8 +1,4 @@
-"""Markers of a posture analysis get the names of the joints, where the model is sure.
-
-Only where the protocol's landmarks are joints: other protocols mark other places, and a marker on
-the chin is no neck.
-"""
+"""Markers of a posture analysis get the names of landmarks, where the model is sure."""
 
 from dataclasses import replace
 
@@ -11,20 +7,15 @@ import numpy as np
 from adibas.arrays import FloatArray
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker
-from adibas.data.protocols import Protocol
 from adibas.measures.sight_plane import vertical_of
-from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.skeleton.namer import Namer
 
 UP = np.array([0.0, -1.0, 0.0])
 OPPOSITE = 1e-6
 
 
-def names_joints(protocol: Protocol) -> bool:
-    """Say whether all landmarks of a protocol are joints that the shipped model knows."""
-    return {landmark.landmark_id for landmark in protocol.landmarks} <= set(shipped_namer().names)
-
-
-def with_joint_names(
+def with_names(
+    namer: Namer,
     markers: tuple[Marker, ...],
     view: str,
     calibration: RgbdCalibration,
@@ -34,6 +25,8 @@ def with_joint_names(
 
     Parameters
     ----------
+    namer : Namer
+        See `adibas.pipeline.namers.namer_of`.
     markers : tuple of Marker
         Those without a position keep their labels.
     view : str
@@ -48,7 +41,7 @@ def with_joint_names(
         [marker.position_m for marker in placed if marker.position_m is not None]
     )
     upright_m = positions_m @ upright_turn(vertical_of(calibration).up).T
-    found = shipped_namer().label(upright_m, view)
+    found = namer.label(upright_m, view)
     names = {
         marker.label: name
         for marker, name in zip(placed, found.names, strict=True)

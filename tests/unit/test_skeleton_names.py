@@ -9,7 +9,9 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline import skeleton_names
-from adibas.pipeline.skeleton_names import names_joints, with_joint_names
+from adibas.pipeline.namers import namer_of
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.pipeline.skeleton_names import with_names
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
@@ -40,8 +42,8 @@ def tilted_by(monkeypatch):
 
 
 def test_only_a_protocol_of_joints_names_joints():
-    assert names_joints(find_protocol("joints-15"))
-    assert not names_joints(find_protocol("sapo-1"))
+    assert namer_of(find_protocol("joints-15")) is shipped_namer()
+    assert namer_of(find_protocol("sapo-1")) is None
 
 
 @pytest.mark.parametrize("angle_deg", [0, 90, 180])
@@ -51,7 +53,7 @@ def test_markers_get_names_however_the_sensor_is_mounted(joints_m, tilted_by, an
         [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     )
     tilted_by(turn @ [0.0, -1.0, 0.0])
-    named = with_joint_names(markers_at(joints_m @ turn.T), "anterior", None)
+    named = with_names(shipped_namer(), markers_at(joints_m @ turn.T), "anterior", None)
     assert tuple(marker.label for marker in named) == JOINT_NAMES
 
 
@@ -59,11 +61,11 @@ def test_names_by_hand_stay_and_are_not_given_twice(joints_m, tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     markers = list(markers_at(joints_m))
     markers[0] = Marker("neck", 0.0, 0.0, 4.0, np.eye(2), joints_m[0].copy(), COVARIANCE.copy())
-    named = with_joint_names(tuple(markers), "anterior", None, frozenset(["neck"]))
+    named = with_names(shipped_namer(), tuple(markers), "anterior", None, frozenset(["neck"]))
     assert [marker.label for marker in named][:3] == ["neck", "m02", "left_shoulder"]
 
 
 def test_markers_without_a_position_keep_their_labels(tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
-    assert with_joint_names(flat, "anterior", None) == flat
+    assert with_names(shipped_namer(), flat, "anterior", None) == flat

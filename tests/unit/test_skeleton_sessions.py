@@ -7,7 +7,12 @@ import pytest
 
 from adibas.cli.command_line import main
 from adibas.data.corrections import CorrectionHistory, MarkerCorrection
+from adibas.data.protocols import Landmark, Protocol, Wording
+from adibas.data.views import VIEWS
 from adibas.errors import FileError
+from adibas.measures.protocol_store import find_protocol
+from adibas.pipeline.namers import namer_of, own_model_path
+from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_sessions import HeldOut, corrected_examples, train_from_sessions
 from tests.unit.store_samples import (
     IDENTITY,
@@ -97,6 +102,36 @@ def test_the_command_learns_from_the_store(folder, tmp_path, capsys):
     assert main(command) == 0
     assert json.loads(capsys.readouterr().out)["provenance"]["held_out"]["n_examples"] == 12
     assert out.exists()
+
+
+def protocol_of(*names):
+    landmarks = tuple(Landmark(name, Wording({"en": name.title()}), VIEWS) for name in names)
+    return Protocol("own", Wording({"en": "Own"}), "made up", "1", landmarks, (), ())
+
+
+def test_a_model_that_is_to_be_used_names_markers_where_the_protocol_has_its_landmarks(
+    folder, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    secret, out = tmp_path / "secret.txt", tmp_path / "model.json"
+    secret.write_text(PASSPHRASE + "\n")
+    assert namer_of(protocol_of(*PLACES)) is None
+    command = ["skeleton", "train", "--sessions", "--store", str(folder), "--use"]
+    assert main([*command, "--passphrase-file", str(secret), "--out", str(out)]) == 0
+    namer = namer_of(protocol_of(*PLACES, "another"))
+    assert namer.names == tuple(sorted(PLACES))
+    places_m = np.array(list(PLACES.values()))
+    assert namer.label(places_m, "anterior").names == tuple(PLACES)
+    assert namer_of(protocol_of("chin", "navel")) is None  # would name places that it lacks
+    assert namer_of(find_protocol("joints-15")) is shipped_namer()
+
+
+def test_an_own_model_that_is_damaged_is_left_aside(tmp_path, monkeypatch, caplog):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    own_model_path().parent.mkdir(parents=True)
+    own_model_path().write_text("{")
+    assert namer_of(find_protocol("joints-15")) is shipped_namer()
+    assert "left aside" in caplog.text
 
 
 def test_one_source_must_be_given(tmp_path, capsys):
