@@ -688,6 +688,7 @@ def test_a_second_observer_sees_nothing_of_the_first_one(scene, seeing):
     files = scene.presenter.files
     files.begin_blind("MP")
     assert scene.coding.is_blind
+    assert scene.index == 0
     assert scene.events == []
     assert scene.timeline.bars == ()
     assert scene.view.show_desk.call_args.args[0].is_locked

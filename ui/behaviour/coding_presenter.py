@@ -98,12 +98,14 @@ class CodingPresenter:
         return None if self._history is None else self._history.now.settled(self._now())
 
     def open(self, draft: Draft, place: DraftPlace, observer: str) -> None:
-        """Go on with a draft; `observer` is one who codes blind."""
+        """Go on with a draft; `observer` is one who codes blind, from the beginning on."""
         self.keep()
         self._history, self._place, self._observer = History(draft), place, observer
         subjects = draft.coding.ethogram.subjects
         self._subject = subjects[0].name if subjects else ""
         self._selected, self._other, self._differences = None, None, ()
+        if observer:
+            self._go_to(draft.coding.begin_ms)
         self.show()
         self.changed.emit()
 

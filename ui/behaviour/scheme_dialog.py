@@ -167,6 +167,7 @@ class SchemeDialog(QDialog):
             one = self._fields.behaviours[row]
             for name, field in self._texts.items():
                 field.setText(getattr(one, name))
+                field.setCursorPosition(0)
             self._kind.setCurrentIndex(self._kind.findData(one.kind))
 
     def _change(self, **changes: str) -> None:
