@@ -258,7 +258,8 @@ def _time_units(
     codings: Sequence[Coding], states: tuple[str, ...], within: Span, params: AgreementParams
 ) -> tuple[list[Figure], list[Table]]:
     if not states or len(states) > MOST_STATES:
-        reason = Sentence(NO_STATES) if not states else Sentence(TOO_MANY_STATES, {"most": MOST_STATES})
+        too_many = Sentence(TOO_MANY_STATES, {"most": MOST_STATES})
+        reason = too_many if states else Sentence(NO_STATES)
         return [Figure("", "", Coefficient("time-unit-kappa", None, 0, reason=reason))], []
     times_ms = unit_middles(within, params.unit_ms)
     figures: list[Figure] = []
