@@ -124,12 +124,12 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
                 n_frames += 1
             progress(done, len(wanted))
         notice = recording.notice
+        if not n_frames:
+            raise RecordingError(
+                "{file} holds no depth, and a surface takes depth. Record both streams.",
+                file=request.recording.name,
+            )
         picture_rgb = _picture(recording, wanted[len(wanted) // 2], calibration)
-    if not n_frames:
-        raise RecordingError(
-            "{file} holds no depth, and a surface takes depth. Record both streams.",
-            file=request.recording.name,
-        )
     view = person_in(
         request.view,
         total.result(LEAST_SHARE, GREATEST_SD_PER_M),

@@ -86,13 +86,15 @@ def test_angles_and_fleches_are_those_of_the_sine(still):
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
     held, n = 0, 24
-    points_m = back_points()
+    step_m = 0.006
+    window = ProfileParams(window_m2=step_m**2)
+    points_m = back_points(step_m=step_m)
     line = find_symmetry_line(grid_of(points_m))
-    exact = sagittal_shape(fit_profile(points_m, line, WINDOW), STATURE_M).kyphosis_rad.value
+    exact = sagittal_shape(fit_profile(points_m, line, window), STATURE_M).kyphosis_rad.value
     for seed in range(n):
-        noisy_m = back_points(np.random.default_rng(seed), 0.006)
+        noisy_m = back_points(np.random.default_rng(seed), 0.006, step_m=step_m)
         low, high = sagittal_shape(
-            fit_profile(noisy_m, line, WINDOW), STATURE_M
+            fit_profile(noisy_m, line, window), STATURE_M
         ).kyphosis_rad.interval
         held += low <= exact <= high
     assert held >= 0.85 * n
