@@ -7,6 +7,7 @@ import pytest
 
 from adibas.calibration.depth_bias import (
     camera_covariance,
+    color_covariance,
     depth_sd_m,
     weak_directions,
     with_depth,
@@ -45,6 +46,15 @@ def color_alone():
         parameter_names=(*COLOR_NAMES, "depth_bias.a"),
         covariance=np.block([[COLOR_COVARIANCE, np.ones((3, 1))], [np.ones((1, 3)), np.eye(1)]]),
     )
+
+
+def test_the_color_camera_s_covariance_is_found_among_other_things():
+    names = ("color.k1", "depth.fx", "color.fy")
+    covariance = np.arange(9.0).reshape(3, 3)
+    whole = color_covariance(names, covariance)
+    k1, fy = CAMERA_PARAMETERS.index("k1"), CAMERA_PARAMETERS.index("fy")
+    assert [whole[k1, k1], whole[k1, fy], whole[fy, k1], whole[fy, fy]] == [0.0, 2.0, 6.0, 8.0]
+    assert np.count_nonzero(whole) == 3
 
 
 def test_one_calibration_has_both_cameras_and_all_covariances(fit):
