@@ -426,3 +426,27 @@ def test_the_timeline_tells_what_is_under_the_mouse_and_follows_the_wheel(observ
         )
         QApplication.sendEvent(view, wheel)
     assert timeline.scale.to_ms - timeline.scale.from_ms < before.to_ms - before.from_ms
+
+
+@pytest.mark.parametrize("edge", ["begin", "point"])
+def test_a_begin_and_a_point_are_dragged(observer, edge):
+    observer.step_to(30)
+    observer.key(Key.Key_R if edge == "point" else Key.Key_S)
+    if edge == "begin":
+        observer.step_to(60)
+        observer.key(Key.Key_S)
+    bar = observer.bar("raises hand" if edge == "point" else "seated")
+    timeline, view = observer.timeline, observer.timeline.viewport()
+    timeline.verticalScrollBar().setValue(0)
+    if edge == "point":
+        timeline.verticalScrollBar().setValue(timeline.verticalScrollBar().maximum())
+    y = timeline.middle_of(bar).y()
+    here, there = (QPoint(round(timeline.scale.x_of(time_ms(index))), y) for index in (30, 15))
+    QTest.mouseMove(view, here)
+    QTest.mousePress(view, LEFT, NO_KEY, here)
+    QTest.mouseMove(view, there)
+    observer.screen.grab()
+    QTest.mouseRelease(view, LEFT, NO_KEY, there)
+    ((_name, begin_ms, end_ms),) = observer.events()
+    assert abs(begin_ms - time_ms(15)) < 2 / timeline.scale.px_per_ms
+    assert end_ms == (begin_ms if edge == "point" else time_ms(60))
