@@ -19,6 +19,7 @@ from adibas.calibration.shots import BoardShot
 from adibas.calibration.vertical import Vertical
 from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.geometry.planes import Plane
+from adibas.geometry.projection import CAMERA_PARAMETERS
 from tests.unit.depth_shots import (
     BIAS,
     BOARD,
