@@ -12,6 +12,7 @@ import pytest
 
 from adibas.cli.command_line import main
 from adibas.data.frames import SensorFrame
+from adibas.data.markers import Marker
 from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError
 from adibas.pipeline.back import measure_back
@@ -105,6 +106,32 @@ def test_line_of_the_spine_lies_over_the_spinous_processes(view, scene):
     np.testing.assert_allclose(back.line.at(heights_m), right_m, atol=0.005)
     off_m = back.profile.back_m(heights_m) - np.interp(heights_m, true_m[::-1, 1], true_m[::-1, 2])
     assert np.std(off_m) < 0.004
+
+
+def test_markers_give_the_measures_of_trunk_and_pelvis(view, scene):
+    landmarks = scene.person(0)[1].landmarks
+    to_color = scene.info.calibration.color_from_depth @ scene.depth_from_world
+    names = ("c7", "t10", "left_psis", "right_psis")
+    markers = tuple(
+        Marker(
+            name,
+            *(0.0, 0.0, 3.0, np.eye(2)),
+            position_m=to_color.apply(landmarks[name]),
+            covariance_m2=1e-6 * np.eye(3),
+        )
+        for name in names
+    )
+    back = measure_back(view, (*markers, Marker("m09", 0.0, 0.0, 3.0, np.eye(2))))
+    found = {one.definition.measure_id: one for one in back.measures}
+    vp, left, right = (landmarks[name] for name in ("c7", "left_psis", "right_psis"))
+    dm = (left + right) / 2
+    assert found["BACK.TRUNK.LENGTH"].value == pytest.approx(np.linalg.norm(vp - dm))
+    # World axes: y down, and the sensor stands behind the patient at negative z.
+    forward_rad = np.arctan2(vp[2] - dm[2], dm[1] - vp[1])
+    assert found["BACK.TRUNK.INCLINATION"].value == pytest.approx(forward_rad, abs=0.002)
+    assert found["BACK.PELVIS.TILT"].value == pytest.approx(0.0, abs=0.002)
+    assert abs(found["BACK.DEVIATION.MAX"].value) < 0.005
+    assert not back.notices
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Four recordings of a standing body become one surface, girths and a report."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,23 @@ def test_four_views_are_one_body(scene, views):
     )
     assert np.median(np.abs(off_m)) < 0.0015
     assert np.quantile(np.abs(off_m), 0.95) < 0.006
+
+
+def test_the_surface_has_the_colours_of_the_picture(views):
+    calibration = views[0].calibration
+    picture = np.zeros((calibration.color.height, calibration.color.width, 3), np.uint8)
+    picture[:] = (200, 100, 50)
+    whole = join_body([replace(views[0], picture_rgb=picture)])
+    colors = whole.surface.colors
+    known = np.isfinite(colors).all(axis=1)
+    assert known.mean() > 0.5
+    np.testing.assert_array_equal(np.unique(colors[known], axis=0), [[200.0, 100.0, 50.0]])
+    assert np.isnan(join_body([views[0]]).surface.colors).all()
+
+
+def test_a_side_is_given_once(views):
+    with pytest.raises(BodyError, match="given twice"):
+        join_body([views[0], views[0]])
 
 
 def test_opposite_sides_alone_do_not_hold_together(views):
