@@ -24,7 +24,7 @@ from adibas.surface.patient_axes import axes_of_back, turned
 from adibas.surface.sagittal import SagittalParams, SagittalShape, sagittal_shape
 from adibas.surface.spine_profile import ProfileParams, SpineProfile, fit_profile
 from adibas.surface.symmetry_line import SymmetryLine, SymmetryParams, find_symmetry_line
-from adibas.surface.trunk import TrunkParams, back_points, chest_width_m, hidden_share
+from adibas.surface.trunk import TrunkParams, back_points, chest_width_m, hidden_share, shows_toes
 from adibas.texts import message
 
 SPINOUS = (C7, "t1", "t3", "t4", "t5", "t7", "t9", "t10", "t11", "t12", "l1", "l3", "l4", "l5")
@@ -34,8 +34,8 @@ NO_CURVES = message(
     "clothes hide it. Kyphosis, lordosis and what follows from them have no value."
 )
 NO_MARKERS = message(
-    "Without markers on C7 and the posterior superior iliac spines, measures of trunk and pelvis "
-    "between these have no value."
+    "Without markers named c7, left_psis and right_psis, measures of trunk and pelvis between "
+    "these have no value."
 )
 N_TURNS, LEVEL_RAD = 4, 0.004
 """Rounds in which the axes are turned until the surface's mean rotation is less than that."""
@@ -111,7 +111,7 @@ def measure_back(
     camera_m = view.points_m()
     axes = axes_of_back(camera_m, view.floor)
     stature_m = float(axes.apply(camera_m)[:, 1].max())
-    _check_width(axes.apply(camera_m), stature_m, params.trunk)
+    _check_side(axes.apply(camera_m), stature_m, params.trunk)
     is_back = back_points(axes.apply(camera_m), stature_m, params.trunk)
     if not is_back.any():
         raise BodyError(
@@ -167,7 +167,12 @@ def _mean_rotation_rad(profile: SpineProfile, stature_m: float) -> float:
     return float(profile.rotation_rad(heights_m[inside]).mean()) if inside.any() else 0.0
 
 
-def _check_width(points_m: FloatArray, stature_m: float, params: TrunkParams) -> None:
+def _check_side(points_m: FloatArray, stature_m: float, params: TrunkParams) -> None:
+    if shows_toes(points_m, stature_m, params):
+        raise BodyError(
+            "The toes point to the sensor: this is the front, not the back. Name the view "
+            "anterior, or turn the patient round and record again."
+        )
     width_m = chest_width_m(points_m, stature_m, params)
     if width_m < params.least_width * stature_m:
         raise BodyError(

@@ -12,6 +12,7 @@ from adibas.data.markers import Marker
 from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError
 from adibas.geometry.rigid import IDENTITY, RigidTransform
+from adibas.pipeline.back import measure_back
 from adibas.pipeline.body import _landmarks
 from adibas.pipeline.body_views import person_in
 from adibas.pipeline.whole_body import WholeBody, join_body
@@ -82,6 +83,12 @@ def test_a_side_is_given_once(views):
 def test_opposite_sides_alone_do_not_hold_together(views):
     with pytest.raises(BodyError, match="posterior \\+ anterior"):
         join_body(views[:2])
+
+
+def test_a_front_is_not_measured_as_a_back(views):
+    with pytest.raises(BodyError, match="toes"):
+        measure_back(replace(views[1], view="posterior"))
+    assert measure_back(views[0]).shape is not None
 
 
 def test_the_command_writes_surface_girths_and_report(tmp_path, scene, depths):
