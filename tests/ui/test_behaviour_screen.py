@@ -21,6 +21,7 @@ from shiboken6 import isValid
 
 from adibas.data.coding import Occurrence
 from adibas.recordings.codings import read_codings
+from adibas.texts import LANGUAGES, use_language
 from tests.ui.behaviour_scene import FRAME_MS, make_recording, time_ms
 from tests.ui.conftest import NoSensor
 from tests.ui.test_mnemonics import assert_each_letter_is_one_control
@@ -395,8 +396,11 @@ def test_counts_are_read_in_a_table(observer):
     assert table.rowCount() == 0
 
 
-def test_each_letter_goes_to_one_control_of_the_open_screen(observer):
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_each_letter_goes_to_one_control_of_the_open_screen(observer, language):
     seated_until(observer, 30)
+    use_language(language)
+    observer.screen.retranslate()
     observer.key(Key.Key_Left, CTRL)
     pages = observer.screen.findChild(QTabWidget)
     for index in range(pages.count()):
