@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.data.ethogram import Ethogram
+from adibas.texts import message
 from adibas.texts import translate as _
 from ui.behaviour.scheme import (
     SchemeFields,
@@ -32,6 +33,7 @@ from ui.widgets.scrolled import Scrolled
 
 NAMES_LETTERS, FIELD_LETTERS = 20, 28
 USUAL_LETTERS, USUAL_LINES = 100, 36
+KINDS = {"state": message("state (it lasts)"), "point": message("point event")}
 TEXTS = ("name", "key", "category", "color", "group", "modifiers", "description")
 
 
@@ -131,8 +133,8 @@ class SchemeDialog(QDialog):
         self.setWindowTitle(_("Coding scheme"))
         self._list.setAccessibleName(_("Behaviours"))
         self._kind.clear()
-        self._kind.addItem(_("state (it lasts)"), "state")
-        self._kind.addItem(_("point event"), "point")
+        for kind, told in KINDS.items():
+            self._kind.addItem(_(told), kind)
         for name, text in _labels().items():
             self._labels[name].setText(text)
         self._texts["group"].setToolTip(_("Of one group only one can last at a time."))

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QAction
+from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QComboBox, QInputDialog, QMenu, QPushButton, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
@@ -16,6 +16,8 @@ from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.flow import in_a_flow
 
 BUTTONS = ("open", "find", "file", "scheme", "second", "undo", "redo")
+KEYS = {"undo": "Ctrl+Z", "redo": "Ctrl+Shift+Z"}
+NATIVE = QKeySequence.SequenceFormat.NativeText
 SAVED_AS = (
     ("CSV", "csv"),
     ("Excel", "xlsx"),
@@ -103,8 +105,8 @@ class BehaviourTools(QWidget):
             self.buttons[name].setText(text)
         for name, text in _action_texts().items():
             self._actions[name].setText(text)
-        self.buttons["undo"].setToolTip("Ctrl+Z")
-        self.buttons["redo"].setToolTip("Ctrl+Shift+Z")
+        for name, keys in KEYS.items():
+            self.buttons[name].setToolTip(QKeySequence(keys).toString(NATIVE))
         self.stored.setAccessibleName(_("Recordings of the session"))
         self._word_second()
 

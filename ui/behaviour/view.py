@@ -33,7 +33,7 @@ from ui.behaviour.selected_panel import SelectedPanel
 from ui.behaviour.sources import StoredChoice
 from ui.behaviour.tables import TextTable
 from ui.behaviour.timeline import ZOOM_STEP, TimelineView
-from ui.behaviour.tools import BehaviourTools, as_model, fill_stored
+from ui.behaviour.tools import KEYS, BehaviourTools, as_model, fill_stored
 from ui.behaviour.transport import LONG_STEP_S, Transport
 from ui.behaviour.video_view import VideoView
 from ui.theme import Theme
@@ -187,8 +187,8 @@ class BehaviourScreen(Screen):
         """Keys with Ctrl work wherever the focus is; the others where nobody types."""
         coding, presenter = self._presenter.coding, self._presenter
         for keys, action in (
-            ("Ctrl+Z", coding.undo),
-            ("Ctrl+Shift+Z", coding.redo),
+            (KEYS["undo"], coding.undo),
+            (KEYS["redo"], coding.redo),
             ("Ctrl+B", coding.set_begin),
             ("Ctrl+E", coding.set_end),
             ("Ctrl+Right", lambda: coding.select_next(1)),
