@@ -56,7 +56,8 @@ def _row(measure: BodyMeasure) -> tuple[str, str, str, str, str, str]:
     value, interval, unit = on_paper(measure)
     meaning = _(definition.meaning)
     if value is None:
-        return _(definition.name), meaning, "", _(measure.reason or ""), unit, definition.source
+        reason = _(measure.reason) if measure.reason else ""
+        return _(definition.name), meaning, "", reason, unit, definition.source
     between = "" if interval is None else " … ".join(decimal_text(end, 1) for end in interval)
     return (
         _(definition.name),
