@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from adibas.arrays import UInt8Array
 from adibas.calibration.finder import TEXTS, BoardSearch, as_gray
 from adibas.calibration.guidance import GuidanceParams, Stance, StillWatch, is_new, stance_of
 from adibas.calibration.sharpness import blur_px
@@ -124,6 +125,7 @@ class MomentWatch:
         self._still = StillWatch(self._params.guidance)
         self._depth: DisparitySum | None = None
         self._found: list[BoardCorners] = []
+        self._blur: tuple[UInt8Array, float] | None = None
 
     def stance_of(self, corners: BoardCorners) -> Stance | None:
         """Return how the board stands in a picture, by the same camera as in all others."""
@@ -163,7 +165,7 @@ class MomentWatch:
             return None
         if self.stance_of(search.corners) is None:
             return None
-        blur = blur_px(as_gray(color_rgb), self.board, search.corners)
+        blur = self._blur_px(color_rgb, search.corners)
         searched = SearchedImage("", color_rgb.shape[:2], search, blur)
         disparity, corners = self._mean_depth(), self._mean_corners()
         return NewPicture(color_rgb, searched, frame.timestamp_ns, disparity, corners)
@@ -194,7 +196,13 @@ class MomentWatch:
         if frame.color_rgb is None:
             return True
         limit_px = self._params.verdict.blur_px * max(corners.width / 1280.0, 0.5)
-        return not blur_px(as_gray(frame.color_rgb), self.board, corners) <= limit_px
+        return not self._blur_px(frame.color_rgb, corners) <= limit_px
+
+    def _blur_px(self, color_rgb: UInt8Array, corners: BoardCorners) -> float:
+        """Return the blur of a picture; a frame that is taken was looked at a moment ago."""
+        if self._blur is None or self._blur[0] is not color_rgb:
+            self._blur = color_rgb, blur_px(as_gray(color_rgb), self.board, corners)
+        return self._blur[1]
 
     def _add_depth(self, frame: LiveFrame, corners: BoardCorners | None) -> None:
         """Add what stands still; without corners it does not."""
