@@ -13,16 +13,17 @@ from adibas.files import written_whole
 from adibas.measures.json_lines import LARGEST_FILE, parse_lines
 from adibas.measures.protocol_fields import Findings, Group
 from adibas.resources import resource_path
+from adibas.texts import spoken_language
 
 FORMAT, VERSION = "adibas-ethogram", 1
-SHIPPED = "observation-example.json"
+SHIPPED = "observation-example.{language}.json"
 SELECTIONS = ("one", "several", "number")
 KINDS = ("state", "point")
 
 
 def shipped_ethogram() -> Ethogram:
-    """Return the example that comes with the program."""
-    return read_ethogram(resource_path("ethograms", SHIPPED))
+    """Return the example that comes with the program, in the language in use."""
+    return read_ethogram(resource_path("ethograms", SHIPPED.format(language=spoken_language())))
 
 
 def read_ethogram(path: Path) -> Ethogram:

@@ -26,6 +26,7 @@ from adibas.recordings.ethogram_json import (
     shipped_ethogram,
     write_ethogram,
 )
+from adibas.texts import LANGUAGES, speaking
 from tests.unit.coding_samples import ETHOGRAM, coding, codings
 
 
@@ -254,12 +255,23 @@ def test_an_ethogram_is_the_same_after_a_file(tmp_path):
     assert read_ethogram(tmp_path / "e.json") == ETHOGRAM
 
 
-def test_the_example_names_its_sources_and_has_no_score():
-    shipped = shipped_ethogram()
-    assert shipped.sources
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_example_names_its_sources_and_has_no_score_in_every_language(language):
+    english = shipped_ethogram()
+    with speaking(language):
+        shipped = shipped_ethogram()
+    assert len(shipped.sources) == len(english.sources)
     assert all(one.sources and one.description for one in shipped.behaviours)
-    assert len({one.key for one in shipped.behaviours}) == len(shipped.behaviours)
-    assert ("seated", "leaves seat") in shipped.exclusions
+    assert len({one.key for one in shipped.behaviours}) == len(english.behaviours)
+    order = [one.name for one in shipped.behaviours]
+    in_english = [one.name for one in english.behaviours]
+    places = {tuple(order.index(name) for name in pair) for pair in shipped.exclusions}
+    assert places == {tuple(in_english.index(name) for name in pair) for pair in english.exclusions}
+    same = ("kind", "color")
+    assert [[getattr(one, name) for name in same] for one in shipped.behaviours] == [
+        [getattr(one, name) for name in same] for one in english.behaviours
+    ]
+    assert (order == in_english) == (language == "en")
     assert "score" not in json.dumps(ethogram_document(shipped)["behaviours"])
 
 
