@@ -21,7 +21,7 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 import shiboken6
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit, QPushButton, QTabWidget
+from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QPushButton, QTabWidget
 
 from adibas.pipeline.demo import run_demo
 from adibas.pipeline.demo_session import take_demo_session
@@ -29,6 +29,7 @@ from adibas.pipeline.learning import read_target
 from adibas.sessions import open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.texts import LANGUAGES
+from adibas.texts import translate as _
 from installers.screenshot_sessions import add_sessions_to_compare
 from ui.application import Application
 from ui.navigation import TITLES
@@ -181,6 +182,16 @@ class _Studio:
         if name == "capture" and workspace is not None:
             self._wait(lambda: _sees_somebody(workspace.live.newest))
         self._settle()
+        if name == "behaviour":
+            self._open_recording()
+
+    def _open_recording(self) -> None:
+        """Open the first recording of the session, with the example of a scheme in the language."""
+        screen = self._window.screen_named("behaviour")
+        boxes = (box for box in screen.findChildren(QComboBox) if box.isVisible())
+        chooser = next(box for box in boxes if box.itemText(0) == _("Recordings of the session"))
+        chooser.activated.emit(1)
+        self._settle()
 
     def _save(self, path: Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -190,7 +201,7 @@ class _Studio:
     def _settle(self) -> None:
         """Let jobs and repaints come to rest."""
         self._wait(lambda: not self._application.jobs.is_busy)
-        for _ in range(5):
+        for _round in range(5):
             self._app.processEvents()
             time.sleep(0.02)
 

@@ -21,7 +21,7 @@ from shiboken6 import isValid
 
 from adibas.data.coding import Occurrence
 from adibas.recordings.codings import read_codings
-from adibas.texts import LANGUAGES, use_language
+from adibas.texts import LANGUAGES, speaking
 from tests.ui.behaviour_scene import FRAME_MS, make_recording, time_ms
 from tests.ui.conftest import NoSensor
 from tests.ui.test_mnemonics import assert_each_letter_is_one_control
@@ -399,13 +399,13 @@ def test_counts_are_read_in_a_table(observer):
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_each_letter_goes_to_one_control_of_the_open_screen(observer, language):
     seated_until(observer, 30)
-    use_language(language)
-    observer.screen.retranslate()
-    observer.key(Key.Key_Left, CTRL)
-    pages = observer.screen.findChild(QTabWidget)
-    for index in range(pages.count()):
-        pages.setCurrentIndex(index)
-        assert_each_letter_is_one_control(observer.screen)
+    with speaking(language):
+        observer.screen.retranslate()
+        observer.key(Key.Key_Left, CTRL)
+        pages = observer.screen.findChild(QTabWidget)
+        for index in range(pages.count()):
+            pages.setCurrentIndex(index)
+            assert_each_letter_is_one_control(observer.screen)
 
 
 def test_the_timeline_tells_what_is_under_the_mouse_and_follows_the_wheel(observer):
