@@ -32,7 +32,6 @@ translations: setup
 train: setup
 	$(BIN)/adibas skeleton train --simulator --out resources/models/skeleton.json
 	$(BIN)/adibas limbs train --simulator --seed 6215 --out resources/models/limbs-15.npz
-	$(BIN)/adibas limbs train --merge resources/models/limbs-15.npz --out resources/models/limbs-7.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
 
 setup:

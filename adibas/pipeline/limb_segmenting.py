@@ -13,15 +13,15 @@ from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
-from adibas.data.limbs import FULL_BODY, LABEL_SETS, LimbParts
+from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY, LimbParts
 from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError, RecordingError
 from adibas.files import written_whole
 from adibas.geometry.planes import Plane
 from adibas.limbs.judging import Judgement, judge_mask, judge_parts
-from adibas.limbs.model import LimbModel, load_model
+from adibas.limbs.model import LimbModel, load_model, merged
 from adibas.limbs.segmentation import LimbParams, segment
-from adibas.limbs.training_set import FolderHeader, write_header, write_image
+from adibas.limbs.training_set import TO_TORSO, FolderHeader, write_header, write_image
 from adibas.pipeline.limb_pictures import limb_picture
 from adibas.pipeline.session import calibration_of
 from adibas.progress import Progress
@@ -29,7 +29,6 @@ from adibas.recordings import open_recording
 from adibas.resources import resource_path
 
 PICTURE = ".limbs.png"
-NAMES_OF_MODELS = {"full-body-15": "limbs-15.npz", "upper-body-7": "limbs-7.npz"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +43,7 @@ class SegmentingRequest:
     model : Path or None
         None: the shipped one of `labels`.
     labels : str
-        One of `NAMES_OF_MODELS`; empty: those of `model`, or the full body.
+        ``full-body-15`` or ``upper-body-7``; empty: those of `model`, or the full body.
     calibration : Path or None
         In place of the recording's own.
     frames : (first, one past the last or None)
@@ -78,8 +77,12 @@ class Segmented:
 
 
 def shipped_model(labels: str = FULL_BODY.name) -> LimbModel:
-    """Return the model that comes with the program for one of `NAMES_OF_MODELS`."""
-    return load_model(resource_path("models", NAMES_OF_MODELS[labels]))
+    """Return the model that comes with the program for the full or the upper body.
+
+    The seven labels of the upper body are made of the fifteen, in a fifth of a second.
+    """
+    model = load_model(resource_path("models", "limbs-15.npz"))
+    return model if labels == FULL_BODY.name else merged(model, UPPER_BODY, TO_TORSO)
 
 
 def segment_recording(request: SegmentingRequest, progress: Progress) -> Segmented:
