@@ -15,8 +15,8 @@ from adibas.errors import FileError
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """No space on the disk, in the user's share of it, or in one file."""
 DAMAGED_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError)
-"""What zipfile raises of a damaged archive, be it a workbook or arrays. RuntimeError where the part
-seems encrypted, and its child NotImplementedError where it seems packed in another way."""
+"""What zipfile raises of a damaged archive, be it a workbook or arrays; RuntimeError where a part
+seems encrypted, or packed in a way that it does not know."""
 _UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 
 

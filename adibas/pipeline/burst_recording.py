@@ -100,6 +100,7 @@ class BurstRecording:
         self._lock = threading.Lock()
         self._failure: BaseException | None = None
         self._info = SourceInfo()
+        self._has_ended = False
         self._n_taken = 0
         self._n_restarts = 0
         self._future: Future[Burst] | None = None
@@ -117,7 +118,8 @@ class BurstRecording:
     @property
     def wants_more(self) -> bool:
         """Whether the next frame belongs to the burst."""
-        return self._failure is None and self._n_taken < self._n_frames
+        is_open = self._failure is None and not self._has_ended
+        return is_open and self._n_taken < self._n_frames
 
     def take(self, frame: SensorFrame, info: SourceInfo) -> None:
         """Take the next frame; never waits."""
@@ -163,9 +165,8 @@ class BurstRecording:
                 self._writer.write(frame)
                 frames.append(frame)
                 self._progress(len(frames), self._n_frames)
-        except BaseException as error:  # kept for the thread that hands over frames
-            self._failure = self._failure or error  # no more frames are taken
-            raise
+        finally:
+            self._has_ended = True  # no more frames are taken
         return Burst(tuple(frames), self._info, self._calibration, self._n_restarts)
 
     def _next_frame(self) -> SensorFrame:

@@ -30,6 +30,7 @@ from tests.ui.behaviour_scene import make_recording
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import CTRL, SECRET, visible, visible_dialogs
 from ui.log import LOG_FILE, start_log
+from ui.ports import CancelledError
 from ui.signals import SignalWatch
 from ui.theme import DARK, LIGHT
 from ui.workspace import Place
@@ -65,7 +66,7 @@ def slow(user):
         try:
             while not let_go.wait(0.01):
                 control.progress(1, 2)
-        except BaseException:
+        except CancelledError:
             was_stopped.set()
             raise
         return "done"
