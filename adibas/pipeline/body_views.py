@@ -16,7 +16,7 @@ from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError, CalibrationError, RecordingError
 from adibas.geometry.planes import Plane
 from adibas.markers.disparity import DisparitySum
-from adibas.pipeline.session import calibration_of
+from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.decoding import decode_color
@@ -105,9 +105,7 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
         Nobody is seen, or no floor.
     """
     with open_recording(request.recording) as recording:
-        wanted = range(*slice(*request.frames).indices(len(recording)))
-        if not wanted:
-            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
         if calibration.depth is None:
             raise CalibrationError(

@@ -15,7 +15,7 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
 from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY, LimbParts
 from adibas.data.sentence import Sentence
-from adibas.errors import CalibrationError, RecordingError
+from adibas.errors import CalibrationError
 from adibas.files import written_whole
 from adibas.geometry.planes import Plane
 from adibas.limbs.judging import Judgement, judge_mask, judge_parts
@@ -23,7 +23,7 @@ from adibas.limbs.model import LimbModel, load_model, merged
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.limbs.training_set import TO_TORSO, FolderHeader, write_header, write_image
 from adibas.pipeline.limb_pictures import limb_picture
-from adibas.pipeline.session import calibration_of
+from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.resources import resource_path
@@ -104,10 +104,7 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
     sentences: dict[str, Sentence] = {}
     n_people = n_frames = 0
     with open_recording(request.recording) as recording:
-        first, last = request.frames
-        wanted = range(*slice(first, last).indices(len(recording)))
-        if not wanted:
-            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        wanted = wanted_frames(recording, request.frames)
         looker = Looker(calibration_of(recording, request.calibration), recording.info)
         write_header(request.out, _header(model, looker.camera, recording.info))
         for n_frames, index in enumerate(wanted, start=1):

@@ -20,7 +20,7 @@ from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError, RecordingError
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.frame_notices import counted
-from adibas.pipeline.session import calibration_of
+from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.decoding import decode_color
@@ -98,9 +98,7 @@ def map_recording(request: MapRequest, progress: Progress) -> MappedRecording:
         There is none of both cameras, or one for another resolution.
     """
     with open_recording(request.recording) as recording:
-        wanted = range(*slice(*request.frames).indices(len(recording)))
-        if not wanted:
-            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
         if calibration.color is None or calibration.depth is None:
             raise CalibrationError(

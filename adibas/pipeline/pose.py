@@ -25,7 +25,7 @@ from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
 from adibas.pipeline.recording_access import FILES, RecordingAccess
-from adibas.pipeline.session import calibration_of
+from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.following import ChosenJoints
@@ -137,9 +137,7 @@ def pose_recording(
     """
     model = shipped_model() if request.model is None else load_model(request.model)
     with request.access.open(request.recording) as recording:
-        wanted = range(*slice(*request.frames).indices(len(recording)))
-        if not wanted:
-            raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
         found = _Found(request, calibration, model)
         for number, index in enumerate(wanted, 1):

@@ -171,6 +171,20 @@ def check_findings(findings: MarkerFindings) -> None:
         )
 
 
+def wanted_frames(recording: RecordingReader, frames: tuple[int, int | None]) -> range:
+    """Return the indices of the frames from the first one on, up to the second one (None: all).
+
+    Raises
+    ------
+    RecordingError
+        The recording has none of them.
+    """
+    wanted = range(*slice(*frames).indices(len(recording)))
+    if not wanted:
+        raise RecordingError("The recording has no such frames. Choose others with --frames.")
+    return wanted
+
+
 def _burst_range(recording: RecordingReader, frames: tuple[int, int | None]) -> tuple[int, int]:
     begin, asked_end = frames
     end = len(recording) if asked_end is None else asked_end
