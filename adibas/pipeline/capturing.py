@@ -167,7 +167,7 @@ def _named(
 ) -> tuple[Marker, ...]:
     """Return the markers with names where the landmarks of the session's protocol are known."""
     wish, _notices = wish_of_session(store.sessions.get(request.session_id))
-    namer = None if wish is None else namer_of(wish.protocol)
+    namer = None if wish is None else namer_of(wish.protocol, request.view)
     return markers if namer is None else with_names(namer, markers, request.view, calibration)
 
 

@@ -45,7 +45,7 @@ def joints_among(
         protocol = find_protocol(naming.protocol)
     except ProtocolError:  # told where it is measured
         return {}
-    namer = namer_of(protocol)
+    namer = namer_of(protocol, naming.view)
     if calibration.color is None or namer is None:
         return {}
     markers = tuple(

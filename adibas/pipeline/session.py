@@ -90,7 +90,8 @@ def analyse_recording(
         notices = tuple(notice for notice in (recording.notice,) if notice)
     check_findings(findings)
     markers = with_labels(findings.markers, labels)
-    namer = None if request.protocol is None else namer_of(request.protocol.protocol)
+    wish = request.protocol
+    namer = None if wish is None else namer_of(wish.protocol, request.view)
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
         markers = with_names(namer, markers, request.view, calibration, by_hand)

@@ -1,7 +1,7 @@
 """Point sets of a file get names; the shipped model, or one of the clinic's own."""
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,6 +40,11 @@ class LabelledFile:
 def shipped_namer() -> Namer:
     """Return the namer of the 15 joints that is part of the program; it is read once."""
     return Namer(read_model(resource_path("models", "skeleton.json")))
+
+
+def shipped_knows(landmarks: Collection[str]) -> bool:
+    """Say whether the shipped model names all of these landmarks, of which there are some."""
+    return bool(landmarks) and set(landmarks) <= set(shipped_namer().names)
 
 
 @dataclass(frozen=True, slots=True)

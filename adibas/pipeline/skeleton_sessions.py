@@ -5,38 +5,36 @@ the examples of each fifth of the patients are named by a model of all others an
 one, so that a worse model is told and not written.
 """
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from adibas.clock import Clock, utc_now
 from adibas.data.joints import JOINT_NAMES
-from adibas.data.sessions import Capture
 from adibas.errors import FileError
-from adibas.measures.sight_plane import vertical_of
-from adibas.pipeline.skeleton_labelling import shipped_namer
-from adibas.pipeline.skeleton_names import upright_turn
+from adibas.pipeline.skeleton_examples import (
+    Example,
+    LandmarkSet,
+    corrected_sets,
+    examples_of,
+    landmarks_of,
+)
+from adibas.pipeline.skeleton_labelling import shipped_knows, shipped_namer
 from adibas.pipeline.skeleton_training import LEAST_NAMES, learn_sets
 from adibas.progress import Progress
 from adibas.sessions import SessionStore
+from adibas.shapes.point_distribution import LEAST_SHAPES
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet
 
-MOST_PATIENTS = 1_000_000
 N_FOLDS = 5
 LEAST_EXAMPLES = 10
 """Fewer tell neither how shapes vary nor whether a model is any good."""
-UNNAMED = "m"
-
-
-@dataclass(frozen=True, slots=True)
-class Example:
-    """One corrected capture, and whose."""
-
-    patient: str
-    points: PointSet
+LEAST_SHARE = 0.5
+"""Of the examples that show a landmark: what fewer have is not learned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,32 +63,57 @@ class HeldOut:
             return False
         return self.right < self.shipped_right or self.wrong > self.shipped_wrong
 
+    def check(self) -> None:
+        """Refuse a model that is not worth having.
 
-def corrected_examples(store: SessionStore, progress: Progress) -> tuple[Example, ...]:
-    """Return the captures of all patients in whose markers something was corrected."""
-    rows = store.patients.search("", limit=MOST_PATIENTS)
-    found: list[Example] = []
-    for number, row in enumerate(rows, 1):
-        for session in store.sessions.of_patient(row.pseudonym):
-            for capture in store.captures.of_session(session.session_id):
-                points = _points(capture)
-                if points is not None:
-                    found.append(Example(row.pseudonym, points))
-        progress(number, len(rows))
-    return tuple(found)
+        Raises
+        ------
+        FileError
+            The shipped model is better, or more sets get a wrong name than all right ones.
+        """
+        if self.is_worse:
+            raise FileError(
+                "The shipped model names these captures better: {right} of {n} right, against "
+                "{own}. Nothing is written. Name the markers of more captures.",
+                right=self.shipped_right,
+                n=self.n_examples,
+                own=self.right,
+            )
+        if self.wrong > self.right:
+            raise FileError(
+                "Of {n} captures that the model had not seen it named {right} right and {wrong} "
+                "with a mistake. Nothing is written. Name the markers of more captures.",
+                n=self.n_examples,
+                right=self.right,
+                wrong=self.wrong,
+            )
 
 
 def train_from_sessions(
-    store: SessionStore, progress: Progress, clock: Clock = utc_now
+    store: SessionStore,
+    progress: Progress,
+    which: LandmarkSet | None = None,
+    clock: Clock = utc_now,
 ) -> tuple[SkeletonModel, HeldOut]:
     """Learn a model from the corrected captures of a store, and hold it against the shipped one.
+
+    Parameters
+    ----------
+    progress : callable
+        Told (captures done, captures in all) while they are read, then while they are learned.
+    which : LandmarkSet or None
+        Whose captures; None where the store has those of one set alone.
 
     Raises
     ------
     FileError
-        There are too few corrected captures, or they name too few points.
+        There are too few corrected captures, or they name too few points; or there are several
+        sets, and none is chosen.
     """
-    examples = corrected_examples(store, progress)
+    begun_utc = clock()
+    found = corrected_sets(store)
+    which = _only_one(found) if which is None else which
+    examples = examples_of(store, which, found.get(which, ()), progress)
     if len(examples) < LEAST_EXAMPLES:
         raise FileError(
             "There are {n} captures with corrected names, and a model needs {least}. Name the "
@@ -98,58 +121,85 @@ def train_from_sessions(
             n=len(examples),
             least=LEAST_EXAMPLES,
         )
-    names = _names(examples)
+    names = _names(which, examples)
+    examples = tuple(replace(one, points=_only(names, one.points)) for one in examples)
+    _check_whole(names, examples)
+    held_out = _held_out(names, examples, progress)
     source = {
         "source": "corrected captures of a clinic",
+        "protocol": which.protocol,
+        "view": which.view,
         "n_captures": len(examples),
         "n_patients": len({example.patient for example in examples}),
+        "held_out": {
+            "n_examples": held_out.n_examples,
+            "right": held_out.right,
+            "wrong": held_out.wrong,
+            "shipped_right": held_out.shipped_right,
+            "shipped_wrong": held_out.shipped_wrong,
+        },
     }
-    held_out = _held_out(names, examples)
-    model = learn_sets("sessions", names, [one.points for one in examples], source, clock)
-    checked = {**model.provenance, "held_out": {
-        "n_examples": held_out.n_examples, "right": held_out.right, "wrong": held_out.wrong,
-        "shipped_right": held_out.shipped_right, "shipped_wrong": held_out.shipped_wrong,
-    }}  # fmt: skip
-    return replace(model, provenance=checked), held_out
+    points = [one.points for one in examples]
+    return learn_sets("sessions", names, points, source, lambda: begun_utc), held_out
 
 
-def _points(capture: Capture) -> PointSet | None:
-    """Return the named markers of a capture, upright; None where nobody corrected it."""
-    if capture.history.n_done == 0:
-        return None
-    named = [
-        (marker.label, marker.position_m)
-        for marker in capture.markers()
-        if marker.position_m is not None and not _is_number(marker.label)
-    ]
-    if len(named) < LEAST_NAMES:
-        return None
-    labels = tuple(label for label, _ in named)
-    positions_m = np.stack([position_m for _, position_m in named])
-    upright_m = positions_m @ upright_turn(vertical_of(capture.calibration).up).T
-    return PointSet(capture.capture_id, labels, labels, upright_m, capture.view)
+def _only_one(found: Mapping[LandmarkSet, Sequence[object]]) -> LandmarkSet:
+    """Return the one set that has captures enough; else the one with most."""
+    rich = [one for one, captures in found.items() if len(captures) >= LEAST_EXAMPLES]
+    if len(rich) > 1:
+        raise FileError(
+            "The corrected captures mark different places: {sets}. Choose one with --protocol and "
+            "--view.",
+            sets=", ".join(" ".join(filter(None, (one.protocol, one.view))) or "-" for one in rich),
+        )
+    return max(found, key=lambda one: len(found[one]), default=LandmarkSet())
 
 
-def _is_number(label: str) -> bool:
-    return label.startswith(UNNAMED) and label.removeprefix(UNNAMED).isdecimal()
+def _names(which: LandmarkSet, examples: Sequence[Example]) -> tuple[str, ...]:
+    """Return the landmarks to learn: what the shipped model knows, or what enough examples show."""
+    counts = Counter(label for example in examples for label in example.points.labels)
+    if set(counts) == set(JOINT_NAMES) or shipped_knows(landmarks_of(which)):
+        return shipped_namer().names
+    least = LEAST_SHARE * len(examples)
+    return tuple(sorted(label for label, n_shown in counts.items() if n_shown >= least))
 
 
-def _names(examples: Sequence[Example]) -> tuple[str, ...]:
-    found = {label for example in examples for label in example.points.labels}
-    return JOINT_NAMES if found == set(JOINT_NAMES) else tuple(sorted(found))
+def _check_whole(names: tuple[str, ...], examples: Sequence[Example]) -> None:
+    """Refuse examples of which too few show all names; each fold has to learn without a part."""
+    is_whole = {id(one): set(names) <= set(one.points.labels) for one in examples}
+    n_least = min(sum(is_whole[id(one)] for one in others) for others, _out in _folds(examples))
+    if n_least < LEAST_SHAPES or len(names) < LEAST_NAMES:
+        raise FileError(
+            "Of {n} corrected captures {n_whole} show all of these {n_names} landmarks, and a "
+            "model needs more: {names}. Name all landmarks in each capture.",
+            n=len(examples),
+            n_whole=sum(is_whole.values()),
+            n_names=len(names),
+            names=", ".join(names),
+        )
 
 
-def _held_out(names: tuple[str, ...], examples: Sequence[Example]) -> HeldOut:
+def _only(names: tuple[str, ...], points: PointSet) -> PointSet:
+    """Return the points without the labels that are not learned."""
+    labels = tuple(label if label in names else "" for label in points.labels)
+    return replace(points, labels=labels)
+
+
+def _held_out(names: tuple[str, ...], examples: Sequence[Example], progress: Progress) -> HeldOut:
     new = np.zeros(2, int)
     shipped = np.zeros(2, int)
     knows_names = names == shipped_namer().names
+    n_done = 0
     for others, left_out in _folds(examples):
+        progress(n_done, len(examples))
         model = learn_sets("sessions", names, [one.points for one in others], {}, utc_now)
         namer = Namer(model)
         for example in left_out:
             new += _judged(namer, example.points)
             if knows_names:
                 shipped += _judged(shipped_namer(), example.points)
+            n_done += 1
+            progress(n_done, len(examples))
     return HeldOut(
         len(examples),
         int(new[0]),
@@ -178,8 +228,7 @@ def _folds(examples: Sequence[Example]) -> Iterator[tuple[list[Example], list[Ex
 
 def _judged(namer: Namer, points: PointSet) -> np.ndarray[tuple[int], np.dtype[np.int_]]:
     """Return whether all names are right, and whether one is wrong: two numbers, 0 or 1."""
-    found = namer.label(points.positions_m, points.view).names
-    is_wrong = any(
-        name is not None and name != label for name, label in zip(found, points.labels, strict=True)
-    )
+    found = tuple(name or "" for name in namer.label(points.positions_m, points.view).names)
+    pairs = zip(found, points.labels, strict=True)
+    is_wrong = any(name and name != label for name, label in pairs)
     return np.array([found == points.labels, is_wrong], int)

@@ -16,7 +16,12 @@ from adibas.data.sessions import Capture
 from adibas.data.surface import BurstDisparity
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
-from adibas.sessions.correcting import history_of, save_history
+from adibas.sessions.correcting import (
+    CorrectedCapture,
+    corrected_captures,
+    history_of,
+    save_history,
+)
 from adibas.sessions.database import Database
 from adibas.sessions.documents import (
     calibration_line,
@@ -142,6 +147,11 @@ class Captures:
         if captures:
             self._audit.saw(session_id)
         return captures
+
+    def corrected(self) -> tuple[CorrectedCapture, ...]:
+        """Return which captures had a marker corrected, oldest first; none of them is looked at."""
+        with self._database.reading() as transaction:
+            return corrected_captures(transaction)
 
     def correct(self, capture_id: str, history: CorrectionHistory) -> Capture:
         """Save the history of corrections as it is now; the log gets a line for each change.

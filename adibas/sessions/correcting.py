@@ -1,14 +1,85 @@
 """The undo stack of a capture in the tables; corrections that left it stay readable there."""
 
+from dataclasses import dataclass
+from datetime import datetime
 from itertools import takewhile
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from adibas.data.corrections import CorrectionHistory
 from adibas.sessions.audit import AuditLog
-from adibas.sessions.documents import correction_from_json, correction_to_json
+from adibas.sessions.documents import (
+    correction_from_json,
+    correction_to_json,
+    setup_from_json,
+)
 from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row
-from adibas.sessions.schema import CAPTURES, CORRECTIONS
+from adibas.sessions.schema import CAPTURES, CORRECTIONS, PATIENTS, SESSIONS
+
+
+@dataclass(frozen=True, slots=True)
+class CorrectedCapture:
+    """A capture of which somebody corrected a marker.
+
+    Attributes
+    ----------
+    capture_id, session_id, patient : str
+        Random, and the patient's pseudonym.
+    protocol, view : str
+        Of session and capture; may be empty.
+    corrected_utc : datetime
+        When the last correction was made that is in force.
+    """
+
+    capture_id: str
+    session_id: str
+    patient: str
+    protocol: str
+    view: str
+    corrected_utc: datetime
+
+
+def corrected_captures(transaction: Transaction) -> tuple[CorrectedCapture, ...]:
+    """Return the captures with a corrected marker, oldest first, without anything hidden."""
+    in_force = (
+        select(
+            CORRECTIONS.c.capture_id,
+            func.max(CORRECTIONS.c.made_utc).label("corrected_utc"),
+        )
+        .join(CAPTURES, CAPTURES.c.capture_id == CORRECTIONS.c.capture_id)
+        .where(
+            CORRECTIONS.c.position < CAPTURES.c.n_done,
+            func.json_extract(CORRECTIONS.c.content, "$.of") == "marker",
+        )
+        .group_by(CORRECTIONS.c.capture_id)
+        .subquery()
+    )
+    wanted = (
+        select(
+            CAPTURES.c.capture_id,
+            CAPTURES.c.session_id,
+            CAPTURES.c.view,
+            SESSIONS.c.pseudonym,
+            SESSIONS.c.setup,
+            in_force.c.corrected_utc,
+        )
+        .join(in_force, in_force.c.capture_id == CAPTURES.c.capture_id)
+        .join(SESSIONS, SESSIONS.c.session_id == CAPTURES.c.session_id)
+        .join(PATIENTS, PATIENTS.c.pseudonym == SESSIONS.c.pseudonym)
+        .where(*(table.c.is_deleted.is_(False) for table in (CAPTURES, SESSIONS, PATIENTS)))
+        .order_by(CAPTURES.c.captured_utc, CAPTURES.c.capture_id)
+    )
+    return tuple(
+        CorrectedCapture(
+            row.capture_id,
+            row.session_id,
+            row.pseudonym,
+            setup_from_json(row.setup).protocol,
+            row.view,
+            datetime.fromisoformat(row.corrected_utc),
+        )
+        for row in transaction.execute(wanted)
+    )
 
 
 def history_of(transaction: Transaction, capture: Row) -> CorrectionHistory:
