@@ -14,6 +14,7 @@ from pathlib import Path
 import platformdirs
 
 from adibas.data.protocols import Protocol, same_label
+from adibas.data.views import VIEWS
 from adibas.errors import AdibasError, FileError
 from adibas.pipeline.skeleton_examples import LandmarkSet
 from adibas.pipeline.skeleton_labelling import shipped_knows, shipped_namer
@@ -121,7 +122,8 @@ def _folder() -> Path:
 
 
 def _set_of(provenance: Mapping[str, object]) -> LandmarkSet:
-    return LandmarkSet(str(provenance.get("protocol", "")), str(provenance.get("view", "")))
+    view = str(provenance.get("view", ""))
+    return LandmarkSet(str(provenance.get("protocol", "")), view if view in VIEWS else "")
 
 
 def _own_models() -> Iterator[OwnNames]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING
 
+from adibas.data.views import VIEWS
 from adibas.pipeline.namers import OwnNames, keep_own_model, own_models
 from adibas.pipeline.skeleton_examples import LandmarkSet, corrected_sets, landmarks_of
 from adibas.pipeline.skeleton_labelling import shipped_knows
@@ -59,7 +60,7 @@ def names_in_use(store: SessionStore) -> tuple[NamesInUse, ...]:
     learned = {own.which: own for own in own_models()}
     return tuple(
         _in_use(which, corrected.get(which, ()), learned.get(which))
-        for which in sorted({*corrected, *learned})
+        for which in sorted({*corrected, *learned}, key=_place)
     )
 
 
@@ -76,6 +77,11 @@ def learn_own_names(store: SessionStore, which: LandmarkSet, progress: Progress)
     held_out.check()
     keep_own_model(model)
     return held_out
+
+
+def _place(which: LandmarkSet) -> tuple[str, int]:
+    """Return what sets are sorted by: views in their usual order."""
+    return which.protocol, ("", *VIEWS).index(which.view)
 
 
 def _in_use(

@@ -28,6 +28,8 @@ class ProtocolsPage(QWidget):
     opened = Signal(str)
     typed = Signal(str)
     saved = Signal(str)
+    names_asked = Signal()
+    """Who gives markers the names of landmarks is asked for."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -36,6 +38,9 @@ class ProtocolsPage(QWidget):
         self._names_label.setBuddy(self._names)
         self._text, self._mistakes = QPlainTextEdit(self), QListWidget(self)
         self._summary, self._hint, self._save = QLabel(self), QLabel(self), QPushButton(self)
+        self._to_names = QPushButton(self)
+        self._to_names.clicked.connect(self.names_asked)
+        self.setFocusProxy(self._names)
         self._pause = QTimer(self)
         self._pause.setSingleShot(True)
         self._pause.setInterval(PAUSE_MS)
@@ -59,6 +64,7 @@ class ProtocolsPage(QWidget):
         above.addWidget(self._names_label)
         above.addWidget(self._names)
         above.addStretch()
+        above.addWidget(self._to_names)
         column = QVBoxLayout(self)
         column.addLayout(above)
         column.addWidget(self._hint)
@@ -73,6 +79,7 @@ class ProtocolsPage(QWidget):
         self._text.setAccessibleName(_("Text of the protocol"))
         self._mistakes.setAccessibleName(_("Mistakes; Enter leads to the line"))
         self._save.setText(_("&Save as my own"))
+        self._to_names.setText(_("Who &names the markers"))
         self._word_hint()
 
     def show_names(self, names: tuple[str, ...], chosen: str, folder: str) -> None:

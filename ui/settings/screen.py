@@ -3,6 +3,7 @@
 from PySide6.QtWidgets import QWidget
 
 from ui.settings.audit_presenter import AuditPresenter
+from ui.settings.names_presenter import NamesPresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.settings.view import SettingsScreen
@@ -16,5 +17,6 @@ def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -
         SettingsPresenter(view, workspace),
         AuditPresenter(view.audit, workspace),
         ProtocolsPresenter(view.protocols, workspace),
+        NamesPresenter(view.names, workspace),
     )
     return view

@@ -1,6 +1,14 @@
-"""The settings screen: six pages. No decisions."""
+"""The settings screen: six pages, one of them with a page behind it. No decisions."""
 
-from PySide6.QtWidgets import QLabel, QScrollArea, QTabWidget, QTextBrowser, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QLabel,
+    QScrollArea,
+    QStackedWidget,
+    QTabWidget,
+    QTextBrowser,
+    QVBoxLayout,
+    QWidget,
+)
 
 from adibas import __version__
 from adibas.resources import resource_path
@@ -12,6 +20,8 @@ from ui.settings.audit_page import AuditPage
 from ui.settings.audit_presenter import AuditPresenter
 from ui.settings.computer_page import ComputerPage
 from ui.settings.general_page import GeneralPage
+from ui.settings.names_page import NamesPage
+from ui.settings.names_presenter import NamesPresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protection_page import ProtectionPage
 from ui.settings.protocols_page import ProtocolsPage
@@ -22,7 +32,7 @@ AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 2, 3, 4
 
 
 class SettingsScreen(Screen):
-    """General, protection, audit log, this computer, protocols, about."""
+    """General, protection, audit log, this computer, protocols (behind them names), about."""
 
     name = "settings"
 
@@ -33,12 +43,15 @@ class SettingsScreen(Screen):
         self._tabs = QTabWidget(self)
         self._general, self._protection = GeneralPage(self), ProtectionPage(self)
         self._audit, self._computer = AuditPage(self), ComputerPage(self)
-        self._protocols = ProtocolsPage(self)
+        self._protocols, self._names = ProtocolsPage(self), NamesPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
         for page in (_scrolled(self._general), _scrolled(self._protection)):
             self._tabs.addTab(page, "")
-        for whole_page in (self._audit, self._computer, self._protocols, self._about):
+        self._marks = QStackedWidget(self)
+        for page in (self._protocols, self._names):
+            self._marks.addWidget(page)
+        for whole_page in (self._audit, self._computer, self._marks, self._about):
             self._tabs.addTab(whole_page, "")
         layout = QVBoxLayout(self)
         layout.addWidget(self._title)
@@ -55,18 +68,28 @@ class SettingsScreen(Screen):
         """The page of protocols."""
         return self._protocols
 
+    @property
+    def names(self) -> NamesPage:
+        """The page of names for markers."""
+        return self._names
+
     def bind(
         self,
         presenter: SettingsPresenter,
         audit: AuditPresenter,
         protocols: ProtocolsPresenter,
+        names: NamesPresenter,
     ) -> None:
         """Send changes to the presenters, and own them."""
         self._presenter, self._audit_presenter = presenter, audit
-        self._protocols_presenter = protocols
+        self._protocols_presenter, self._names_presenter = protocols, names
         self._protocols.opened.connect(protocols.open)
         self._protocols.typed.connect(protocols.check)
         self._protocols.saved.connect(protocols.save)
+        self._protocols.names_asked.connect(self._show_names)
+        self._names.closed.connect(self._show_protocols)
+        self._names.learned.connect(names.learn)
+        self._names.left.connect(names.go_back)
         self._audit.searched.connect(audit.search)
         self._audit.exported.connect(audit.export)
         self._general.bind(presenter.change)
@@ -92,6 +115,7 @@ class SettingsScreen(Screen):
         for page in (self._general, self._protection, self._audit, self._computer):
             page.retranslate()
         self._protocols.retranslate()
+        self._names.retranslate()
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
@@ -99,6 +123,8 @@ class SettingsScreen(Screen):
         self._presenter.enter()
         if self._tabs.currentIndex() == AUDIT_TAB:
             self._audit_presenter.enter()
+        elif self._tabs.currentIndex() == PROTOCOLS_TAB:
+            self._enter_marks()
 
     def closed(self) -> None:
         self._protocols.stop()
@@ -109,6 +135,7 @@ class SettingsScreen(Screen):
 
     def take_back(self, draft: str) -> None:
         self._tabs.setCurrentIndex(PROTOCOLS_TAB)
+        self._marks.setCurrentWidget(self._protocols)
         self._protocols.show_changed(draft)
         self._protocols_presenter.check(draft)
 
@@ -142,7 +169,23 @@ class SettingsScreen(Screen):
         elif index == AUDIT_TAB:
             self._audit_presenter.enter()
         elif index == PROTOCOLS_TAB:
+            self._enter_marks()
+
+    def _enter_marks(self) -> None:
+        if self._marks.currentWidget() is self._names:
+            self._names_presenter.enter()
+        else:
             self._protocols_presenter.enter()
+
+    def _show_names(self) -> None:
+        self._marks.setCurrentWidget(self._names)
+        self._names.setFocus()
+        self._enter_marks()
+
+    def _show_protocols(self) -> None:
+        self._marks.setCurrentWidget(self._protocols)
+        self._protocols.setFocus()
+        self._enter_marks()
 
 
 def _scrolled(page: QWidget) -> QScrollArea:
