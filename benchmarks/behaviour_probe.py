@@ -15,7 +15,7 @@ KB_PER_MB = 1024.0
 def main(joints: str) -> None:
     """Measure one analysis, with the five gestures of the shipped model."""
     start = time.process_time()
-    request = BehaviourRequest(Path(joints), resource_path("models", "gestures.json"))
+    request = BehaviourRequest(Path(joints), (resource_path("models", "gestures.json"),))
     analyse_behaviour(request, lambda _done, _total: None)
     spent_s = time.process_time() - start
     peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KB_PER_MB

@@ -204,12 +204,25 @@ def _knowing(draft: Draft, found: Occurrence) -> Draft:
 
 
 def with_detected(draft: Draft, found: Coding) -> Draft:
-    """Return the draft with other proposals; what is coded already is not proposed again."""
-    coded = {(one.behaviour, one.begin_ms, one.end_ms) for one in draft.coding.occurrences}
+    """Return the draft with other proposals; what is coded already is not proposed again.
+
+    Coded already is the same behaviour at half of the same time or more.
+    """
+    coded: dict[str, list[Occurrence]] = {}
+    for one in draft.coding.occurrences:
+        coded.setdefault(one.behaviour, []).append(one)
     left = tuple(
-        one for one in found.occurrences if (one.behaviour, one.begin_ms, one.end_ms) not in coded
+        one
+        for one in found.occurrences
+        if not any(_is_the_same(one, other) for other in coded.get(one.behaviour, ()))
     )
     return replace(draft, detected=replace(found, occurrences=left))
+
+
+def _is_the_same(one: Occurrence, other: Occurrence) -> bool:
+    shared_ms = min(one.end_ms, other.end_ms) - max(one.begin_ms, other.begin_ms)
+    spanned_ms = max(one.end_ms, other.end_ms) - min(one.begin_ms, other.begin_ms)
+    return 2 * shared_ms >= spanned_ms
 
 
 def with_ethogram(

@@ -23,8 +23,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model",
         type=Path,
+        action="append",
+        default=[],
         metavar="model.json",
-        help=_("find the gestures of this model, too"),
+        help=_("find the gestures of this model, too; may be given several times"),
     )
     parser.add_argument(
         "--ethogram", type=Path, metavar=_("FILE"), help=_("what behaviours are called (JSON)")
@@ -90,7 +92,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         check_report(path, BEHAVIOUR_KINDS)
     request = BehaviourRequest(
         arguments.source,
-        arguments.model,
+        tuple(arguments.model),
         arguments.ethogram,
         arguments.coding,
         tuple(arguments.section),

@@ -12,6 +12,7 @@ from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.gestures.training import TrainingParams
+    from adibas.pipeline.gesture_learning import Trained
     from adibas.pipeline.gesture_work import Evaluated
 
 SUMMARY = message("learn gestures from examples, and find when they begin and end")
@@ -19,6 +20,7 @@ TRAIN = message("learn gestures from a folder of examples")
 DETECT = message("find the gestures of a model in a table of joints")
 EVALUATE = message("measure on people who were left out of the training")
 CHECK = message("compare a patient's exercise with the therapist's, repetition by repetition")
+MOST_JOINTS = 3
 METHODS = ("likeness", "hmm", "dtw", "weighted-dtw", "gmm-dtw", "table-7.1")
 
 
@@ -27,6 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(metavar=_("ACTION"), required=True)
     train = actions.add_parser("train", help=_(TRAIN), description=sentence(_(TRAIN)))
     _add_folder(train)
+    train.add_argument(
+        "--test",
+        action="store_true",
+        help=_("leave examples out in turn, too, and say how many are recognised"),
+    )
     add_out(train, "model.json", _("file to write"))
     train.set_defaults(action=_train)
     detect = actions.add_parser("detect", help=_(DETECT), description=sentence(_(DETECT)))
@@ -95,7 +102,9 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
 
     check_place(arguments.out)
     with console.progress(_("Training")) as advance:
-        trained = train_on_folder(arguments.folder, _params(arguments), advance)
+        trained = train_on_folder(
+            arguments.folder, _params(arguments), advance, is_tested=arguments.test
+        )
     for notice in trained.notices:
         console.warn(notice.text)
     write_model(arguments.out, trained.model)
@@ -108,6 +117,8 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
             ),
         )
     )
+    for line in _said(trained):
+        console.say(line)
     console.give(
         {
             "out": str(arguments.out),
@@ -118,6 +129,25 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
         }
     )
     return 0
+
+
+def _said(trained: "Trained") -> list[str]:
+    """Return which joints tell each gesture, and how well those left out were recognised."""
+    from adibas.data.landmark_texts import landmark_text
+    from adibas.gestures.descriptor import DESCRIBED_JOINTS
+
+    lines = []
+    for label, row in zip(trained.model.labels, trained.weights, strict=True):
+        most = sorted(zip(row, DESCRIBED_JOINTS, strict=True), reverse=True)[:MOST_JOINTS]
+        joints = ", ".join(f"{landmark_text(joint)} {100 * share:.0f} %" for share, joint in most)
+        lines.append(_("{label} is told by: {joints}").format(label=label, joints=joints))
+    if trained.tested is not None:
+        lines.append(
+            _("Left out in turn: {percent:.1f} % recognised, {alarms} false alarms").format(
+                percent=100 * trained.tested.accuracy, alarms=trained.tested.false_alarms
+            )
+        )
+    return lines
 
 
 def _detect(arguments: argparse.Namespace, console: Console) -> int:

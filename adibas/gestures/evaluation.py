@@ -100,7 +100,7 @@ def leave_one_out(
     for number, group in enumerate(groups):
         progress(number, len(groups))
         held = examples.groups == group
-        model = train(examples.picked(~held), descriptor, params)
+        model = train(examples.without(held), descriptor, params)
         parts.append(compare(model, examples.picked(held), examples.picked(~held)))
     return pooled(parts)
 

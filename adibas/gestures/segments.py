@@ -1,7 +1,7 @@
 """Pieces of described streams: what was done in them, and all of them at one length."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -82,6 +82,20 @@ class Examples:
         """Return the examples whose place in `kept` (k,) is true; the streams stay."""
         gestures = [gesture for gesture, keep in zip(self.gestures, kept, strict=True) if keep]
         return Examples(self.labels, self.streams, gestures, self.groups[kept], self.is_isolated)
+
+    def without(self, held: BoolArray) -> "Examples":
+        """Return the examples that are not `held` (k,), and streams in which the held are blank.
+
+        Left in an otherwise kept stream they would be learned as what is no gesture.
+        """
+        kept = self.picked(~held)
+        streams = list(self.streams)
+        for gesture, is_held in zip(self.gestures, held, strict=True):
+            if is_held and kept.in_stream(gesture.stream):
+                frames = streams[gesture.stream].frames.copy()
+                frames[gesture.begin : gesture.end + 1] = np.nan
+                streams[gesture.stream] = replace(streams[gesture.stream], frames=frames)
+        return replace(kept, streams=streams)
 
 
 def split_names(events: Sequence[TimedEvent]) -> tuple[str, list[str]]:

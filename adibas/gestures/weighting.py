@@ -10,9 +10,14 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.gestures.descriptor import DESCRIBED_JOINTS
-from adibas.timeseries.dtw import pairwise_costs
+from adibas.gestures.segments import Examples, Segment, at_one_length
+from adibas.timeseries.dtw import cross_costs, pairwise_costs
 
 N_JOINTS = len(DESCRIBED_JOINTS)
+MOST_COMPARED = 40
+"""Pieces on each side when one gesture is held against everything else: costs grow with the
+product."""
+NEAREST_SHARE = 1 / 3
 
 
 def joint_weights(segments: Sequence[FloatArray], labels: IntArray) -> FloatArray:
@@ -29,6 +34,65 @@ def joint_weights(segments: Sequence[FloatArray], labels: IntArray) -> FloatArra
     )
     total = raw.sum()
     return raw / total if total > 0 else np.full(N_JOINTS, 1.0 / N_JOINTS)
+
+
+def weights_of_gestures(examples: Examples) -> FloatArray:
+    """Return (labels, 14) weights of the joints that tell each gesture from everything else.
+
+    As `joint_weights`, with all that is not the gesture in place of the other gestures: the other
+    gestures, and pieces of its length of the streams in which none is marked. Of those the third
+    that is most like the gesture: in a bend every joint is elsewhere, and that alone would make
+    every joint tell a wave. Each row has the sum 1; all alike where no joint tells anything, or
+    where there is nothing else.
+    """
+    rows = []
+    for label in range(len(examples.labels)):
+        own = [one for one in examples.gestures if one.label == label]
+        others = [one for one in examples.gestures if one.label != label]
+        others += _unmarked(examples, int(np.median([one.end - one.begin + 1 for one in own])))
+        pieces = [_some(examples, part) for part in (own, others)]
+        rows.append(_told_apart(*pieces) if others else np.zeros(N_JOINTS))
+    raw = np.array(rows)
+    total = raw.sum(axis=1, keepdims=True)
+    alike = np.full(N_JOINTS, 1.0 / N_JOINTS)
+    return np.where(total > 0, raw / np.where(total > 0, total, 1.0), alike)
+
+
+def _unmarked(examples: Examples, n_frames: int) -> list[Segment]:
+    """Return pieces of `n_frames`, one after the other, in which no gesture is marked."""
+    found = []
+    for stream, track in enumerate(examples.streams):
+        marked = np.zeros(len(track.frames), bool)
+        for gesture in examples.in_stream(stream):
+            marked[gesture.begin : gesture.end + 1] = True
+        found += [
+            Segment(stream, -1, begin, begin + n_frames - 1)
+            for begin in range(0, len(marked) - n_frames + 1, n_frames)
+            if not marked[begin : begin + n_frames].any()
+        ]
+    return found
+
+
+def _some(examples: Examples, segments: Sequence[Segment]) -> list[FloatArray]:
+    """Return as many as are compared, evenly chosen, at one length."""
+    n_chosen = min(len(segments), MOST_COMPARED)
+    places = np.linspace(0, len(segments) - 1, n_chosen).astype(np.int64)
+    return [at_one_length(examples.frames_of(segments[place])) for place in places]
+
+
+def _told_apart(own: Sequence[FloatArray], others: Sequence[FloatArray]) -> FloatArray:
+    """Return (14,): max(0, (inter - intra) / inter) of each joint."""
+    weights = np.zeros(N_JOINTS)
+    likeness = np.ma.masked_invalid(cross_costs(own, others)).mean(axis=0).filled(np.inf)
+    near = np.argsort(likeness)[: max(round(NEAREST_SHARE * len(others)), 1)]
+    for joint in range(N_JOINTS):
+        mine, theirs = _joint(own, joint), _joint([others[place] for place in near], joint)
+        within = pairwise_costs(mine)
+        np.fill_diagonal(within, np.nan)
+        intra, inter = _mean(within), _mean(cross_costs(mine, theirs))
+        if inter > 0 and np.isfinite(intra):
+            weights[joint] = max(0.0, (inter - intra) / inter)
+    return weights
 
 
 def spread(weights: FloatArray, n_numbers: int) -> FloatArray:

@@ -5,15 +5,13 @@ Indicators beside a human's own coding, never a diagnosis or a score.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from adibas import __version__
-from adibas.behaviour.activity import ActivityParams, JointActivity, Steps, activity, steps_of
-from adibas.behaviour.bands import BandPower, band_power
-from adibas.behaviour.budget import Condition, Span, conditions, gaps
+from adibas.behaviour.activity import ActivityParams
+from adibas.behaviour.budget import Condition, Span, conditions
 from adibas.behaviour.posture_changes import PostureParams, hidden_spans_s, posture_changes_s
 from adibas.clock import Clock, to_text, utc_now
 from adibas.data.coding import MS_PER_S, Coding, Occurrence, Section
@@ -26,6 +24,7 @@ from adibas.errors import BehaviourError
 from adibas.gestures.descriptor import NECK
 from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
+from adibas.pipeline.behaviour_activity import PersonActivity, activity_of, subject_of
 from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events
 from adibas.pipeline.movement import JOINT_FILE
@@ -63,6 +62,14 @@ ESTIMATED = message(
 SLOWEST_HZ = 20.0
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FoundJoints:
+    """Joints of everybody over time, and what is to be said of them."""
+
+    tracks: tuple[SkeletonTrack, ...]
+    notices: tuple[Sentence, ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class BehaviourRequest:
     """What to measure.
@@ -71,7 +78,7 @@ class BehaviourRequest:
     ----------
     source : Path
         A table of joints (``.csv``), or a recording in which they are found without markers.
-    model : Path or None
+    models : tuple of Path
         Of gestures, to be found.
     ethogram : Path or None
         For the coding, and for what gestures are called in the report.
@@ -85,10 +92,12 @@ class BehaviourRequest:
         A pseudonym or empty.
     access : RecordingAccess
         How the recording is opened: usually as a file.
+    joints : FoundJoints or None
+        Of the same recording, found before; None: they are read or found now.
     """
 
     source: Path
-    model: Path | None = None
+    models: tuple[Path, ...] = ()
     ethogram: Path | None = None
     coding: Path | None = None
     sections: tuple[tuple[str, float, float], ...] = ()
@@ -97,28 +106,7 @@ class BehaviourRequest:
     activity: ActivityParams = field(default_factory=ActivityParams)
     posture: PostureParams = field(default_factory=PostureParams)
     access: RecordingAccess = FILES
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PersonActivity:
-    """How one person moved.
-
-    Attributes
-    ----------
-    person : int
-    steps : Steps
-    joints : tuple of JointActivity
-        Over the whole session.
-    bands : BandPower
-    by_condition : tuple of (name, tuple of JointActivity)
-        The untagged rest as an empty name; nothing where no section is tagged.
-    """
-
-    person: int
-    steps: Steps
-    joints: tuple[JointActivity, ...]
-    bands: BandPower
-    by_condition: tuple[tuple[str, tuple[JointActivity, ...]], ...]
+    joints: FoundJoints | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,6 +124,8 @@ class BehaviourAnalysis:
     bin_ms : int
     provenance : Provenance
     notices : tuple of Sentence
+    joints : FoundJoints
+        What all this was measured in.
     """
 
     recording: str
@@ -146,6 +136,7 @@ class BehaviourAnalysis:
     bin_ms: int
     provenance: Provenance
     notices: tuple[Sentence, ...]
+    joints: FoundJoints
 
 
 def analyse_behaviour(
@@ -158,12 +149,13 @@ def analyse_behaviour(
     RecordingError, CalibrationError, LimbError, GestureError, BehaviourError
         A file cannot be used.
     """
-    tracks, notices = _tracks(request, progress, clock)
+    joints = request.joints or find_joints(request, progress, clock)
+    tracks, notices = joints.tracks, list(joints.notices)
     name = recording_name(request.source)
     ethogram = None if request.ethogram is None else read_ethogram(request.ethogram)
     observed, more = _observed(request, ethogram)
     notices += more
-    model = None if request.model is None else read_model(request.model)
+    models = [read_model(path) for path in request.models]
     session_ms = _session_ms(tracks, observed)
     sections = _sections(request, observed, session_ms)
     occurrences: list[Occurrence] = []
@@ -171,32 +163,39 @@ def analyse_behaviour(
     total = len(tracks)
     for number, track in enumerate(tracks):
         progress(number, total)
-        if model is not None:
+        if models:
             notices += _unseen(request.source.name, track)
-        found = _occurrences(name, track, model, session_ms, request)
+        found = _occurrences(name, track, models, session_ms, request)
         occurrences += found
         notices += _notices(track, found, session_ms)
-        people.append(_person(track, sections, session_ms, request))
+        people.append(activity_of(track, sections, session_ms, request.activity))
     progress(total, total)
-    scheme = program_ethogram(model, [track.person for track in tracks], ethogram)
+    scheme = program_ethogram(models, [track.person for track in tracks], ethogram)
     detected = Coding(name, scheme, *session_ms, tuple(occurrences), PROGRAM, sections)
     return BehaviourAnalysis(
         *(name, request.patient, tuple(people), detected, observed),
         round(request.bin_s * MS_PER_S),
         _provenance(request, clock),
         _once(notices),
+        joints,
     )
 
 
-def _tracks(
-    request: BehaviourRequest, progress: Progress, clock: Clock
-) -> tuple[tuple[SkeletonTrack, ...], list[Sentence]]:
-    """Return the joints of everybody: of a table, or found in a recording without markers."""
+def find_joints(
+    request: BehaviourRequest, progress: Progress, clock: Clock = utc_now
+) -> FoundJoints:
+    """Return the joints of everybody: of a table, or found in a recording without markers.
+
+    Raises
+    ------
+    RecordingError, CalibrationError, LimbError
+        The file cannot be used, or nobody is in it.
+    """
     if request.source.suffix.lower() == JOINT_FILE:
         read = read_joints_csv(request.source)
-        return read.tracks, list(read.notices)
+        return FoundJoints(read.tracks, tuple(read.notices))
     posed = pose_recording(PoseRequest(request.source, access=request.access), progress, clock)
-    return posed.tracks, [Sentence(ESTIMATED), *posed.notices]
+    return FoundJoints(posed.tracks, (Sentence(ESTIMATED), *posed.notices))
 
 
 def _unseen(file: str, track: SkeletonTrack) -> list[Sentence]:
@@ -206,11 +205,11 @@ def _unseen(file: str, track: SkeletonTrack) -> list[Sentence]:
 
 
 def program_ethogram(
-    model: GestureModel | None, people: Sequence[int], ethogram: Ethogram | None
+    models: Sequence[GestureModel], people: Sequence[int], ethogram: Ethogram | None
 ) -> Ethogram:
     """Return the ethogram of what the program can see; descriptions as in the observer's."""
     known = {one.name: one for one in ethogram.behaviours} if ethogram is not None else {}
-    gestures = () if model is None else model.labels
+    gestures = dict.fromkeys(label for model in models for label in model.labels)
     behaviours = [
         Behaviour(
             label,
@@ -225,11 +224,6 @@ def program_ethogram(
         Behaviour(OUT_OF_VIEW, "state", category="view", sources=(OWN_SOURCE,)),
     ]
     return Ethogram(PROGRAM, tuple(behaviours), tuple(Subject(subject_of(p)) for p in people))
-
-
-def subject_of(person: int) -> str:
-    """Return the subject that a person of a recording is."""
-    return f"person {person}"
 
 
 def observed_conditions(analysis: BehaviourAnalysis) -> tuple[Condition, ...]:
@@ -291,14 +285,15 @@ def _sections(
 def _occurrences(
     name: str,
     track: SkeletonTrack,
-    model: GestureModel | None,
+    models: Sequence[GestureModel],
     session_ms: Span,
     request: BehaviourRequest,
 ) -> list[Occurrence]:
     subject = subject_of(track.person)
     found: list[Occurrence] = []
-    if model is not None and track.seen[:, NECK].any():
-        found += gesture_occurrences(detected_events(name, track, model), subject)
+    if models and track.seen[:, NECK].any():
+        events = [one for model in models for one in detected_events(name, track, model)]
+        found += gesture_occurrences(events, subject)
     session_s = (session_ms[0] / MS_PER_S, session_ms[1] / MS_PER_S)
     for begin, end in hidden_spans_s(track, session_s, request.posture):
         found.append(Occurrence(OUT_OF_VIEW, *_ms((begin, end)), subject))
@@ -319,29 +314,6 @@ def gesture_occurrences(events: Sequence[TimedEvent], subject: str) -> list[Occu
             found.append(Occurrence(event.label, begin, end, subject))
             ends[event.label] = end
     return found
-
-
-def _person(
-    track: SkeletonTrack,
-    sections: Sequence[Section],
-    session_ms: Span,
-    request: BehaviourRequest,
-) -> PersonActivity:
-    steps = steps_of(track, request.activity)
-    spans: dict[str, list[Span]] = {}
-    for section in sections:
-        spans.setdefault(section.name, []).append((section.begin_ms, section.end_ms))
-    if sections:
-        tagged = list(chain.from_iterable(spans.values()))
-        rest = gaps(tagged, (session_ms[0], session_ms[1] + 1))
-        if rest:
-            spans.setdefault("", []).extend(rest)
-    by_condition = tuple(
-        (name, activity(steps, [(begin / MS_PER_S, end / MS_PER_S) for begin, end in some]))
-        for name, some in spans.items()
-    )
-    bands = band_power(track, steps.noise_m)
-    return PersonActivity(track.person, steps, activity(steps), bands, by_condition)
 
 
 def _notices(track: SkeletonTrack, found: Sequence[Occurrence], session_ms: Span) -> list[Sentence]:
@@ -368,9 +340,10 @@ def _provenance(request: BehaviourRequest, clock: Clock) -> Provenance:
         "posture": asdict(request.posture),
         "bin_s": request.bin_s,
     }
-    for what, path in (("model", request.model), ("coding", request.coding)):
-        if path is not None:
-            parameters[f"{what}_sha256"] = recording_sha256(path)
+    if request.models:
+        parameters["models_sha256"] = [recording_sha256(path) for path in request.models]
+    if request.coding is not None:
+        parameters["coding_sha256"] = recording_sha256(request.coding)
     return Provenance(
         request.access.sha256(request.source), "", __version__, to_text(clock()), parameters
     )

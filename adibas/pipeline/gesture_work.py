@@ -1,13 +1,11 @@
 """What `adibas gestures` does: train on a folder, detect in a recording, evaluate."""
 
 import hashlib
-from dataclasses import asdict, dataclass, replace
-from datetime import UTC, datetime
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from adibas import __version__
 from adibas.data.events import TimedEvent
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
@@ -18,20 +16,12 @@ from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
 from adibas.gestures.training import TrainingParams, check_examples, train
 from adibas.pipeline.gesture_examples import EVENTS_FILE, read_examples, unseen_joints
+from adibas.pipeline.gesture_learning import Lesson, Trained, learn
 from adibas.progress import Progress
 from adibas.recordings.joints_csv import read_joints_csv, recording_name
 from adibas.texts import message
 
 FEWEST_GROUPS = 2
-
-
-@dataclass(frozen=True, slots=True)
-class Trained:
-    """A model, and what is to be said of its examples."""
-
-    model: GestureModel
-    n_examples: int
-    notices: tuple[Sentence, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,29 +42,22 @@ class Evaluated:
     notices: tuple[Sentence, ...]
 
 
-def train_on_folder(folder: Path, params: TrainingParams, progress: Progress) -> Trained:
-    """Train on all examples of a folder.
+def train_on_folder(
+    folder: Path, params: TrainingParams, progress: Progress, *, is_tested: bool = False
+) -> Trained:
+    """Train on all examples of a folder; `is_tested`: say how well that works, too.
 
     Raises
     ------
     GestureError, RecordingError
         The examples cannot be used.
     """
-    descriptor = DescriptorParams()
-    examples, rule, notices = read_examples(folder, descriptor)
-    model = train(examples, descriptor, params, progress)
-    provenance: dict[str, object] = {
-        "version": __version__,
-        "created_utc": datetime.now(UTC).isoformat(timespec="seconds"),
-        "events_sha256": hashlib.sha256((folder / EVENTS_FILE).read_bytes()).hexdigest(),
-        "n_examples": len(examples.gestures),
-        "n_streams": len(examples.streams),
-        "n_groups": len(np.unique(examples.groups)),
-        "split_by": rule,
-        "is_isolated": examples.is_isolated,
-        "training": asdict(params),
+    examples, rule, notices = read_examples(folder, DescriptorParams())
+    source: dict[str, object] = {
+        "events_sha256": hashlib.sha256((folder / EVENTS_FILE).read_bytes()).hexdigest()
     }
-    return Trained(replace(model, provenance=provenance), len(examples.gestures), notices)
+    lesson = Lesson(examples, rule, notices, source)
+    return learn(lesson, params, progress, is_tested=is_tested)
 
 
 def detect_in_file(path: Path, model_path: Path) -> Detected:

@@ -9,7 +9,8 @@ from adibas.behaviour.activity import JointActivity
 from adibas.behaviour.budget import Budget, budgets, conditions, time_bins, transitions
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.data.joints import JOINT_NAMES
-from adibas.pipeline.behaviour import BehaviourAnalysis, PersonActivity
+from adibas.pipeline.behaviour import BehaviourAnalysis
+from adibas.pipeline.behaviour_activity import PersonActivity
 
 
 def behaviour_to_json(analysis: BehaviourAnalysis) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from adibas.arrays import UInt8Array
 from adibas.behaviour.activity import per_bin
 from adibas.behaviour.budget import bin_spans
 from adibas.data.coding import MS_PER_S, Coding
-from adibas.pipeline.behaviour import BehaviourAnalysis, PersonActivity
+from adibas.pipeline.behaviour import BehaviourAnalysis
+from adibas.pipeline.behaviour_activity import PersonActivity
 from adibas.reports.behaviour_texts import behaviour_text, condition_text, subject_text
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.vector_figures import new_figure

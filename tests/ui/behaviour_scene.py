@@ -21,7 +21,7 @@ def time_ms(index):
 
 
 def make_frames(n_frames, *, color=True):
-    """Return grey frames, each as bright as its number."""
+    """Return grey frames, each as bright as its number, after 255 from 0 again."""
     frames = []
     for index in range(n_frames):
         time_ns = time_ms(index) * 1_000_000
@@ -30,7 +30,7 @@ def make_frames(n_frames, *, color=True):
                 sequence=index,
                 timestamp_ns=time_ns,
                 depth_raw=np.full((24, 32), 1000 + index, np.uint16),
-                color=np.full((24, 32, 3), index, np.uint8) if color else None,
+                color=np.full((24, 32, 3), index % 256, np.uint8) if color else None,
                 color_timestamp_ns=time_ns if color else None,
             )
         )

@@ -154,7 +154,7 @@ def test_a_change_of_speed_goes_on_from_where_the_video_is():
 
 def test_without_a_recording_nothing_can_be_done(scene):
     scene.presenter.enter()
-    scene.view.show_source.assert_called_with("")
+    scene.view.show_source.assert_called_with("", "")
     presenter, coding = scene.presenter, scene.coding
     for action in (
         *(presenter.play_or_stop, presenter.tick, presenter.go_to_end, coding.undo, coding.redo),
@@ -162,7 +162,7 @@ def test_without_a_recording_nothing_can_be_done(scene):
         *(presenter.files.end_blind, lambda: coding.select_next(1), coding.select_next_proposed),
         *(lambda: coding.press("seated"), lambda: coding.release("seated")),
         *(lambda: coding.use_ethogram(shipped_ethogram()),),
-        *(lambda: presenter.go_to_ms(5), lambda: presenter.finding.find(None)),
+        *(lambda: presenter.go_to_ms(5), lambda: presenter.finding.find(())),
         *(lambda: presenter.files.open_coding(Path("a.csv")),),
         *(lambda: presenter.files.save_as(Path("a.csv")),),
         *(lambda: presenter.files.save_scheme(Path("a.json")),),
@@ -188,7 +188,7 @@ def test_a_recording_opens_on_its_first_frame(scene):
     assert (position.index, position.n_frames, position.time_ms) == (0, N_FRAMES, time_ms(0))
     assert scene.coding.draft.coding.ethogram == shipped_ethogram()
     scene.presenter.enter()
-    scene.view.show_source.assert_called_once_with("child")
+    scene.view.show_source.assert_called_once_with("child", "child")
 
 
 def test_a_key_that_was_not_pressed_here_ends_nothing(scene):
@@ -484,7 +484,7 @@ def seeing(monkeypatch):
 def test_detected_events_are_decided_one_after_the_other(scene, seeing):
     seeing(analysis((10, 20), (30, 40), (50, 60)))
     path = scene.open()
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     assert "3 events found" in scene.told[-1][1]
     assert scene.index == 10
     assert scene.view.show_selected.call_args.args[0].layer == "proposed"
@@ -505,7 +505,7 @@ def test_detected_events_are_decided_one_after_the_other(scene, seeing):
 def test_detected_events_wait_for_another_day(scene, seeing):
     seeing(analysis((10, 20)))
     path = scene.open()
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     scene.presenter.leave()
     scene.presenter.open_file(path)
     assert [bar.layer for bar in scene.timeline.bars] == ["proposed"]
@@ -517,17 +517,17 @@ def test_nothing_to_find_is_told_and_notices_are_not_lost(scene, seeing):
     notice = Sentence(message("Person 1 is out of view."))
     asked = seeing(analysis(notices=(Sentence(ESTIMATED), notice)))
     path = scene.open()
-    scene.presenter.finding.find(Path("model.json"))
+    scene.presenter.finding.find((Path("model.json"),))
     kind, told = scene.told[-1]
     assert kind == "warning"
     assert told == "0 events found. Enter takes one, Delete rejects it. Person 1 is out of view."
-    assert (asked[0].source, asked[0].model) == (path, Path("model.json"))
+    assert (asked[0].source, asked[0].models) == (path, (Path("model.json"),))
 
 
 def test_a_recording_in_which_nobody_is_found_is_told(scene, seeing):
     seeing(LimbError("Nobody was found in {file}. {reason}", file="a", reason=""))
     scene.open()
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     assert isinstance(scene.workspace.jobs.problems[-1], LimbError)
     assert scene.view.show_finding.call_args.kwargs["is_on"] is False
 
@@ -542,7 +542,7 @@ def test_what_is_found_in_a_recording_that_was_left_is_not_shown(scene, seeing, 
         return start(label, work, later.append if "Finding" in label else done, failed, ended)
 
     monkeypatch.setattr(jobs, "start", wait)
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     scene.open("other.mcap")
     done = scene.presenter.finding._on_found
     done(None, later[0])
@@ -561,7 +561,7 @@ def test_an_event_that_a_locked_scheme_lacks_stays_a_proposal(scene, seeing):
     seeing(analysis((10, 20)))
     scene.open()
     scene.coding.use_ethogram(replace(shipped_ethogram(), is_locked=True))
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     scene.coding.accept()
     assert scene.told[-1][0] == "bad"
     assert len(scene.coding.draft.proposed) == 1
@@ -684,7 +684,7 @@ def test_a_second_observer_sees_nothing_of_the_first_one(scene, seeing):
     seeing(analysis((10, 20)))
     path = scene.open()
     scene.seated(0, 30)
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     files = scene.presenter.files
     files.begin_blind("MP")
     assert scene.coding.is_blind
@@ -693,7 +693,7 @@ def test_a_second_observer_sees_nothing_of_the_first_one(scene, seeing):
     assert scene.timeline.bars == ()
     assert scene.view.show_desk.call_args.args[0].is_locked
     for forbidden in (
-        lambda: scene.presenter.finding.find(None),
+        lambda: scene.presenter.finding.find(()),
         lambda: files.open_coding(BesideRecording(path).path("coding")),
         lambda: scene.presenter.counts.compare_file(BesideRecording(path).path("coding")),
         lambda: files.begin_blind("XY"),
@@ -821,7 +821,7 @@ def test_agreement_names_its_methods_and_shows_where_two_differ(scene):
 def test_what_the_program_measured_is_written_with_the_coding(scene, seeing, monkeypatch):
     seeing(analysis((10, 20)))
     scene.open()
-    scene.presenter.finding.find(None)
+    scene.presenter.finding.find(())
     written = []
     monkeypatch.setattr("ui.behaviour.counts_presenter.replace", lambda _found, **more: more)
     monkeypatch.setattr(
@@ -898,7 +898,7 @@ def test_a_recording_of_another_session_is_left(stored_scene):
     scene.workspace.choose_session(later)
     assert scene.presenter.source is None
     assert scene.coding.draft is None
-    scene.view.show_source.assert_called_with("")
+    scene.view.show_source.assert_called_with("", "")
     scene.workspace.choose_session(None)
     scene.open()
     scene.workspace.choose_session(session)

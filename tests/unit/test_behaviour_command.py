@@ -86,7 +86,7 @@ def test_who_has_no_neck_does_no_gesture(tmp_path):
     times_s, joints_m = still(100, 15.0)
     joints_m[:, JOINT_NAMES.index("neck")] = np.nan
     write_joints_csv(tmp_path / "a.csv", [track_of(times_s, joints_m)])
-    request = BehaviourRequest(tmp_path / "a.csv", resource_path("models", "gestures.json"))
+    request = BehaviourRequest(tmp_path / "a.csv", (resource_path("models", "gestures.json"),))
     found = analyse_behaviour(request, lambda _done, _total: None)
     assert any("neck of person 1 never appears" in notice.text for notice in found.notices)
 
@@ -129,7 +129,7 @@ def test_gestures_that_overlap_with_themselves_follow_each_other():
 
 def test_gestures_of_a_model_are_in_the_timeline(joints):
     model = resource_path("models", "gestures.json")
-    found = analyse_behaviour(BehaviourRequest(joints, model), lambda _done, _total: None)
+    found = analyse_behaviour(BehaviourRequest(joints, (model,)), lambda _done, _total: None)
     names = {one.name for one in found.detected.ethogram.behaviours}
     assert {"clap", "jump", "posture change", "out of view"} <= names
 

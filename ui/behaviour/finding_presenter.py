@@ -10,11 +10,12 @@ from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.behaviour.coding_presenter import CodingPresenter
 from ui.behaviour.ports import Source
+from ui.events import Event
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
-    from adibas.pipeline.behaviour import BehaviourAnalysis
+    from adibas.pipeline.behaviour import BehaviourAnalysis, FoundJoints
 
 SAID_IN_THE_HELP = (ESTIMATED,)
 
@@ -33,6 +34,10 @@ class FindingPresenter:
     ----------
     analysis : BehaviourAnalysis or None
         Of the recording that is open; None before it was looked at.
+    joints : FoundJoints or None
+        Of everybody in it: found once, since that takes longest.
+    found : Event
+        The recording was looked at.
     """
 
     def __init__(self, view: FindingView, workspace: Workspace, coding: CodingPresenter) -> None:
@@ -42,26 +47,28 @@ class FindingPresenter:
         self._source: Source | None = None
         self._job: Job | None = None
         self.analysis: BehaviourAnalysis | None = None
+        self.joints: FoundJoints | None = None
+        self.found: Event[[]] = Event()
 
     def use(self, source: Source) -> None:
         """Look at this recording from now on; what is still sought in another one is not told."""
         if self._job is not None:
             self._job.cancel()
-        self._source, self.analysis = source, None
+        self._source, self.analysis, self.joints = source, None, None
 
-    def find(self, model: Path | None) -> None:
-        """Look for posture changes, times out of view and the gestures of a model.
+    def find(self, models: tuple[Path, ...]) -> None:
+        """Look for posture changes, times out of view and the gestures of models.
 
         A second call while the program looks does nothing.
         """
-        source = self._source
+        source, joints = self._source, self.joints
         if source is None or self._coding.is_blind or (self._job and self._job.is_running):
             return
 
         def work(control: JobControl) -> "BehaviourAnalysis":
             from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
 
-            request = BehaviourRequest(source.path, model, access=source.access)
+            request = BehaviourRequest(source.path, models, access=source.access, joints=joints)
             return analyse_behaviour(request, control.progress)
 
         self._view.show_finding(is_on=True)
@@ -77,7 +84,7 @@ class FindingPresenter:
         draft = self._coding.draft
         if source is not self._source or draft is None:
             return
-        self.analysis = analysis
+        self.analysis, self.joints = analysis, analysis.joints
         found = replace(analysis.detected, name=draft.coding.name)
         self._coding.edit(lambda old: with_detected(old, found))
         now = self._coding.draft
@@ -91,3 +98,4 @@ class FindingPresenter:
         self._workspace.tell("warning" if notices else "good", " ".join((sentence, *notices)))
         if n:
             self._coding.select_next_proposed()
+        self.found.emit()

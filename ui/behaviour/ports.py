@@ -27,6 +27,8 @@ class Source:
     ----------
     title : str
         For the reader.
+    name : str
+        What codings call it: its file without endings, or the beginning of its id.
     path : Path
         Its file, or its id in the store.
     access : RecordingAccess
@@ -38,6 +40,7 @@ class Source:
     """
 
     title: str
+    name: str
     path: Path
     access: "RecordingAccess"
     place_for: "Callable[[str], DraftPlace]"

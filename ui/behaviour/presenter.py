@@ -16,9 +16,16 @@ from ui.behaviour.coding_presenter import CodingPresenter, CodingView
 from ui.behaviour.counts_presenter import CountsPresenter, CountsView
 from ui.behaviour.files_presenter import FilesPresenter, FilesView
 from ui.behaviour.finding_presenter import FindingPresenter, FindingView
+from ui.behaviour.learning_presenter import LearningPresenter, LearningView
 from ui.behaviour.playing import SPEEDS, Playing, frame_at, frame_times_ms
 from ui.behaviour.ports import FrameFeed, Keeper, Picture, Source
-from ui.behaviour.sources import StoredChoice, file_source, stored_choices, stored_source
+from ui.behaviour.sources import (
+    StoredChoice,
+    file_source,
+    plain_title,
+    stored_choices,
+    stored_source,
+)
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -50,8 +57,8 @@ class Position:
 class BehaviourView(CodingView, FindingView, FilesView, CountsView, Protocol):
     """The screen, as this presenter needs it."""
 
-    def show_source(self, title: str) -> None:
-        """Show the recording that is open; nothing for none."""
+    def show_source(self, title: str, name: str) -> None:
+        """Show the recording that is open; nothing for none. Copies get its `name`."""
 
     def show_stored(self, choices: tuple[StoredChoice, ...]) -> None:
         """Offer the recordings of the session that is looked at."""
@@ -80,6 +87,8 @@ class BehaviourPresenter:
     ----------
     clock_s : callable
         Seconds that only grow.
+    title_of : callable
+        Says what a stored recording is called.
     """
 
     def __init__(
@@ -89,12 +98,14 @@ class BehaviourPresenter:
         feed: FrameFeed,
         keeper: Keeper,
         clock_s: Callable[[], float] = time.monotonic,
+        title_of: Callable[[StoredChoice], str] = plain_title,
     ) -> None:
         self._view = view
         self._workspace = workspace
         self._feed = feed
         self._keeper = keeper
         self._clock_s = clock_s
+        self._title_of = title_of
         self._source: Source | None = None
         self._times_ms: tuple[int, ...] = ()
         self._index = 0
@@ -122,7 +133,7 @@ class BehaviourPresenter:
         """Show what there is to open."""
         self._show_stored()
         if self._source is None:
-            self._view.show_source("")
+            self._view.show_source("", "")
 
     def refresh(self) -> None:
         """Say everything again, in the language in use."""
@@ -152,7 +163,8 @@ class BehaviourPresenter:
         store = self._workspace.store
         choices = {one.recording_id: one for one in stored_choices(self._workspace)}
         if recording_id in choices:
-            self._open(stored_source(store, choices[recording_id]))
+            choice = choices[recording_id]
+            self._open(stored_source(store, choice, self._title_of(choice)))
 
     def now_ms(self) -> int:
         """Return the time of the frame that is seen."""
@@ -222,6 +234,14 @@ class BehaviourPresenter:
         if due == len(self._times_ms) - 1:
             self.stop()
 
+    def learn_from_marks(self, view: LearningView) -> LearningPresenter | None:
+        """Return what learns a gesture in a dialog; None where nothing may be learned now."""
+        if self._source is None or self.coding.is_blind:
+            return None
+        return LearningPresenter(
+            *(view, self._workspace, self.coding, self.finding, self._source, self._note_export)
+        )
+
     def key(self, text: str) -> bool:
         """Do what a key of the coding scheme stands for; return whether it stands for anything."""
         behaviour = self.coding.behaviour_of_key(text)
@@ -261,7 +281,7 @@ class BehaviourPresenter:
         self._feed.show(opened.reader)
         self.finding.use(opened.source)
         self.counts.forget()
-        self._view.show_source(opened.source.title)
+        self._view.show_source(opened.source.title, opened.source.name)
         self._show_playing()
         place = opened.source.place_for("")
         self.coding.open(opened.draft or self._new_draft(), place, "")
@@ -271,7 +291,7 @@ class BehaviourPresenter:
         self._ask(0)
 
     def _new_draft(self) -> Draft:
-        name = "" if self._source is None else self._source.title
+        name = "" if self._source is None else self._source.name
         observed_ms = (self._times_ms[0], self._times_ms[-1])
         operator = self._workspace.preferences.now.operator
         return new_draft(name, observed_ms, shipped_ethogram(), operator)
@@ -310,7 +330,7 @@ class BehaviourPresenter:
         self.counts.forget()
         self._feed.show(None)
         self._source, self._times_ms, self._asked = None, (), None
-        self._view.show_source("")
+        self._view.show_source("", "")
 
     def _note_export(self) -> None:
         """Log that something of a patient leaves the store.

@@ -6,6 +6,7 @@ from adibas.errors import AdibasError
 from ui.behaviour.frame_feed import QtFrameFeed
 from ui.behaviour.keeping import DraftKeeper
 from ui.behaviour.presenter import BehaviourPresenter
+from ui.behaviour.tools import stored_title
 from ui.behaviour.view import BehaviourScreen
 from ui.frame_bridge import CallBridge
 from ui.theme import Theme
@@ -23,5 +24,5 @@ def build_behaviour_screen(
             workspace.report_problem(error)
 
     keeper = DraftKeeper(CallBridge(report, view).publish)
-    view.bind(BehaviourPresenter(view, workspace, QtFrameFeed(view), keeper))
+    view.bind(BehaviourPresenter(view, workspace, QtFrameFeed(view), keeper, title_of=stored_title))
     return view

@@ -7,10 +7,11 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QComboBox, QInputDialog, QMenu, QPushButton, QVBoxLayout, QWidget
 
+from adibas.pipeline.own_gestures import own_gestures
 from adibas.texts import translate as _
 from ui.behaviour.content import Desk
 from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter
-from ui.behaviour.sources import StoredChoice
+from ui.behaviour.sources import StoredChoice, titled
 from ui.widgets.dates import moment_text
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.flow import in_a_flow
@@ -25,7 +26,7 @@ SAVED_AS = (
     ("ELAN", "eaf"),
     ("BORIS", "tsv"),
 )
-NONE, SHIPPED = "none", "shipped"
+NONE, SHIPPED, OWN = "none", "shipped", "own"
 
 
 class BehaviourTools(QWidget):
@@ -34,7 +35,8 @@ class BehaviourTools(QWidget):
     open_asked = Signal()
     stored_chosen = Signal(str)
     finding_asked = Signal(object)
-    """`NONE`, `SHIPPED`, or the `Path` of a model of gestures."""
+    """`NONE`, `SHIPPED`, `OWN`, or the `Path` of a model of gestures."""
+    learning_asked = Signal()
     coding_opened = Signal(object)
     coding_saved = Signal(object)
     scheme_edited = Signal()
@@ -55,13 +57,14 @@ class BehaviourTools(QWidget):
         self.stored = QComboBox(self)
         self.buttons = {name: QPushButton(self) for name in BUTTONS}
         self._actions: dict[str, QAction] = {}
-        self._menu("find", "shipped", "model", "plain")
+        self._menu("find", "shipped", "own", "model", "plain", "learn")
         self._menu("file", "open_coding", "save_coding", "section")
         self._menu("scheme", "edit", "open_scheme", "save_scheme")
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self.title)
         column.addLayout(in_a_flow(self.buttons["open"], self.stored, *self._later_buttons()))
+        self.buttons["find"].menu().aboutToShow.connect(self._offer_own)
         self._connect()
 
     def _later_buttons(self) -> list[QPushButton]:
@@ -85,7 +88,9 @@ class BehaviourTools(QWidget):
         chosen: dict[str, Callable[[], None]] = {
             "shipped": lambda: self.finding_asked.emit(SHIPPED),
             "plain": lambda: self.finding_asked.emit(NONE),
+            "own": lambda: self.finding_asked.emit(OWN),
             "model": self._ask_model,
+            "learn": self.learning_asked.emit,
             "open_coding": self._ask_coding,
             "save_coding": self._ask_place,
             "section": self.section_asked.emit,
@@ -110,10 +115,10 @@ class BehaviourTools(QWidget):
         self.stored.setAccessibleName(_("Recordings of the session"))
         self._word_second()
 
-    def show_source(self, name: str) -> None:
-        """Show which recording is open."""
+    def show_source(self, title: str, name: str) -> None:
+        """Show which recording is open, and what copies are called."""
         self._name = name
-        self.title.setText(name)
+        self.title.setText(title)
 
     def show_stored(self, choices: tuple[StoredChoice, ...]) -> None:
         """Offer the recordings of the session."""
@@ -136,6 +141,9 @@ class BehaviourTools(QWidget):
     def show_finding(self, *, is_on: bool) -> None:
         """Show whether the program looks right now."""
         self.buttons["find"].setEnabled(not is_on and not self._observer)
+
+    def _offer_own(self) -> None:
+        self._actions["own"].setEnabled(bool(own_gestures()))
 
     def _word_second(self) -> None:
         text = _("&Second observer...") if not self._observer else _("End the &second coding")
@@ -178,27 +186,34 @@ class BehaviourTools(QWidget):
         ask_save(self, title, filters, "ethogram", self.scheme_saved.emit)
 
 
+def stored_title(one: StoredChoice) -> str:
+    """Return what a stored recording is called, the day as the window writes it."""
+    return titled(moment_text(one.created_utc), one.view)
+
+
 def fill_stored(chooser: QComboBox, choices: tuple[StoredChoice, ...]) -> None:
     """Offer the recordings of the session; the first line is none of them."""
     chooser.clear()
     chooser.addItem(_("Recordings of the session"), "")
     for one in choices:
         text = _("{moment}, {seconds} s").format(
-            moment=moment_text(one.created_utc), seconds=round(one.duration_s)
+            moment=stored_title(one), seconds=round(one.duration_s)
         )
         chooser.addItem(text, one.recording_id)
     chooser.setVisible(bool(choices))
 
 
-def as_model(asked: str | Path) -> Path | None:
-    """Return the model that was asked for; None for none."""
+def as_models(asked: str | Path) -> tuple[Path, ...]:
+    """Return the models that were asked for."""
     if isinstance(asked, Path):
-        return asked
+        return (asked,)
+    if asked == OWN:
+        return tuple(one.path for one in own_gestures())
     if asked == NONE:
-        return None
+        return ()
     from adibas.gestures.model_file import shipped_gestures
 
-    return shipped_gestures()
+    return (shipped_gestures(),)
 
 
 def _texts() -> dict[str, str]:
@@ -215,8 +230,10 @@ def _texts() -> dict[str, str]:
 def _action_texts() -> dict[str, str]:
     return {
         "shipped": _("With the five gestures of the program"),
+        "own": _("With the gestures that were learned here"),
         "model": _("With a model of gestures..."),
         "plain": _("Changes of posture and times out of view alone"),
+        "learn": _("Learn a gesture from what is coded..."),
         "open_coding": _("Open a coding..."),
         "save_coding": _("Save a copy..."),
         "section": _("Mark a section..."),

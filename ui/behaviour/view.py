@@ -25,6 +25,7 @@ from ui.behaviour.content import Desk, Selected, Timeline
 from ui.behaviour.counts_page import CountsPage
 from ui.behaviour.counts_presenter import CountsPresenter
 from ui.behaviour.file_dialogs import ask_open
+from ui.behaviour.learn_dialog import LearnDialog
 from ui.behaviour.ports import Picture
 from ui.behaviour.presenter import BehaviourPresenter, Position
 from ui.behaviour.scheme_dialog import SchemeDialog
@@ -33,7 +34,7 @@ from ui.behaviour.selected_panel import SelectedPanel
 from ui.behaviour.sources import StoredChoice
 from ui.behaviour.tables import TextTable
 from ui.behaviour.timeline import ZOOM_STEP, TimelineView
-from ui.behaviour.tools import KEYS, BehaviourTools, as_model, fill_stored
+from ui.behaviour.tools import KEYS, BehaviourTools, as_models, fill_stored
 from ui.behaviour.transport import LONG_STEP_S, Transport
 from ui.behaviour.video_view import VideoView
 from ui.theme import Theme
@@ -160,7 +161,8 @@ class BehaviourScreen(Screen):
         tools, coding, files = self._tools, presenter.coding, presenter.files
         tools.open_asked.connect(self._ask_recording)
         tools.stored_chosen.connect(self._on_stored)
-        tools.finding_asked.connect(lambda asked: presenter.finding.find(as_model(asked)))
+        tools.finding_asked.connect(lambda asked: presenter.finding.find(as_models(asked)))
+        tools.learning_asked.connect(self._learn)
         tools.coding_opened.connect(files.open_coding)
         tools.coding_saved.connect(files.save_as)
         tools.scheme_edited.connect(self._edit_scheme)
@@ -239,8 +241,8 @@ class BehaviourScreen(Screen):
         """Open a dropped recording."""
         self._presenter.open_file(path)
 
-    def show_source(self, title: str) -> None:
-        self._tools.show_source(title)
+    def show_source(self, title: str, name: str) -> None:
+        self._tools.show_source(title, name)
         self._pages.setCurrentIndex(int(bool(title)))
         if title:
             self._take_keys()
@@ -333,6 +335,13 @@ class BehaviourScreen(Screen):
             dialog = SectionDialog(coding.sections, observed_ms, now_ms, self)
             dialog.marked.connect(self._presenter.coding.mark_section)
             dialog.removed.connect(self._presenter.coding.remove_section)
+            _open(dialog)
+
+    def _learn(self) -> None:
+        dialog = LearnDialog(self._theme, self)
+        presenter = self._presenter.learn_from_marks(dialog)
+        if presenter is not None:
+            dialog.bind(presenter)
             _open(dialog)
 
     def _take_keys(self) -> None:

@@ -1,0 +1,71 @@
+"""The gestures that this user taught the program: one model each, kept for every later day."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import platformdirs
+
+from adibas.errors import FileError
+
+if TYPE_CHECKING:  # the window lists them before anything is compiled
+    from adibas.gestures.model import GestureModel
+
+ENDING = ".json"
+UNNAMED = "gesture"
+
+
+@dataclass(frozen=True, slots=True)
+class OwnGesture:
+    """A gesture, and the file of its model."""
+
+    name: str
+    path: Path
+
+
+def own_gestures() -> tuple[OwnGesture, ...]:
+    """Return what was learned up to now, by name; nothing where the folder cannot be read."""
+    try:
+        paths = sorted(_folder().glob(f"*{ENDING}"))
+    except OSError:
+        return ()
+    return tuple(OwnGesture(path.stem, path) for path in paths)
+
+
+def keep_gesture(name: str, model: "GestureModel") -> OwnGesture:
+    """Keep the model of a gesture; it takes the place of the one of the same name.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    from adibas.gestures.model_file import write_model
+
+    stem = re.sub(r"[^\w -]+", "_", name).strip() or UNNAMED
+    path = _folder() / f"{stem}{ENDING}"
+    write_model(path, model)
+    return OwnGesture(stem, path)
+
+
+def forget_gesture(gesture: OwnGesture) -> None:
+    """Remove a gesture; one that is gone already is no mistake.
+
+    Raises
+    ------
+    FileError
+        It cannot be removed.
+    """
+    try:
+        gesture.path.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileError(
+            "{file} cannot be removed: {reason}. Close the program that uses it.",
+            file=gesture.path.name,
+            reason=error.strerror or str(error),
+        ) from error
+
+
+def _folder() -> Path:
+    return platformdirs.user_data_path("adibas", appauthor=False) / "models" / "gestures"
