@@ -49,8 +49,8 @@ class SettingsScreen(Screen):
         for page in (_scrolled(self._general), _scrolled(self._protection)):
             self._tabs.addTab(page, "")
         self._marks = QStackedWidget(self)
-        for page in (self._protocols, self._names):
-            self._marks.addWidget(page)
+        self._marks.addWidget(self._protocols)
+        self._marks.addWidget(self._names)
         for whole_page in (self._audit, self._computer, self._marks, self._about):
             self._tabs.addTab(whole_page, "")
         layout = QVBoxLayout(self)
