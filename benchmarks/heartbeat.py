@@ -34,18 +34,13 @@ class Heartbeat:
         """Beat no more."""
         self._timer.stop()
 
-    def longest(self) -> tuple[str, float]:
-        """Return where the longest block was, and its milliseconds."""
-        where = max(self._late_ms, key=lambda name: self._late_ms[name])
-        return where, self._late_ms[where]
+    def blocks_ms(self) -> dict[str, tuple[float, float]]:
+        """Return the longest block of each place, and the longest work between two beats there.
 
-    def busiest(self) -> tuple[str, float]:
-        """Return where the thread itself worked longest between two beats, and the milliseconds.
-
-        Other programs on a shared computer do not count.
+        The work is that of the window's own thread: other programs on a shared computer, and
+        threads that hold Python's lock, do not count.
         """
-        where = max(self._busy_ms, key=lambda name: self._busy_ms[name])
-        return where, self._busy_ms[where]
+        return {where: (late_ms, self._busy_ms[where]) for where, late_ms in self._late_ms.items()}
 
     def _beat(self) -> None:
         now_s, cpu_s = time.perf_counter(), time.thread_time()

@@ -418,3 +418,18 @@ def test_the_next_picture_of_the_same_size_keeps_the_zoom(view):
     assert view.placement == before
     view.set_picture(np.zeros((60, 80, 3), np.uint8))
     assert view.placement.zoom == 1.0
+
+
+@pytest.mark.parametrize("scale", [1.5, 2.25])
+def test_a_small_picture_that_fills_the_window_shows_its_pixels(qtbot, scale):
+    picture = np.random.default_rng(4).integers(0, 256, (60, 80, 3), dtype=np.uint8)
+    view = ImageView()
+    qtbot.addWidget(view)
+    view.resize(round(80 * scale), round(60 * scale))
+    view.set_picture(picture)
+    view.show()
+    drawn = view.grab().toImage()
+    for u, v in [(0, 0), (79, 59), (40, 30), (13, 47)]:
+        x, y = view.placement.to_widget(u, v)
+        color = drawn.pixelColor(int(x), int(y))
+        assert (color.red(), color.green(), color.blue()) == tuple(picture[v, u].tolist())

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -13,7 +13,9 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QLabel,
     QListWidget,
+    QListWidgetItem,
     QPushButton,
+    QStyle,
     QTabBar,
     QTextBrowser,
 )
@@ -23,6 +25,7 @@ from tests.ui.review_scene import saved_session
 from ui.reports.pages_bar import PagesBar
 from ui.reports.screen import build_reports_screen
 from ui.widgets.image_view import ImageView
+from ui.widgets.wrapped_lines import WrappedLines
 
 LEFT = Qt.MouseButton.LeftButton
 Key = Qt.Key
@@ -167,3 +170,17 @@ def test_every_control_can_be_named_aloud(screen):
         assert set(screen.findChildren(kind)) <= named
     for kind in (ImageView, QTextBrowser, QTabBar):
         assert all(one.accessibleName() for one in screen.findChildren(kind))
+
+
+@pytest.mark.parametrize("width_px", range(150, 330, 6))
+def test_a_line_beside_its_box_is_as_high_as_its_words_need(qtbot, theme, width_px):
+    lines = WrappedLines()
+    qtbot.addWidget(lines)
+    lines.resize(width_px, 400)
+    item = QListWidgetItem("Paciente de demostración\n21 nov 2026, 21:50\n4 vistas", lines)
+    item.setCheckState(Qt.CheckState.Checked)
+    lines.show()
+    box_px = lines.style().pixelMetric(QStyle.PixelMetric.PM_IndicatorWidth, None, lines)
+    beside = QRect(0, 0, lines.viewport().width() - box_px, 0)
+    words = lines.fontMetrics().boundingRect(beside, Qt.TextFlag.TextWordWrap, item.text())
+    assert lines.visualItemRect(item).height() >= words.height()

@@ -69,6 +69,7 @@ class RowTable(QWidget):
         self.table.selectionModel().currentRowChanged.connect(self._on_current)
         self.table.entered_line.connect(lambda line: self.entered.emit(self._model.row(line).key))
         self.table.letters_changed.connect(self._fit)
+        self.table.resized.connect(self._fit)
         self._model.modelReset.connect(self._restore)
 
     def retranslate(self, name: str) -> None:

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QHBoxLayout,
     QLabel,
-    QListWidget,
     QListWidgetItem,
     QPushButton,
     QTextBrowser,
@@ -32,6 +31,7 @@ from ui.widgets.dates import moment_text
 from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
 from ui.widgets.side_panel import SidePanel
+from ui.widgets.wrapped_lines import WrappedLines
 
 KINDS = {
     ".xlsx": message("&Excel workbook"),
@@ -58,10 +58,7 @@ class ReportsScreen(Screen):
         super().__init__(parent)
         self._title = QLabel(self)
         self._title.setProperty("kind", "title")
-        self._sessions = QListWidget(self)
-        self._sessions.setWordWrap(True)
-        self._sessions.setResizeMode(QListWidget.ResizeMode.Adjust)
-        self._sessions.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._sessions = WrappedLines(self)
         self._language, self._pictures, self._earlier = (QComboBox(self) for _number in range(3))
         self._earlier_sessions: tuple[Session, ...] = ()
         self._kinds = {kind: QCheckBox(self) for kind in KINDS}

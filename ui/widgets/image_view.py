@@ -27,6 +27,8 @@ from ui.widgets.shown_picture import Coloring, ShownPicture
 
 GROUND = QColor("#11161B")
 WHEEL_STEP = 1.2
+MOST_FITTED = 3.0
+"""A fitted picture that is shown larger is a small one: Qt may paint it pixel by pixel."""
 DRAG_PX = 4
 """A press that moves less is a click."""
 LARGE_STEP_PX, SMALL_STEP_PX = 10.0, 0.1
@@ -160,7 +162,7 @@ class ImageView(QWidget):
 
     def _paint_picture(self, painter: QPainter, picture: ShownPicture) -> None:
         place = self._placement
-        if place.scale < 1 and place.zoom == 1:
+        if place.zoom == 1 and place.scale <= MOST_FITTED:
             ratio = self.devicePixelRatioF()
             width, height = (max(1, round(ratio * place.scale * side)) for side in picture.size)
             image = picture.fitted((width, height), place.rotation_deg, ratio)
@@ -358,15 +360,16 @@ class ImageView(QWidget):
 
 
 def _beside(whole: QRect, covered: QRect) -> tuple[QRect, ...]:
-    """Return what is left of `whole` above, below, and at the sides."""
+    """Return what is left of `whole` above, below, and at the sides, where anything is."""
     top, bottom = covered.top() - whole.top(), whole.bottom() - covered.bottom()
     left, right = covered.left() - whole.left(), whole.right() - covered.right()
-    return (
+    bands = (
         whole.adjusted(0, 0, 0, -bottom - covered.height()),
         whole.adjusted(0, top + covered.height(), 0, 0),
         whole.adjusted(0, top, -right - covered.width(), -bottom),
         whole.adjusted(left + covered.width(), top, 0, -bottom),
     )
+    return tuple(band for band in bands if not band.isEmpty())
 
 
 def _step_px(modifiers: Qt.KeyboardModifier) -> float:

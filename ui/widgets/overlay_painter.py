@@ -71,8 +71,6 @@ def _paint_line(painter: QPainter, placement: ImagePlacement, line: Line) -> Non
     start = QPointF(*placement.to_widget(line.u1, line.v1))
     end = QPointF(*placement.to_widget(line.u2, line.v2))
     for pen in _pens(line.role):
-        if line.role == "plumb":
-            pen.setStyle(Qt.PenStyle.DashLine)
         painter.setPen(pen)
         painter.drawLine(start, end)
 
@@ -198,7 +196,11 @@ def _palette(role: Role) -> list[int]:
     return [0, tint.rgba(), border.rgba()]
 
 
+@cache
 def _pens(role: Role) -> tuple[QPen, QPen]:
-    """Return the dark border's pen and the light line's."""
-    border, line = QPen(BORDER, 4.0), QPen(QColor(DRAWN[role]), 2.0)
-    return border, line
+    """Return the dark border's pen and the light line's; the plumb line is dashed."""
+    pens = QPen(BORDER, 4.0), QPen(QColor(DRAWN[role]), 2.0)
+    if role == "plumb":
+        for pen in pens:
+            pen.setStyle(Qt.PenStyle.DashLine)
+    return pens

@@ -64,10 +64,10 @@ class ShownPicture:
         """Return the picture in (width, height) pixels of the screen, turned clockwise then.
 
         `ratio` is that of the screen's pixels to Qt's. OpenCV makes it smaller in a third of the
-        time that Qt's painter takes.
+        time that Qt's painter takes, and larger in a twentieth.
         """
         if self._fitted is None or self._fitted_as != (size, rotation_deg, ratio):
-            turned = np.ascontiguousarray(np.rot90(self._smaller(size), -rotation_deg // 90))
+            turned = np.ascontiguousarray(np.rot90(self._resized(size), -rotation_deg // 90))
             image = self._as_image(turned)
             if self._coloring is not None:
                 image = image.convertToFormat(QImage.Format.Format_RGB32)
@@ -76,12 +76,17 @@ class ShownPicture:
             self._fitted_as = size, rotation_deg, ratio
         return self._fitted
 
-    def _smaller(self, size: tuple[int, int]) -> Any:
-        """Return numbers as they are, colours as the screen has them: 4 bytes are done faster."""
+    def _resized(self, size: tuple[int, int]) -> Any:
+        """Return numbers as they are, colours as the screen has them: 4 bytes are done faster.
+
+        What is larger than the picture shows its pixels, as a picture does that is zoomed.
+        """
         if self._coloring is not None:
             return cv2.resize(self._pixels, size, interpolation=cv2.INTER_NEAREST)
         padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
-        return cv2.resize(padded, size, interpolation=cv2.INTER_LINEAR)
+        is_smaller = size[0] < self.size[0]
+        way = cv2.INTER_LINEAR if is_smaller else cv2.INTER_NEAREST
+        return cv2.resize(padded, size, interpolation=way)
 
     def _as_image(self, pixels: Any) -> QImage:
         """Return an image that borrows `pixels`: who holds it holds both."""
