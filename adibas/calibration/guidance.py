@@ -39,13 +39,17 @@ PLACES: dict[tuple[int, int], Message] = {
 }
 LEAN_TEXTS: dict[Lean, Message] = {
     "left": message(
-        "Turn the board by a third of a right angle, so that it faces the picture's left."
+        "Turn the board by a third to half a right angle, so that it faces the picture's left."
     ),
     "right": message(
-        "Turn the board by a third of a right angle, so that it faces the picture's right."
+        "Turn the board by a third to half a right angle, so that it faces the picture's right."
     ),
-    "up": message("Lean the board back by a third of a right angle, so that it faces upwards."),
-    "down": message("Lean the board forward by a third of a right angle, so that it faces down."),
+    "up": message(
+        "Lean the board back by a third to half a right angle, so that it faces upwards."
+    ),
+    "down": message(
+        "Lean the board forward by a third to half a right angle, so that it faces down."
+    ),
 }
 NEARER = message("Come nearer: the board shall fill half of the picture's width.")
 FARTHER = message("Step back: the board shall fill a quarter of the picture's width.")

@@ -2,7 +2,7 @@
 
 from adibas.data.coding import MS_PER_S
 from adibas.pipeline.behaviour import BehaviourAnalysis
-from adibas.reports.facts import intended_use
+from adibas.reports.facts import analysed, intended_use
 from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
@@ -34,7 +34,7 @@ def general_facts(analysis: BehaviourAnalysis) -> Pairs:
         (_("Software version"), provenance.version),
         (_("Intended use"), intended_use()),
         (_("Recording (SHA-256)"), provenance.recording_sha256),
-        (_("Analysed (UTC)"), provenance.created_utc),
+        analysed(provenance),
     ]
 
 

@@ -3,7 +3,7 @@
 from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.body import MeasuredBody
 from adibas.reports.body_files import measures_of, on_paper
-from adibas.reports.facts import Pairs, intended_use, view_name
+from adibas.reports.facts import Pairs, analysed, intended_use, view_name
 from adibas.texts import decimal_text, message
 from adibas.texts import translate as _
 
@@ -41,7 +41,7 @@ def general_facts(body: MeasuredBody) -> Pairs:
             (f"{_('Recording (SHA-256)')}, {view_name(view)}", provenance.recording_sha256),
             (_("Calibration"), provenance.calibration),
             (_("Software version"), provenance.version),
-            (_("Analysed (UTC)"), provenance.created_utc),
+            analysed(provenance),
         ]
     return told
 

@@ -11,6 +11,7 @@ from adibas.data.landmark_texts import landmark_text
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.reports.excel_changes import add_changes
 from adibas.reports.facts import (
+    analysed,
     capture_facts,
     capture_names,
     comparison_facts,
@@ -243,7 +244,7 @@ def _provenance_of(capture: CaptureReport) -> Iterator[tuple[str, str | float]]:
     yield _("Frames in the burst"), analysis.n_frames
     yield _("Calibration"), provenance.calibration
     yield _("Software version"), provenance.version
-    yield _("Analysed (UTC)"), provenance.created_utc
+    yield analysed(provenance)
     yield from _flattened("", provenance.parameters)
 
 

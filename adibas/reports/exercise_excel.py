@@ -9,7 +9,7 @@ from openpyxl import Workbook
 from adibas.arrays import UInt8Array
 from adibas.pipeline.exercise import ExerciseCheck
 from adibas.reports.exercise_rows import range_rows, symmetry_rows
-from adibas.reports.facts import intended_use
+from adibas.reports.facts import analysed, intended_use
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.movement_texts import JOINT_MOTIONS, angle_text
@@ -70,7 +70,7 @@ def _facts(check: ExerciseCheck) -> list[tuple[str, Value]]:
         (_("Software version"), check.provenance.version),
         (_("Intended use"), intended_use()),
         (_("Recording (SHA-256)"), check.provenance.recording_sha256),
-        (_("Analysed (UTC)"), check.provenance.created_utc),
+        analysed(check.provenance),
     ]
     told = [(name, value) for name, value in facts if value]
     return [*told, *((_("Notice"), notice.text) for notice in check.notices)]

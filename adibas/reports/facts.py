@@ -3,7 +3,7 @@
 from collections import Counter
 from datetime import datetime
 
-from adibas.data.posture import PostureAnalysis
+from adibas.data.posture import PostureAnalysis, Provenance
 from adibas.data.protocol_measures import INSTRUMENT_ONLY, PLANE_TEXTS, VERTICAL_TEXTS
 from adibas.data.reliability import Comparison, Verdict
 from adibas.data.report import CaptureReport, SessionReport
@@ -13,6 +13,8 @@ from adibas.texts import translate as _
 Pairs = list[tuple[str, str | float]]
 
 HASH_LENGTH = len("sha256:") + 12
+N_TO_SECONDS = len("2026-03-27T16:05:09")
+"""Of an ISO 8601 moment: what follows is the zone, and that is told beside it."""
 
 
 def view_name(view: str) -> str:
@@ -57,7 +59,7 @@ def capture_facts(report: SessionReport, capture: CaptureReport) -> Pairs:
     measured = sum(marker.position_m is not None for marker in analysis.markers)
     return [
         (_("View"), view_name(analysis.view)),
-        (_("Analysed (UTC)"), analysis.provenance.created_utc),
+        analysed(analysis.provenance),
         (_("Frames in the burst"), analysis.n_frames),
         (_("Markers found"), len(analysis.markers)),
         (_("Markers with a position"), measured),
@@ -129,6 +131,11 @@ def verdict_text(verdict: Verdict) -> str:
         Verdict.BEYOND: _("beyond MDC95"),
         Verdict.UNKNOWN: _("not known"),
     }[verdict]
+
+
+def analysed(provenance: Provenance) -> tuple[str, str]:
+    """Return when the numbers were computed, to the second, and what that is called."""
+    return _("Analysed (UTC)"), provenance.created_utc[:N_TO_SECONDS].replace("T", " ")
 
 
 def intended_use() -> str:

@@ -3,7 +3,7 @@
 import math
 
 from adibas.data.movement import Movement
-from adibas.reports.facts import intended_use
+from adibas.reports.facts import analysed, intended_use
 from adibas.texts import Message, decimal_text, message
 from adibas.texts import translate as _
 
@@ -43,7 +43,7 @@ def general_facts(movement: Movement) -> Pairs:
         (_("Intended use"), intended_use()),
         (_("Recording (SHA-256)"), provenance.recording_sha256),
         (_("Calibration"), provenance.calibration or _("none")),
-        (_("Analysed (UTC)"), provenance.created_utc),
+        analysed(provenance),
     ]
 
 

@@ -25,6 +25,7 @@ from adibas.measures.geometry_tables import all_distances
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.reports import batch, pdf, sheets, write_report
 from adibas.reports.batch import PICTURES, report_stem, write_session_reports
+from adibas.reports.facts import capture_facts
 
 DASH = "\N{EN DASH}"
 BEGUN = datetime(2026, 11, 21, 9, 30, tzinfo=UTC)
@@ -290,6 +291,15 @@ def test_a_report_speaks_its_own_language(report, tmp_path, language, expected):
     workbook = openpyxl.load_workbook(written(spoken, ".xlsx", tmp_path))
     assert "Summary" not in workbook.sheetnames
     assert isinstance(workbook.worksheets[2].cell(2, 4).value, int | float)
+
+
+def test_the_moment_of_the_analysis_is_told_to_the_second(report):
+    (capture, *_others) = report.captures
+    made = replace(capture.analysis.provenance, created_utc="2026-03-27T16:05:09+00:00")
+    told = capture_facts(
+        report, replace(capture, analysis=replace(capture.analysis, provenance=made))
+    )
+    assert ("Analysed (UTC)", "2026-03-27 16:05:09") in told
 
 
 def test_rows_beyond_what_a_sheet_holds_go_on_in_another(report, tmp_path, monkeypatch):
