@@ -28,7 +28,7 @@ logger = logging.getLogger(__name__)
 N_FRAMES = 2
 N_BOARDS = 8
 COLOR_SIZE = (480, 640)
-SPACE = 3
+SPACE, N_SECONDS = 3, 4
 NICENESS = 10
 """Of the process: whoever waits for the computer goes first."""
 
@@ -141,6 +141,21 @@ def find_joints() -> None:
     estimator.look(depth_in_metres(raw, scene.info.depth_unit_m), 0.0)
 
 
+def find_gestures() -> None:
+    """Look for the gestures of the program in joints that are nowhere twice."""
+    from adibas.data.joints import JOINT_NAMES
+    from adibas.data.skeleton_track import track_of
+    from adibas.gestures.descriptor import describe
+    from adibas.gestures.model_file import read_model, shipped_gestures
+
+    model = read_model(shipped_gestures())
+    places_m = np.random.default_rng(0).normal(0.0, 0.3, (len(JOINT_NAMES), SPACE))
+    times_s = np.arange(model.descriptor.rate_hz * N_SECONDS) / model.descriptor.rate_hz
+    joints_m = places_m + 0.1 * np.sin(times_s)[:, None, None]
+    model.detect(describe(track_of(times_s, joints_m), model.descriptor))
+    model.classify(model.examples[0])
+
+
 WORKS: tuple[Callable[[], None], ...] = (
     take_session,
     calibrate_a_camera,
@@ -148,6 +163,7 @@ WORKS: tuple[Callable[[], None], ...] = (
     name_joints,
     find_limbs,
     find_joints,
+    find_gestures,
 )
 
 

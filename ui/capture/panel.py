@@ -23,6 +23,7 @@ from adibas.data.posture import VIEWS
 from adibas.data.sessions import SessionSetup
 from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
+from ui.capture.gesture_presenter import CHOICES
 from ui.capture.sources import SIZES, SourceChoice, view_title
 from ui.widgets.flow import in_a_flow
 
@@ -115,9 +116,10 @@ class SourcePanel(QGroupBox):
 
 
 class DisplayPanel(QGroupBox):
-    """What is shown of a frame."""
+    """What is shown of a frame, and looked for in it."""
 
     changed = Signal()
+    gestures_chosen = Signal(str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -135,6 +137,13 @@ class DisplayPanel(QGroupBox):
             box.setChecked(True)
             box.toggled.connect(lambda _on: self.changed.emit())
             layout.addWidget(box)
+        self._gestures = QComboBox(self)
+        for choice in CHOICES:
+            self._gestures.addItem("", choice)
+        self._gestures.activated.connect(
+            lambda index: self.gestures_chosen.emit(self._gestures.itemData(index))
+        )
+        layout.addWidget(self._gestures)
 
     @property
     def mode(self) -> str:
@@ -160,6 +169,10 @@ class DisplayPanel(QGroupBox):
         self._boxes["body"].setText(_("Outline of the &body"))
         self._boxes["markers"].setText(_("&Markers that are found"))
         self._boxes["plumb"].setText(_("&Plumb line and horizon"))
+        self._gestures.setAccessibleName(_("Gestures that are looked for"))
+        kinds = (_("No gestures"), _("Gestures of the program"), _("Gestures learned here"))
+        for index, text in enumerate(kinds):
+            self._gestures.setItemText(index, text)
 
 
 class ViewsPanel(QGroupBox):

@@ -18,6 +18,7 @@ from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.texts import translate as _
+from ui.capture.gesture_presenter import GesturePresenter
 from ui.capture.live_overlays import overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
@@ -47,6 +48,10 @@ class CaptureScreen(Screen):
         self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._count.hide()
         self._hints, self._status = QLabel(self), StatusLine(self)
+        self._gesture = QLabel(self)
+        self._gesture.setProperty("kind", "good")
+        self._gesture.hide()
+        self._gestures: GesturePresenter | None = None
         self._hints.setProperty("kind", "warning")
         self._hints.setWordWrap(True)
         self._source, self._display = SourcePanel(self), DisplayPanel(self)
@@ -66,6 +71,7 @@ class CaptureScreen(Screen):
         self._depth.hide()
         left = QVBoxLayout()
         left.addLayout(pictures, 1)
+        left.addWidget(self._gesture)
         left.addWidget(self._hints)
         due = QHBoxLayout()
         due.addWidget(self._due, 1)
@@ -102,6 +108,11 @@ class CaptureScreen(Screen):
         self._shutter.wand_asked.connect(self._check_wand)
         self._calibrate.clicked.connect(presenter.calibration_age.calibrate)
 
+    def bind_gestures(self, gestures: GesturePresenter) -> None:
+        """Send the choice of gestures to a presenter, and own it."""
+        self._gestures = gestures
+        self._display.gestures_chosen.connect(gestures.choose)
+
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._color.setAccessibleName(_("Live picture"))
@@ -115,12 +126,18 @@ class CaptureScreen(Screen):
 
     def entered(self) -> None:
         self._presenter.enter()
+        if self._gestures is not None:
+            self._gestures.enter()
 
     def left(self) -> None:
         self._presenter.leave()
+        if self._gestures is not None:
+            self._gestures.leave()
 
     def closed(self) -> None:
         self._presenter.close()
+        if self._gestures is not None:
+            self._gestures.close()
 
     def open_file(self, path: Path) -> None:
         """Replay a dropped recording."""
@@ -166,6 +183,10 @@ class CaptureScreen(Screen):
 
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
         self._shutter.show_readiness(sentence, is_ready=is_ready)
+
+    def show_gesture(self, sentence: str) -> None:
+        self._gesture.setText(sentence)
+        self._gesture.setVisible(bool(sentence))
 
     def show_countdown(self, seconds: int | None) -> None:
         self._shutter.show_stop(can_stop=seconds is not None)

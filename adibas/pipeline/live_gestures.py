@@ -1,0 +1,76 @@
+"""Gestures in live frames: joints without markers, watched person by person."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from adibas.arrays import Float32Array
+from adibas.clock import NS_PER_S
+from adibas.data.calibration import RgbdCalibration
+from adibas.gestures.model import GestureModel
+from adibas.gestures.watching import GestureWatcher, Seen
+from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+
+MOST_PEOPLE = 8
+"""Who is watched; whoever was seen longest ago is forgotten first."""
+
+
+@dataclass(frozen=True, slots=True)
+class LiveGesture:
+    """What somebody did."""
+
+    person: int
+    seen: Seen
+
+
+class LiveGestures:
+    """Takes the depth of a frame as often as there is time; for one thread at a time.
+
+    Parameters
+    ----------
+    models : sequence of GestureModel
+    """
+
+    def __init__(self, models: Sequence[GestureModel]) -> None:
+        self._models = tuple(models)
+        self._calibration: RgbdCalibration | None = None
+        self._estimator: PoseEstimator | None = None
+        self._watchers: dict[int, GestureWatcher] = {}
+        self._before_ns: int | None = None
+
+    def look(
+        self, depth_m: Float32Array, timestamp_ns: int, calibration: RgbdCalibration
+    ) -> list[LiveGesture]:
+        """Return what was recognised and was not told yet.
+
+        Parameters
+        ----------
+        depth_m : (H, W) float32 array
+            Corrected, metres; NaN where not measured.
+        timestamp_ns : int
+            A frame that is not later than the one before is left out.
+        calibration : RgbdCalibration
+            Of the sensor; with another one than before everybody is looked at anew.
+        """
+        if calibration is not self._calibration:
+            self._begin(calibration)
+        is_old = self._before_ns is not None and timestamp_ns <= self._before_ns
+        if self._estimator is None or is_old:
+            return []
+        self._before_ns = timestamp_ns
+        found = []
+        for one in self._estimator.look(depth_m, timestamp_ns / NS_PER_S).people:
+            watcher = self._watchers.pop(one.person, None) or GestureWatcher(self._models)
+            self._watchers[one.person] = watcher  # the last one in the dictionary: seen last
+            seen = watcher.see(timestamp_ns, one.joints.joints_m)
+            found += [LiveGesture(one.person, gesture) for gesture in seen]
+        while len(self._watchers) > MOST_PEOPLE:
+            del self._watchers[next(iter(self._watchers))]
+        return found
+
+    def _begin(self, calibration: RgbdCalibration) -> None:
+        self._calibration, self._estimator, self._before_ns = calibration, None, None
+        self._watchers.clear()
+        if calibration.depth is not None:
+            segmenter = forest_segmenter(shipped_model(), calibration.depth)
+            self._estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor)

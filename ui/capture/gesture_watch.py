@@ -1,0 +1,108 @@
+"""Looks for gestures in the newest live frame, in a thread of its own."""
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+
+from adibas.errors import AdibasError
+from adibas.pipeline.newest import Newest
+from ui.capture.gesture_presenter import GestureWatch
+from ui.events import Event
+from ui.frame_bridge import CallBridge
+
+if TYPE_CHECKING:
+    from adibas.data.calibration import RgbdCalibration
+    from adibas.pipeline.live_frames import LiveFrame
+
+
+class QtGestureWatch(GestureWatch):
+    """One thread for each choice of models; it skips frames that come while it looks.
+
+    Parameters
+    ----------
+    calibration : callable
+        Returns the calibration in use, None where there is none; called in that thread.
+    """
+
+    def __init__(
+        self, calibration: "Callable[[], RgbdCalibration | None]", parent: QObject | None = None
+    ) -> None:
+        self.seen: Event[[str]] = Event()
+        self.failed: Event[[AdibasError]] = Event()
+        self._calibration = calibration
+        self._bridge = CallBridge(self._tell, parent)
+        self._watching: _Watching | None = None
+
+    def use(self, models: tuple[Path, ...]) -> None:
+        """Look for the gestures of these models from now on; none: for nothing."""
+        if self._watching is not None:
+            self._watching.close()
+        self._watching = _Watching(models, self._calibration, self._bridge) if models else None
+
+    def put(self, frame: "LiveFrame") -> None:
+        """Look at a frame as soon as there is time."""
+        if self._watching is not None:
+            self._watching.wanted.put(frame)
+
+    def close(self) -> None:
+        """End, and wait until no thread is left."""
+        self.use(())
+
+    def _tell(self, told: object) -> None:
+        if not isinstance(told, _Told) or told.watching is not self._watching:
+            return  # of models that were left
+        if isinstance(told.what, AdibasError):
+            self.failed.emit(told.what)
+        else:
+            self.seen.emit(told.what)
+
+
+class _Watching:
+    """The thread that looks for the gestures of some models."""
+
+    def __init__(
+        self,
+        models: tuple[Path, ...],
+        calibration: "Callable[[], RgbdCalibration | None]",
+        bridge: CallBridge,
+    ) -> None:
+        self.wanted: Newest[LiveFrame] = Newest()
+        self._models = models
+        self._calibration = calibration
+        self._bridge = bridge
+        self._thread = threading.Thread(target=self._run, name="gestures", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread."""
+        self.wanted.close()
+        self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            self._look()
+        except AdibasError as error:
+            self._bridge.publish(_Told(self, error))
+
+    def _look(self) -> None:
+        from adibas.gestures.model_file import read_model
+        from adibas.pipeline.live_gestures import LiveGestures
+
+        gestures = LiveGestures([read_model(path) for path in self._models])
+        while (frame := self.wanted.take()) is not None:
+            calibration = self._calibration()
+            if calibration is not None and frame.depth_m is not None:
+                for one in gestures.look(frame.depth_m, frame.timestamp_ns, calibration):
+                    self._bridge.publish(_Told(self, one.seen.label))
+
+
+class _Told:
+    """A gesture's name or what failed, and who tells it."""
+
+    __slots__ = ("watching", "what")
+
+    def __init__(self, watching: _Watching, what: str | AdibasError) -> None:
+        self.watching, self.what = watching, what
