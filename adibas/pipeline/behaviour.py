@@ -4,7 +4,7 @@ Indicators beside a human's own coding, never a diagnosis or a score.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,12 @@ from adibas.errors import BehaviourError
 from adibas.gestures.descriptor import NECK
 from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
-from adibas.pipeline.behaviour_activity import PersonActivity, activity_of, subject_of
+from adibas.pipeline.behaviour_activity import (
+    PersonActivity,
+    activity_of,
+    subject_of,
+    under_conditions,
+)
 from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events
 from adibas.pipeline.movement import JOINT_FILE
@@ -178,6 +183,26 @@ def analyse_behaviour(
         _provenance(request, clock),
         _once(notices),
         joints,
+    )
+
+
+def divided(
+    analysis: BehaviourAnalysis, sections: Sequence[Section], bin_ms: int
+) -> BehaviourAnalysis:
+    """Return the same analysis with other sections, cut to its time, and other time bins."""
+    begin_ms, end_ms = analysis.detected.begin_ms, analysis.detected.end_ms
+    inside = tuple(
+        replace(one, begin_ms=max(one.begin_ms, begin_ms), end_ms=min(one.end_ms, end_ms))
+        for one in sections
+        if one.begin_ms < end_ms and one.end_ms > begin_ms
+    )
+    return replace(
+        analysis,
+        people=tuple(
+            under_conditions(person, inside, (begin_ms, end_ms)) for person in analysis.people
+        ),
+        detected=replace(analysis.detected, sections=inside),
+        bin_ms=bin_ms,
     )
 
 

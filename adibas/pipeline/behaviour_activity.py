@@ -63,7 +63,7 @@ def _by_condition(
         spans.setdefault(section.name, []).append((section.begin_ms, section.end_ms))
     if sections:
         tagged = list(chain.from_iterable(spans.values()))
-        rest = gaps(tagged, (session_ms[0], session_ms[1] + 1))
+        rest = gaps(tagged, session_ms)
         if rest:
             spans.setdefault("", []).extend(rest)
     return tuple(

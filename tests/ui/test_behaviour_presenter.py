@@ -823,6 +823,7 @@ def test_what_the_program_measured_is_written_with_the_coding(scene, seeing, mon
     scene.open()
     scene.presenter.finding.find(())
     written = []
+    monkeypatch.setattr("ui.behaviour.counts_presenter.divided", lambda *told: told)
     monkeypatch.setattr("ui.behaviour.counts_presenter.replace", lambda _found, **more: more)
     monkeypatch.setattr(
         "adibas.reports.behaviour.write_behaviour", lambda *told: written.append(told)
@@ -925,3 +926,25 @@ def test_closing_keeps_everything_and_ends_threads(scene):
     assert scene.keeper.is_closed
     (one,) = scene.kept(path).coding.occurrences
     assert one.end_ms == time_ms(20)
+
+
+def test_what_is_measured_is_shown_once_the_program_has_looked(scene, seeing, monkeypatch):
+    seeing(analysis((10, 20)))
+    scene.open()
+    counts = scene.presenter.counts
+    counts.set_seen(is_seen=True)
+    counts.choose_table("joints")
+    scene.view.show_unmeasured.assert_called_with(is_unmeasured=True)
+    assert scene.view.show_counts.call_args.args == (TextTable(),)
+    counts.choose_table("activity")
+    assert scene.view.show_plot.call_args.args == (None,)
+    monkeypatch.setattr("ui.behaviour.counts_presenter.divided", lambda *told: told[1:])
+    monkeypatch.setattr("ui.behaviour.counts_presenter.measured_table", lambda *told: told)
+    monkeypatch.setattr("ui.behaviour.counts_presenter.heat_map", lambda *told: told)
+    scene.presenter.finding.find(())
+    scene.view.show_unmeasured.assert_called_with(is_unmeasured=False)
+    assert scene.view.show_plot.call_args.args[0][2] == 60_000
+    counts.choose_table("paths")
+    assert scene.view.show_counts.call_args.args == (("paths", ((), 60_000)),)
+    counts.choose_table("raster")
+    assert [name[:5] for name in scene.view.show_plot.call_args.args[0].rows] == ["waves"]

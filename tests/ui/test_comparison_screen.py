@@ -22,13 +22,13 @@ from adibas.texts import use_language
 from tests.ui.comparison_scene import StepClock, add_patient, add_session, fill_clinic
 from tests.ui.conftest import CHEAP, PASSPHRASE, InlineJobs, NoSensor
 from ui.comparison.agreement_plot import AgreementPlot
-from ui.comparison.plot import spread, tick_texts
 from ui.comparison.screen import build_comparison_screen
 from ui.comparison.trend_plot import TrendPlot, spaced
 from ui.preferences import PreferencesFile
 from ui.theme import Theme
 from ui.widgets.image_view import ImageView
 from ui.widgets.overlays import Dot, Line
+from ui.widgets.plot import spread, tick_texts
 from ui.workspace import Workspace
 
 LEFT = Qt.MouseButton.LeftButton

@@ -6,14 +6,18 @@ from PySide6.QtWidgets import (
     QDoubleSpinBox,
     QLabel,
     QPushButton,
+    QStackedWidget,
     QWidget,
 )
 
 from adibas.texts import translate as _
 from ui.behaviour.counts_presenter import IN_INTERVALS, TABLES, USUAL_BIN_S
 from ui.behaviour.file_dialogs import ask_save, workbook_filter
+from ui.behaviour.measured import HeatMap, Raster
 from ui.behaviour.tables import TextTable
 from ui.behaviour.text_table import TextTableView
+from ui.behaviour.time_plot import TimePlot
+from ui.theme import Theme
 from ui.widgets.flow import in_a_flow
 from ui.widgets.side_panel import SidePanel
 
@@ -27,12 +31,18 @@ class CountsPage(SidePanel):
     bin_changed = Signal(float)
     file_chosen = Signal(object)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._kind, self._bin, self._bin_label = QComboBox(self), QDoubleSpinBox(self), QLabel(self)
         self._bin_label.setBuddy(self._bin)
         self._write = QPushButton(self)
-        self._table = TextTableView(self)
+        self._table, self._plot = TextTableView(self), TimePlot(theme, self)
+        self._unmeasured = QLabel(self)
+        self._unmeasured.setWordWrap(True)
+        self._unmeasured.hide()
+        self._shown = QStackedWidget(self)
+        for part in (self._table, self._plot):
+            self._shown.addWidget(part)
         for kind in TABLES:
             self._kind.addItem("", kind)
         self._bin.setRange(0.1, LONGEST_BIN_S)
@@ -42,7 +52,8 @@ class CountsPage(SidePanel):
         column = self.column
         column.setContentsMargins(8, 8, 8, 8)
         column.addLayout(in_a_flow(self._kind, self._bin_label, self._bin, self._write))
-        column.addWidget(self._table, 1)
+        column.addWidget(self._unmeasured)
+        column.addWidget(self._shown, 1)
         self._kind.activated.connect(self._on_kind)
         self._bin.valueChanged.connect(self.bin_changed)
         self._write.clicked.connect(self._ask_file)
@@ -53,6 +64,8 @@ class CountsPage(SidePanel):
             *(_("Totals and conditions"), _("Time bins"), _("Transitions"), _("Events")),
             *(_("Partial-interval sampling"), _("Whole-interval sampling")),
             _("Momentary sampling"),
+            *(_("Activity of joints"), _("Paths in time bins"), _("Band power")),
+            *(_("What the program saw"), _("Plot: events"), _("Plot: activity")),
         )
         for index, title in enumerate(titles):
             self._kind.setItemText(index, title)
@@ -60,10 +73,25 @@ class CountsPage(SidePanel):
         self._bin_label.setText(_("In&terval [s]"))
         self._write.setText(_("&Write..."))
         self._table.setAccessibleName(_("Counts"))
+        self._plot.setAccessibleName(_("Plot over time"))
+        self._unmeasured.setText(
+            _("The program has not looked at this recording yet. Let it find events first.")
+        )
+        self._plot.redraw()
 
     def show_counts(self, table: TextTable) -> None:
         """Show a table."""
         self._table.show_table(table)
+        self._shown.setCurrentWidget(self._table)
+
+    def show_plot(self, content: Raster | HeatMap | None) -> None:
+        """Show what happened over time."""
+        self._plot.show_content(content)
+        self._shown.setCurrentWidget(self._plot)
+
+    def show_unmeasured(self, *, is_unmeasured: bool) -> None:
+        """Say that the program has not looked yet."""
+        self._unmeasured.setVisible(is_unmeasured)
 
     def _on_kind(self, index: int) -> None:
         kind = self._kind.itemData(index)

@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Protocol
 from adibas.behaviour.agreement import AgreementParams
 from adibas.behaviour.sampling import SAMPLINGS
 from adibas.data.coding import MS_PER_S, Coding
+from adibas.pipeline.behaviour import divided
 from adibas.pipeline.behaviour_agreement import AgreementReport, compare_codings
 from adibas.pipeline.coding_files import read_for
 from adibas.texts import spoken_language, translate_plural
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter
 from ui.behaviour.finding_presenter import FindingPresenter
+from ui.behaviour.measured import (
+    MEASURED,
+    HeatMap,
+    Raster,
+    heat_map,
+    measured_table,
+    raster,
+)
 from ui.behaviour.tables import TextTable, agreement_table, counted_table
 from ui.ports import JobControl
 from ui.workspace import Workspace
@@ -21,8 +30,9 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.pipeline.behaviour import BehaviourAnalysis
 
-TABLES = ("totals", "bins", "transitions", "events", *SAMPLINGS)
-IN_INTERVALS = ("bins", *SAMPLINGS)
+PLOTS = ("raster", "activity")
+TABLES = ("totals", "bins", "transitions", "events", *SAMPLINGS, *MEASURED, *PLOTS)
+IN_INTERVALS = ("bins", *SAMPLINGS, "paths", "activity")
 USUAL_BIN_S = 60.0
 
 
@@ -31,6 +41,12 @@ class CountsView(Protocol):
 
     def show_counts(self, table: TextTable) -> None:
         """Show what is counted."""
+
+    def show_plot(self, content: Raster | HeatMap | None) -> None:
+        """Show what happened over time; None where nothing is known."""
+
+    def show_unmeasured(self, *, is_unmeasured: bool) -> None:
+        """Say that the program has not looked at the recording yet."""
 
     def show_agreement(self, table: TextTable, sentence: str) -> None:
         """Show how far two observers agree, and what is to be said of it."""
@@ -67,6 +83,7 @@ class CountsPresenter:
         self._is_comparing = False
         self._is_stale = False
         coding.changed.subscribe(self._on_changed)
+        finding.found.subscribe(self._count)
 
     def set_seen(self, *, is_seen: bool) -> None:
         """Count from now on, or no more."""
@@ -158,9 +175,22 @@ class CountsPresenter:
         self._compare()
 
     def _count(self) -> None:
-        coding = self._coding.coding()
-        if self._is_seen and coding is not None:
-            self._view.show_counts(counted_table(self._kind, coding, self._bin_ms))
+        coding, analysis = self._coding.coding(), self._finding.analysis
+        if not self._is_seen or coding is None:
+            return
+        kind, bin_ms = self._kind, self._bin_ms
+        measured = next((one for one in MEASURED if one == kind), None)
+        is_unmeasured = analysis is None and (measured is not None or kind == "activity")
+        self._view.show_unmeasured(is_unmeasured=is_unmeasured)
+        if kind in PLOTS:
+            self._view.show_plot(_plot(kind, coding, analysis, bin_ms))
+        elif measured is None:
+            self._view.show_counts(counted_table(kind, coding, bin_ms))
+        elif analysis is None:
+            self._view.show_counts(TextTable())
+        else:
+            parted = divided(analysis, coding.sections, bin_ms)
+            self._view.show_counts(measured_table(measured, parted))
 
     def _compare(self) -> None:
         """Compare beside the window; what changes meanwhile is compared after it."""
@@ -202,6 +232,14 @@ class CountsPresenter:
         self._view.show_agreement(agreement_table(result.figures), " ".join((told, *notices)))
 
 
+def _plot(
+    kind: str, coding: Coding, analysis: "BehaviourAnalysis | None", bin_ms: int
+) -> Raster | HeatMap | None:
+    if kind == "raster":
+        return raster(coding, None if analysis is None else analysis.detected)
+    return None if analysis is None else heat_map(analysis, coding, bin_ms)
+
+
 def _write(
     path: Path,
     coding: Coding,
@@ -213,7 +251,8 @@ def _write(
     if analysis is not None and path.suffix.lower() == ".xlsx":
         from adibas.reports.behaviour import write_behaviour
 
-        write_behaviour(replace(analysis, observed=coding, bin_ms=bin_ms), path, language)
+        parted = divided(analysis, coding.sections, bin_ms)
+        write_behaviour(replace(parted, observed=coding), path, language)
         return
     from adibas.reports.coding_report import write_coding_report
 

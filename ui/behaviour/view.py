@@ -26,6 +26,7 @@ from ui.behaviour.counts_page import CountsPage
 from ui.behaviour.counts_presenter import CountsPresenter
 from ui.behaviour.file_dialogs import ask_open
 from ui.behaviour.learn_dialog import LearnDialog
+from ui.behaviour.measured import HeatMap, Raster
 from ui.behaviour.ports import Picture
 from ui.behaviour.presenter import BehaviourPresenter, Position
 from ui.behaviour.scheme_dialog import SchemeDialog
@@ -70,7 +71,7 @@ class BehaviourScreen(Screen):
         self._video, self._transport = VideoView(self), Transport(self)
         self._timeline = TimelineView(theme, self)
         self._code, self._selected = CodePanel(self), SelectedPanel(self)
-        self._counts, self._agreement = CountsPage(self), AgreementPage(self)
+        self._counts, self._agreement = CountsPage(theme, self), AgreementPage(self)
         self._tabs, self._pages = _Pages(self), QStackedWidget(self)
         self._ticking = QTimer(self)
         self._ticking.setInterval(TICK_MS)
@@ -282,6 +283,12 @@ class BehaviourScreen(Screen):
 
     def show_counts(self, table: TextTable) -> None:
         self._counts.show_counts(table)
+
+    def show_plot(self, content: Raster | HeatMap | None) -> None:
+        self._counts.show_plot(content)
+
+    def show_unmeasured(self, *, is_unmeasured: bool) -> None:
+        self._counts.show_unmeasured(is_unmeasured=is_unmeasured)
 
     def show_agreement(self, table: TextTable, sentence: str) -> None:
         self._agreement.show_agreement(table, sentence)

@@ -9,10 +9,10 @@ from PySide6.QtWidgets import QWidget
 from adibas.data.protocols import ReferenceValue
 from adibas.data.trends import Trend
 from adibas.texts import translate as _
-from ui.comparison.plot import LETTERS_OF_A_DAY, LINE_PX, Plot, spread
 from ui.comparison.rows import point_rows
 from ui.theme import Theme
 from ui.widgets.dates import day_text
+from ui.widgets.plot import LETTERS_OF_A_DAY, LINE_PX, Plot, spread
 
 if TYPE_CHECKING:
     from pyqtgraph import PlotWidget
