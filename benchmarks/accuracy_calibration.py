@@ -8,6 +8,7 @@ from benchmarks import (
     calibration_corners,
     calibration_depth,
     calibration_real,
+    calibration_scene,
 )
 from benchmarks import calibration_fitting as fitting
 from benchmarks.table import Row
@@ -21,3 +22,4 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from calibration_coma.rows(quick=quick)
     yield from calibration_chain.rows(quick=quick)
     yield from calibration_depth.rows(quick=quick)
+    yield from calibration_scene.rows(quick=quick)

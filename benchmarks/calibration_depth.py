@@ -9,6 +9,8 @@ from multiprocessing import get_context
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.data.calibration import CameraCalibration, DepthBias
+from adibas.simulation.device import Device
 from benchmarks.calibration_depth_trials import (
     BOARD,
     LARGE_BOARD,
@@ -55,19 +57,24 @@ def _trials(n: int, setting: Setting) -> list[Trial]:
 
 
 def plane_errors_m(trial: Trial) -> FloatArray:
+    """Return what `wall_errors_m` does, of a trial's sensor."""
+    return wall_errors_m(trial.device, trial.fit.bias, trial.fit.camera)
+
+
+def wall_errors_m(device: Device, bias: DepthBias, camera: CameraCalibration) -> FloatArray:
     """Return (distance, 3) errors of a frontal wall in depth, burst of 30 frames.
 
     Of the fitted plane in the middle of the image, the root mean square of the systematic error
     over the image, and the same before any correction.
     """
-    device, rng = trial.device, np.random.default_rng([trial.device.seed, 0x7E])
+    rng = np.random.default_rng([device.seed, 0x7E])
     rows = []
     for distance_m in TEST_DISTANCES_M:
         inverse = true_inverse(device, np.array([0.0, 0.0, 1.0 / distance_m]), None, None)
         seen = burst_mean(inverse, device, rng)
         exact_m = (1.0 / measured_inverse(inverse, device)).astype(np.float32)
-        corrected_m = trial.fit.bias.correct((1.0 / seen.mean_per_m), trial.fit.camera)
-        clean_m = trial.fit.bias.correct(exact_m, trial.fit.camera)
+        corrected_m = bias.correct((1.0 / seen.mean_per_m), camera)
+        clean_m = bias.correct(exact_m, camera)
         rays = rays_of(device.depth)
         inner = (slice(None, None, 8), slice(None, None, 8))
         m = np.linalg.lstsq(rays[inner].reshape(-1, 3), 1.0 / corrected_m[inner].ravel())[0]
