@@ -6,6 +6,8 @@ Runs the command line's own `adibas calibrate --depth` on a recording of the sce
 
 import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +52,9 @@ def calibrated(scene: BoardScene, folder: Path) -> RgbdCalibration:
     command = ["calibrate", str(recording), "--depth", "--out", str(out), "--json"]
     command += ["--board", f"{board.columns}x{board.rows}"]
     command += ["--square-mm", f"{1e3 * board.square_m:g}"]
-    if run_command(command) > WORST_EXIT or not out.is_file():
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+        code = run_command(command)
+    if code > WORST_EXIT or not out.is_file():
         raise ValueError("the sensor could not be calibrated")
     return read_calibration(out)
 
