@@ -14,6 +14,7 @@ from adibas.data.board import Board, BoardCorners
 from adibas.data.calibration import CameraCalibration
 from adibas.data.printed_boards import PRINTED_BOARDS
 from adibas.geometry.pinhole import Intrinsics
+from adibas.geometry.rigid import RigidTransform
 from adibas.simulation.boards import BoardPicture, render_board, render_boards
 from adibas.simulation.boards_background import Background
 from adibas.simulation.boards_look import BoardLook
@@ -40,6 +41,8 @@ LOOKS = {
 }
 BOARD = PRINTED_BOARDS["A4"].board
 SEED = 11
+LARGEST_SIGHT_RAD = np.radians(78.0)
+"""A board tilted by 60 degrees beside the image's middle may turn its back to the camera."""
 EXACT = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
 HOLDINGS = {
     "": Holding(),
@@ -109,11 +112,19 @@ def _turned_alike(corners: FloatArray | None, truth: FloatArray) -> FloatArray |
 def pictures(
     board: Board, look: BoardLook, holding: Holding, n: int, seed: int
 ) -> Iterator[BoardPicture]:
-    """Render `n` boards held at different places."""
+    """Render `n` boards held at different places, without those that nobody could see so."""
     rng = np.random.default_rng(seed)
     poses = random_board_poses(rng, board, CAMERA, n, holding)
     for pose in poses:
-        yield render_board(board, pose, CAMERA, rng, look)
+        if _sight_rad(board, pose) < LARGEST_SIGHT_RAD:
+            yield render_board(board, pose, CAMERA, rng, look)
+
+
+def _sight_rad(board: Board, camera_from_board: RigidTransform) -> float:
+    """Return the angle between the board's normal and the line from the camera to its middle."""
+    middle_m = camera_from_board.apply(board.points_m().mean(axis=0))
+    normal = camera_from_board.rotation[:, 2]
+    return float(np.arccos(normal @ middle_m / np.linalg.norm(middle_m)))
 
 
 def measure(
@@ -150,7 +161,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
                 continue
             with_opencv = not quick or (look is GOOD and not holding_name)
             tallies = measure(BOARD, look, holding, n, with_opencv=with_opencv)
-            yield from _simulated_rows(f"{look_name}{holding_name}, {n} pictures", tallies)
+            told = f"{look_name}{holding_name}, {tallies['ours'].n_pictures} pictures"
+            yield from _simulated_rows(told, tallies)
     yield from _boardless_rows()
 
 
