@@ -48,6 +48,8 @@ class BurstMarker:
     ----------
     u, v, radius_px : float
         Means over the frames that show it, without outliers.
+    axis_ratio : float
+        Short over long axis: the median.
     covariance_px2 : (2, 2) array
         Of (u, v).
     n_sightings : int
@@ -57,6 +59,7 @@ class BurstMarker:
     u: float
     v: float
     radius_px: float
+    axis_ratio: float
     covariance_px2: FloatArray
     n_sightings: int
 
@@ -107,6 +110,7 @@ def _fused(track: Sequence[Blob], params: BurstParams) -> BurstMarker:
         u=float(u),
         v=float(v),
         radius_px=float(np.median([blob.radius_px for blob in track])),
+        axis_ratio=float(np.median([blob.axis_ratio for blob in track])),
         covariance_px2=mean_covariance / n_samples + np.eye(2) * params.centre_sd_px**2,
         n_sightings=len(track),
     )

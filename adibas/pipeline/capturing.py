@@ -217,7 +217,7 @@ def analyse_capture(
             notices.append(error.message_id)  # shown in the reader's language later
         else:
             notices += [NOT_FOUND] * (not found.markers)
-            notices += doubts_about(found.markers)
+            notices += doubts_about(found)
     if found is None:
         found = MarkerFindings((), (), _surface(burst, calibration, params))
     return CaptureFindings(

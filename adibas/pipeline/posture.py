@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -27,6 +27,7 @@ from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
+from adibas.pipeline.posture_checks import apart_from_merged, count_people, refuse_beside
 from adibas.texts import message
 
 MarkerTarget: TypeAlias = ColorModel | LedParams
@@ -38,6 +39,11 @@ LEAST_WIDTH_PX = 3.0
 TOO_FEW_PIXELS = message(
     "The markers are fewer than three pixels wide in the picture: some may be missed, and others "
     "false. Take larger markers, or the larger colour picture."
+)
+
+SEVERAL_PEOPLE = message(
+    "Several people are seen: markers were looked for on the largest of them alone. Let the "
+    "patient stand alone, and capture again."
 )
 
 N_THREADS = 2
@@ -94,14 +100,17 @@ class MarkerFindings:
     markers : tuple of Marker
         From top to bottom.
     rejected : tuple of RejectedBlob
-        What was refused in the last frame that showed somebody.
+        What was refused in the last frame that showed somebody, on the patient and beside.
     surface : BurstDisparity
         Of the depth camera, bias corrected.
+    n_people : int
+        Seen in that frame.
     """
 
     markers: tuple[Marker, ...]
     rejected: tuple[RejectedBlob, ...]
     surface: BurstDisparity
+    n_people: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,7 +153,7 @@ def analyse_burst(
     """
     tracker = BurstTracker(params.burst)
     depth = DisparitySum(calibration.depth_bias, calibration.depth)
-    has_person = False
+    newest: RgbdFrame | None = None
     rejected: tuple[RejectedBlob, ...] = ()
 
     def work(frame: RgbdFrame) -> tuple[RgbdFrame, Detections | None]:
@@ -156,22 +165,44 @@ def analyse_burst(
             if detections is None:
                 tracker.add(())
                 continue
-            has_person = True
+            newest = frame
             check_selective(detections, target, params)
             tracker.add(detections.blobs)
             rejected = detections.rejected
-    if not has_person:
+    if newest is None:
         raise MarkerError(
             "Nobody is seen in the depth image. The patient stands alone, 0.8 to 4 m in front of "
             "the sensor."
         )
     disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
     finder = PositionFinder(disparity, calibration, params.position)
-    markers = tuple(
-        _measured(f"m{number:02d}", found, finder)
-        for number, found in enumerate(tracker.markers(), 1)
-    )
-    return MarkerFindings(markers, rejected, disparity)
+    found = tracker.markers()
+    measured = tuple(_measured(one, finder) for one in found)
+    focal_px = _cameras(calibration)[0].intrinsics.fx
+    single, merged = apart_from_merged(found, measured, focal_px)
+    markers = tuple(replace(one, label=f"m{number:02d}") for number, one in enumerate(single, 1))
+    n_people, beside = _look_about(newest, calibration, target, params, measured)
+    return MarkerFindings(markers, (*rejected, *merged, *beside), disparity, n_people)
+
+
+def _look_about(
+    frame: RgbdFrame,
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    params: PostureParams,
+    markers: tuple[Marker, ...],
+) -> tuple[int, tuple[RejectedBlob, ...]]:
+    """Return how many people a frame shows, and what looks like a marker and is on nobody."""
+    _, depth = _cameras(calibration)
+    depth_m = calibration.corrected_depth(frame.depth_m)
+    floor = calibration.floor or find_floor(depth_m, depth, params.up)
+    sight = see_person(depth_m, floor, calibration, params)
+    if sight is None:
+        return 1, ()
+    n_people = count_people(depth_m, depth, floor, sight.body)
+    beside = replace(sight, outline=~sight.outline)
+    seen = find_markers(frame.color_rgb, beside, calibration, target, params)
+    return n_people, refuse_beside(seen, markers, _greatest_share(target, params))
 
 
 def detect(
@@ -233,17 +264,23 @@ def find_markers(
 
 def check_selective(detections: Detections, target: MarkerTarget, params: PostureParams) -> None:
     """Raise MarkerError where what to look for fits most of the body."""
+    if detections.matched_share <= _greatest_share(target, params):
+        return
     if isinstance(target, LedParams):
-        if detections.matched_share > target.greatest_share:
-            raise MarkerError(
-                "The picture is too bright for LED markers. Put the infrared filter on, or darken "
-                "the room."
-            )
-    elif detections.matched_share > params.greatest_matched_share:
         raise MarkerError(
-            "The learned colour fits too much of the body. Learn it again with a lower "
-            "sensitivity, or take markers of a colour that neither skin nor clothes have."
+            "The picture is too bright for LED markers. Put the infrared filter on, or darken "
+            "the room."
         )
+    raise MarkerError(
+        "The learned colour fits too much of the body. Learn it again with a lower "
+        "sensitivity, or take markers of a colour that neither skin nor clothes have."
+    )
+
+
+def _greatest_share(target: MarkerTarget, params: PostureParams) -> float:
+    if isinstance(target, LedParams):
+        return target.greatest_share
+    return params.greatest_matched_share
 
 
 def _cameras(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraCalibration]:
@@ -252,10 +289,10 @@ def _cameras(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraCal
     return calibration.color, calibration.depth
 
 
-def _measured(label: str, found: BurstMarker, finder: PositionFinder) -> Marker:
+def _measured(found: BurstMarker, finder: PositionFinder) -> Marker:
     position = finder.locate(np.array([found.u, found.v]), found.covariance_px2)
     return Marker(
-        label=label,
+        label="m",
         u=found.u,
         v=found.v,
         radius_px=found.radius_px,
@@ -266,9 +303,10 @@ def _measured(label: str, found: BurstMarker, finder: PositionFinder) -> Marker:
     )
 
 
-def doubts_about(markers: tuple[Marker, ...]) -> tuple[str, ...]:
+def doubts_about(found: MarkerFindings) -> tuple[str, ...]:
     """Return what the reader should know of the markers that were found."""
-    if not markers:
+    if not found.markers:
         return ()
-    width_px = 2.0 * float(np.median([marker.radius_px for marker in markers]))
-    return (TOO_FEW_PIXELS,) if width_px < LEAST_WIDTH_PX else ()
+    width_px = 2.0 * float(np.median([marker.radius_px for marker in found.markers]))
+    is_small, is_crowd = width_px < LEAST_WIDTH_PX, found.n_people > 1
+    return (TOO_FEW_PIXELS,) * is_small + (SEVERAL_PEOPLE,) * is_crowd

@@ -109,7 +109,7 @@ def analyse_recording(
         provenance=provenance_of(
             recording_sha256(request.recording), calibration, target, request.params, clock()
         ),
-        notices=(*notices, *doubts_about(findings.markers)),
+        notices=(*notices, *doubts_about(findings)),
         surface_per_m=findings.surface.mean_per_m,
     )
     return analysis if request.protocol is None else with_measures(analysis, request.protocol)

@@ -11,14 +11,18 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
+from adibas.body.mask import find_body
 from adibas.calibration.files import write_calibration
 from adibas.cli import main
 from adibas.data.calibration import CameraCalibration
+from adibas.data.frames import depth_in_metres
 from adibas.geometry.pinhole import project
 from adibas.recordings import RecordingOptions, create_recording, open_recording
+from adibas.recordings.decoding import to_rgbd
 from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 
@@ -280,6 +284,76 @@ def test_two_markers_of_which_one_has_a_position(demo, changed, calibration, ref
     said = refused(path, demo.colors)
     assert "gives a position to" in said
     assert "Only one" not in said
+
+
+@pytest.fixture
+def measured(demo, tmp_path, capsys):
+    """Analyse a recording; return the document, and what was told beside it."""
+
+    def run(path):
+        argv = ["posture", path, "--markers", demo.colors, "--out", tmp_path / "r.xlsx", "--json"]
+        capsys.readouterr()
+        assert main([str(word) for word in argv]) == 0
+        captured = capsys.readouterr()
+        return json.loads(captured.out), captured.err
+
+    return run
+
+
+def test_of_two_people_the_larger_one_is_measured_and_that_is_told(
+    demo, changed, calibration, measured
+):
+    def with_a_second_one(frame):
+        depth_m = calibration.corrected_depth(depth_in_metres(frame.depth_raw, 0.001))
+        pixels = find_body(depth_m, calibration.depth, calibration.floor).pixels
+        rows, columns = np.nonzero(pixels)
+        whole = (columns + 200 < 640) & (rows < 440)
+        depth_raw = frame.depth_raw.copy()
+        rows, columns = rows[whole], columns[whole]
+        depth_raw[rows, columns + 200] = frame.depth_raw[rows, columns]
+        return replace(frame, depth_raw=depth_raw)
+
+    document, told = measured(changed(with_a_second_one))
+    assert any("Several people are seen" in notice for notice in document["notices"])
+    assert "Several people are seen" in told
+    assert len(document["markers"]) == len(demo.said["posture"]["markers"])
+    assert not demo.said["posture"]["notices"]
+
+
+def painted(frame, info, *places):
+    """Return the frame with stickers of the markers' colour at pixels (u, v)."""
+    color_rgb = np.ascontiguousarray(to_rgbd(frame, info).color_rgb).copy()
+    for u, v in places:
+        place = (round(16 * u), round(16 * v))
+        cv2.circle(color_rgb, place, 35, (40, 95, 40), -1, cv2.LINE_AA, 4)
+    return replace(frame, color=color_rgb)
+
+
+def refusals(document):
+    return [(one["reason"], round(one["u"]), round(one["v"])) for one in document["rejected"]]
+
+
+def test_a_sticker_on_the_wall_is_no_marker_and_that_is_told(demo, changed, measured):
+    with open_recording(demo.recording) as recording:
+        info = recording.info
+    document, _told = measured(changed(lambda frame: painted(frame, info, (200, 200))))
+    assert ("not on the patient", 200, 200) in refusals(document)
+    assert len(document["markers"]) == len(demo.said["posture"]["markers"])
+
+
+def test_two_stickers_that_overlap_are_no_marker_between_them(demo, changed, measured):
+    with open_recording(demo.recording) as recording:
+        info = recording.info
+    marker = demo.said["posture"]["markers"][5]
+    u, v = marker["u"], marker["v"]
+    two = changed(lambda frame: painted(frame, info, (u, v), (u + 4, v)))
+    document, _told = measured(two)
+    ((reason, found_u, found_v),) = refusals(document)
+    assert reason == "as long as two markers side by side"
+    assert math.dist((found_u, found_v), (u + 2, v)) < 2
+    labels = [one["label"] for one in document["markers"]]
+    assert len(labels) == len(demo.said["posture"]["markers"]) - 1
+    assert labels == [f"m{number:02d}" for number in range(1, len(labels) + 1)]
 
 
 @pytest.mark.parametrize("name", ["report.txt", "report", "report.docx", "."])

@@ -1,0 +1,80 @@
+"""What else a burst shows, so that no number looks right and is not: other people, other spots."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from adibas.arrays import Float32Array
+from adibas.body.people import find_people
+from adibas.data.calibration import CameraCalibration
+from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.masks import BodyMask
+from adibas.geometry.planes import Plane
+from adibas.markers.burst import BurstMarker
+from adibas.markers.detection import Detections
+from adibas.markers.merged import MERGED, are_merged
+from adibas.texts import message
+
+BESIDE = message("not on the patient")
+OWN_SHARE = 0.5
+"""Of a piece's pixels that the body has, too: from there on it is no other person."""
+MOST_BESIDE = 10
+"""Spots beside the patient that are told, the surest ones: a wall may be full of them."""
+
+
+def count_people(
+    depth_m: Float32Array, depth_camera: CameraCalibration, floor: Plane | None, body: BodyMask
+) -> int:
+    """Return how many people a depth image shows; the pieces of `body` are one person."""
+    others = (one.pixels for one in find_people(depth_m, depth_camera, floor))
+    return 1 + sum(float(body.pixels[pixels].mean()) < OWN_SHARE for pixels in others)
+
+
+def refuse_beside(
+    seen: Detections, markers: Sequence[Marker], greatest_share: float
+) -> tuple[RejectedBlob, ...]:
+    """Return what looks like a marker and is on nobody.
+
+    Parameters
+    ----------
+    seen : Detections
+        In the picture without the patient.
+    markers : sequence of Marker
+        Whose own rims are no spots of their own.
+    greatest_share : float
+        Where more of the picture than that looks so, nothing is told: it is a wall.
+    """
+    if seen.matched_share > greatest_share:
+        return ()
+    spots = [
+        blob
+        for blob in sorted(seen.blobs, key=lambda blob: -blob.separation)
+        if all(
+            math.dist((blob.u, blob.v), (one.u, one.v)) > 2.0 * one.radius_px + blob.radius_px
+            for one in markers
+        )
+    ]
+    return tuple(RejectedBlob(one.u, one.v, BESIDE) for one in spots[:MOST_BESIDE])
+
+
+def apart_from_merged(
+    found: tuple[BurstMarker, ...], markers: tuple[Marker, ...], focal_px: float
+) -> tuple[tuple[Marker, ...], tuple[RejectedBlob, ...]]:
+    """Return the markers that are one each, and what is two in one.
+
+    Parameters
+    ----------
+    found, markers : tuple
+        The same ones: as they look, and where they are.
+    focal_px : float
+        Of the colour camera.
+    """
+    depths_m = np.array(
+        [np.nan if one.position_m is None else one.position_m[2] for one in markers]
+    )
+    radii_m = np.array([one.radius_px for one in markers]) * depths_m / focal_px
+    is_merged = are_merged(radii_m, np.array([one.axis_ratio for one in found]))
+    kept = tuple(one for one, out in zip(markers, is_merged, strict=True) if not out)
+    refused = (one for one, out in zip(markers, is_merged, strict=True) if out)
+    return kept, tuple(RejectedBlob(one.u, one.v, MERGED) for one in refused)

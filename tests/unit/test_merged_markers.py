@@ -1,0 +1,69 @@
+"""Two markers in one spot are told by its length, whichever way they are turned."""
+
+import numpy as np
+import pytest
+
+from adibas.data.markers import Marker
+from adibas.markers.blobs import Blob
+from adibas.markers.burst import BurstMarker
+from adibas.markers.detection import Detections
+from adibas.markers.merged import are_merged
+from adibas.pipeline.posture_checks import MOST_BESIDE, apart_from_merged, refuse_beside
+
+
+def blob(u, v, separation=10.0):
+    return Blob(u, v, 20, 3.0, 0.9, separation, 0.8, 0.9, np.eye(2))
+
+
+def seen(turned_rad, radius_m=0.005):
+    """Return radius of equal area and axis ratio of a disc that is turned away."""
+    ratio = np.cos(turned_rad)
+    return radius_m * np.sqrt(ratio), ratio
+
+
+def judged(*spots):
+    radii_m, ratios = np.array(spots).T
+    return are_merged(radii_m, ratios).tolist()
+
+
+def test_a_disc_is_as_long_however_it_is_turned():
+    assert judged(*(seen(angle) for angle in np.deg2rad([0, 10, 30, 50, 65]))) == [False] * 5
+
+
+@pytest.mark.parametrize(("ratio", "is_two"), [(0.5, True), (0.79, True), (0.9, False)])
+def test_a_spot_as_long_as_two_is_two_unless_it_is_round(ratio, is_two):
+    long_one = (0.0075 * np.sqrt(ratio), ratio)
+    assert judged(*[seen(0.3)] * 4, long_one) == [*[False] * 4, is_two]
+
+
+def test_three_markers_have_no_usual_length():
+    assert judged(seen(0), seen(0), (0.01, 0.5)) == [False] * 3
+
+
+def found(radius_px, ratio, depth_m):
+    """Return one marker as it looks, and where it is."""
+    looks = BurstMarker(100.0, 50.0, radius_px, ratio, np.eye(2), 30)
+    if depth_m is None:
+        return looks, Marker("m", 100.0, 50.0, radius_px, np.eye(2))
+    place_m = np.array([0.0, 0.0, depth_m])
+    return looks, Marker("m", 100.0, 50.0, radius_px, np.eye(2), place_m, np.eye(3))
+
+
+def test_a_near_marker_is_not_two_far_ones_and_one_without_a_place_is_kept():
+    spots = [found(5, 0.7, 2.0), found(5, 0.7, 2.0), found(5, 0.7, 2.0), found(10, 0.7, 1.0)]
+    spots += [found(30, 0.4, None), found(9, 0.6, 2.0)]
+    looks, markers = zip(*spots, strict=True)
+    kept, refused = apart_from_merged(looks, markers, 1000.0)
+    assert kept == markers[:5]
+    assert [one.reason for one in refused] == ["as long as two markers side by side"]
+
+
+def test_the_rim_of_a_marker_is_no_spot_beside_the_patient_and_a_full_wall_is_not_told():
+    at_rim, beside = blob(105.0, 50.0), blob(300.0, 40.0)
+    _looks, marker = found(5, 1.0, 2.0)
+    (told,) = refuse_beside(Detections((at_rim, beside), (), 0.01), [marker], 0.3)
+    assert (told.u, told.v, told.reason) == (300.0, 40.0, "not on the patient")
+    assert refuse_beside(Detections((beside,), (), 0.4), [], 0.3) == ()
+    many = tuple(blob(10.0 * i, 0.0, separation=float(i)) for i in range(30))
+    surest = refuse_beside(Detections(many, (), 0.01), [], 0.3)
+    assert [one.u for one in surest] == [10.0 * i for i in range(29, 29 - MOST_BESIDE, -1)]
