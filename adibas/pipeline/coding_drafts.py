@@ -20,6 +20,8 @@ from adibas.recordings.reading import cannot_read
 
 CODED, DETECTED = "coding", "detected"
 UNNAMED = "recording"
+ENDINGS = {"steps": "json", "blind": "txt"}
+"""Of the files of parts that are no tables."""
 
 
 class DraftPlace(Protocol):
@@ -49,7 +51,8 @@ class BesideRecording(DraftPlace):
     def path(self, part: str) -> Path:
         """Return where a part is kept."""
         coder = re.sub(r"[^\w-]+", "_", self.observer)
-        name = f"{recording_name(self.recording)}.{part}{f'-{coder}' if coder else ''}.csv"
+        ending = ENDINGS.get(part, "csv")
+        name = f"{recording_name(self.recording)}.{part}{f'-{coder}' if coder else ''}.{ending}"
         return self.recording.with_name(name)
 
     def read(self, part: str) -> str | None:

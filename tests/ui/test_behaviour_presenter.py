@@ -15,7 +15,8 @@ from adibas.data.sentence import Sentence
 from adibas.data.sessions import SessionSetup
 from adibas.errors import LimbError, RecordingError
 from adibas.pipeline.behaviour import ESTIMATED, BehaviourAnalysis
-from adibas.pipeline.coding_drafts import BesideRecording, read_draft, write_draft
+from adibas.pipeline.coding_drafts import BesideRecording, read_draft
+from adibas.pipeline.draft_history import note_blind, write_history
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram, shipped_ethogram, write_ethogram
 from adibas.reports.codings import write_codings
@@ -32,6 +33,7 @@ from tests.ui.conftest import NoSensor
 from ui.behaviour.playing import Playing, frame_at, frame_times_ms
 from ui.behaviour.presenter import BehaviourPresenter, BehaviourView
 from ui.behaviour.scheme import fields_of, without
+from ui.behaviour.sources import titled
 from ui.behaviour.tables import TextTable
 from ui.workspace import Workspace
 
@@ -43,12 +45,12 @@ class LazyKeeper:
         self.waiting = {}
         self.is_closed = False
 
-    def keep(self, place, draft, at_ms):
-        self.waiting[place] = (draft, at_ms)
+    def keep(self, place, history, at_ms):
+        self.waiting[place] = (history, at_ms)
 
     def flush(self):
         for place, kept in self.waiting.items():
-            write_draft(place, *kept)
+            write_history(place, *kept)
         self.waiting.clear()
 
     def close(self):
@@ -714,10 +716,69 @@ def test_a_second_observer_goes_on_another_day(scene):
     path = scene.open()
     scene.presenter.files.begin_blind("MP")
     scene.seated(0, 60)
+    scene.presenter.files.end_blind()
     scene.presenter.open_file(path)
     assert scene.events == []
+    assert not scene.coding.is_blind
     scene.presenter.files.begin_blind("MP")
     assert scene.events == [("seated", time_ms(0), time_ms(60))]
+
+
+def test_opening_a_recording_again_shows_a_blind_observer_nothing(scene):
+    path = scene.open()
+    scene.seated(0, 30)
+    scene.presenter.files.begin_blind("MP")
+    scene.seated(0, 60)
+    scene.presenter.leave()
+    for _time in range(2):
+        scene.presenter.open_file(path)
+        assert scene.coding.is_blind
+        assert scene.view.show_blind.call_args.args == ("MP",)
+        assert scene.events == [("seated", time_ms(0), time_ms(60))]
+        assert {bar.layer for bar in scene.timeline.bars} == {"coded"}
+    scene.presenter.files.end_blind()
+    assert scene.events == [("seated", time_ms(0), time_ms(30))]
+    scene.coding.undo()
+    assert scene.coding.draft.begun, "the first observer's steps are there, too"
+    scene.presenter.open_file(path)
+    assert not scene.coding.is_blind
+
+
+def test_who_codes_blind_and_has_coded_nothing_yet_stays_blind(scene):
+    path = make_recording(scene.folder / "child.mcap")
+    note_blind(BesideRecording(path), "MP")
+    scene.presenter.open_file(path)
+    assert scene.coding.is_blind
+    assert scene.events == []
+    assert scene.view.show_desk.call_args.args[0].is_locked
+
+
+def test_what_was_coded_on_another_day_is_taken_back_step_by_step(scene):
+    path = scene.open()
+    scene.seated(0, 30)
+    scene.presenter.go_to(40)
+    scene.coding.press("raises hand")
+    scene.coding.undo()
+    scene.presenter.leave()
+    scene.presenter.open_file(path)
+    desk = scene.view.show_desk.call_args.args[0]
+    assert (desk.can_undo, desk.can_redo) == (True, True)
+    scene.coding.redo()
+    assert len(scene.events) == 2
+    for _step in range(3):
+        scene.coding.undo()
+    assert scene.events == []
+
+
+def test_steps_that_cannot_be_read_are_told_and_the_coding_is_there(scene):
+    path = scene.open()
+    scene.seated(0, 30)
+    scene.coding.close()
+    scene.keeper.flush()
+    BesideRecording(path).path("steps").write_text("{", "utf-8")
+    scene.presenter.open_file(path)
+    assert "cannot be undone" in scene.told[-1][1]
+    assert scene.events == [("seated", time_ms(0), time_ms(30))]
 
 
 def test_a_second_observer_has_initials_of_his_own(scene):
@@ -871,6 +932,10 @@ def test_a_recording_of_the_session_is_coded_and_sealed(stored_scene):
     (choice,) = scene.view.show_stored.call_args.args[0]
     assert choice.recording_id == writer.recording_id
     scene.presenter.open_stored(writer.recording_id)
+    title, name = scene.view.show_source.call_args.args
+    assert title == f"{choice.created_utc:%Y-%m-%d %H:%M}"
+    assert name == writer.recording_id[:8]
+    assert titled(title, "posterior") == f"{title}, Back"
     scene.seated(0, 5)
     scene.presenter.open_stored(writer.recording_id)
     assert scene.events == [("seated", time_ms(0), time_ms(5))]

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from adibas.behaviour.editing import Draft
+from adibas.behaviour.editing import Draft, History
 from adibas.data.frames import SensorFrame
 from adibas.errors import FileError, RecordingError
 from adibas.pipeline.coding_drafts import BesideRecording, read_draft
@@ -80,10 +80,10 @@ def test_the_newest_draft_is_written(tmp_path):
     place, failures = BesideRecording(tmp_path / "a.mcap"), []
     keeper = DraftKeeper(failures.append)
     for second in range(2, 30):
-        keeper.keep(place, Draft(coding(("seated", 1, second))), 0)
+        keeper.keep(place, History(Draft(coding(("seated", 1, second)))), 0)
     keeper.flush()
     assert read_draft(place).coding.occurrences[0].end_ms == 29_000
-    keeper.keep(place, Draft(coding(("seated", 1, 40))), 0)
+    keeper.keep(place, History(Draft(coding(("seated", 1, 40)))), 0)
     keeper.close()
     assert read_draft(place).coding.occurrences[0].end_ms == 40_000
     assert failures == []
@@ -93,7 +93,7 @@ def test_a_draft_that_cannot_be_written_is_told(tmp_path):
     (tmp_path / "file").write_text("")
     failures = []
     keeper = DraftKeeper(failures.append)
-    keeper.keep(BesideRecording(tmp_path / "file" / "a.mcap"), Draft(coding()), 0)
+    keeper.keep(BesideRecording(tmp_path / "file" / "a.mcap"), History(Draft(coding())), 0)
     keeper.close()
     assert isinstance(failures[0], FileError)
 

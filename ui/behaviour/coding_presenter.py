@@ -97,10 +97,16 @@ class CodingPresenter:
         """Return the coding as it would be if everything ended now."""
         return None if self._history is None else self._history.now.settled(self._now())
 
-    def open(self, draft: Draft, place: DraftPlace, observer: str) -> None:
+    @property
+    def history(self) -> History[Draft] | None:
+        """Return every step up to now; None before a recording is open."""
+        return self._history
+
+    def open(self, history: History[Draft], place: DraftPlace, observer: str) -> None:
         """Go on with a draft; `observer` is one who codes blind, from the beginning on."""
         self.keep()
-        self._history, self._place, self._observer = History(draft), place, observer
+        self._history, self._place, self._observer = history, place, observer
+        draft = history.now
         subjects = draft.coding.ethogram.subjects
         self._subject = subjects[0].name if subjects else ""
         self._selected, self._other, self._differences = None, None, ()
@@ -117,7 +123,7 @@ class CodingPresenter:
     def keep(self) -> None:
         """Write the draft where it is kept."""
         if self._history is not None and self._place is not None:
-            self._keeper.keep(self._place, self._history.now, self._now())
+            self._keeper.keep(self._place, self._history, self._now())
 
     def keep_begun(self) -> None:
         """Write how long states last by now, if any was begun."""

@@ -5,11 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from adibas.behaviour.editing import Draft, with_ethogram
+from adibas.behaviour.editing import Draft, History, with_ethogram
 from adibas.data.coding import Coding
 from adibas.errors import AdibasError, BehaviourError
-from adibas.pipeline.coding_drafts import DraftPlace, new_draft, read_draft
+from adibas.pipeline.coding_drafts import DraftPlace, new_draft
 from adibas.pipeline.coding_files import for_file, read_for
+from adibas.pipeline.draft_history import note_blind, read_history
 from adibas.recordings.ethogram_json import read_ethogram, write_ethogram
 from adibas.texts import describe, spoken_language
 from adibas.texts import translate as _
@@ -53,12 +54,30 @@ class FilesPresenter:
         self._revealed = revealed
         self._note_export = note_export
         self._source: Source | None = None
-        self._first: Draft | None = None
+        self._first: History[Draft] | None = None
 
-    def use(self, source: Source) -> None:
-        """Save and open codings of this recording from now on."""
+    def use(
+        self, source: Source, first: History[Draft], observer: str, second: History[Draft] | None
+    ) -> None:
+        """Code this recording from now on.
+
+        Parameters
+        ----------
+        source : Source
+        first : History of Draft
+            Of the first observer.
+        observer : str
+            Who coded blind when the recording was left, and goes on; empty for nobody.
+        second : History of Draft or None
+            What he coded up to now.
+        """
         self._source, self._first = source, None
-        self._view.show_blind("")
+        if observer:
+            blind = second or History(_empty(first.now, observer))
+            self._open(blind, source.place_for(observer), observer)
+            self._first = first
+        else:
+            self._open(first, source.place_for(""), "")
 
     def open_coding(self, path: Path) -> None:
         """Take a coding from a file in place of what is coded; it can be undone."""
@@ -125,20 +144,24 @@ class FilesPresenter:
     def begin_blind(self, observer: str) -> None:
         """Let a second observer code: he sees nothing of the first one, and the scheme is locked.
 
-        What he coded another day is taken up.
+        What he coded another day is taken up. Until the second coding is ended he sees nothing of
+        the first one, also where the recording is opened anew.
         """
-        source, draft = self._source, self._coding.draft
-        if source is None or draft is None or self._coding.is_blind:
+        source, first = self._source, self._coding.history
+        if source is None or first is None or self._coding.is_blind:
             return
+        initials = observer.strip()
 
         def begin() -> None:
-            if observer.strip() in ("", draft.coding.observer):
+            if initials in ("", first.now.coding.observer):
                 raise BehaviourError("A second observer has initials of his own. Type other ones.")
             self._keeper.flush()
-            place = source.place_for(observer.strip())
-            second = read_draft(place) or _empty(draft, observer.strip())
-            self._open(second, place, observer.strip())
-            self._first = draft
+            place = source.place_for(initials)
+            kept = read_history(place)
+            second = History(_empty(first.now, initials)) if kept is None else kept.history
+            note_blind(source.place_for(""), initials)
+            self._open(second, place, initials)
+            self._first = first
 
         self._workspace.attempt(begin)
 
@@ -147,12 +170,17 @@ class FilesPresenter:
         source, first, second = self._source, self._first, self._coding.coding()
         if source is None or first is None or second is None:
             return
-        self._open(first, source.place_for(""), "")
-        self._first = None
-        self._revealed(second)
 
-    def _open(self, draft: Draft, place: DraftPlace, observer: str) -> None:
-        self._coding.open(draft, place, observer)
+        def end() -> None:
+            note_blind(source.place_for(""), "")
+            self._open(first, source.place_for(""), "")
+            self._first = None
+            self._revealed(second)
+
+        self._workspace.attempt(end)
+
+    def _open(self, history: History[Draft], place: DraftPlace, observer: str) -> None:
+        self._coding.open(history, place, observer)
         self._view.show_blind(observer)
 
 

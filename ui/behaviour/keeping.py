@@ -4,9 +4,10 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 
-from adibas.behaviour.editing import Draft
+from adibas.behaviour.editing import Draft, History
 from adibas.errors import AdibasError
-from adibas.pipeline.coding_drafts import DraftPlace, write_draft
+from adibas.pipeline.coding_drafts import DraftPlace
+from adibas.pipeline.draft_history import write_history
 from ui.behaviour.ports import Keeper
 
 
@@ -23,13 +24,13 @@ class DraftKeeper(Keeper):
         self._failed = failed
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="drafts")
         self._lock = Lock()
-        self._waiting: dict[DraftPlace, tuple[Draft, int]] = {}
+        self._waiting: dict[DraftPlace, tuple[History[Draft], int]] = {}
 
-    def keep(self, place: DraftPlace, draft: Draft, at_ms: int) -> None:
-        """Write a draft as soon as it can be; it replaces the one that still waits."""
+    def keep(self, place: DraftPlace, history: History[Draft], at_ms: int) -> None:
+        """Write a draft and its steps as soon as it can be, in place of what still waits."""
         with self._lock:
             is_first = place not in self._waiting
-            self._waiting[place] = (draft, at_ms)
+            self._waiting[place] = (history, at_ms)
         if is_first:
             self._pool.submit(self._write, place)
 
@@ -43,8 +44,8 @@ class DraftKeeper(Keeper):
 
     def _write(self, place: DraftPlace) -> None:
         with self._lock:
-            draft, at_ms = self._waiting.pop(place)
+            history, at_ms = self._waiting.pop(place)
         try:
-            write_draft(place, draft, at_ms)
+            write_history(place, history, at_ms)
         except AdibasError as error:
             self._failed(error)

@@ -10,7 +10,7 @@ from adibas.errors import AdibasError
 from ui.events import Event
 
 if TYPE_CHECKING:
-    from adibas.behaviour.editing import Draft
+    from adibas.behaviour.editing import Draft, History
     from adibas.pipeline.coding_drafts import DraftPlace
     from adibas.pipeline.recording_access import RecordingAccess
     from adibas.recordings.ports import RecordingReader
@@ -75,8 +75,8 @@ class FrameFeed(Protocol):
 class Keeper(Protocol):
     """Keeps drafts beside the window: of one place the newest, in their order."""
 
-    def keep(self, place: "DraftPlace", draft: "Draft", at_ms: int) -> None:
-        """Write a draft as soon as it can be; it replaces the one that still waits."""
+    def keep(self, place: "DraftPlace", history: "History[Draft]", at_ms: int) -> None:
+        """Write a draft and its steps as soon as it can be, in place of what still waits."""
 
     def flush(self) -> None:
         """Wait until everything is on the disk."""

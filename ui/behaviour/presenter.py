@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from adibas.behaviour.editing import Draft
+from adibas.behaviour.editing import Draft, History
 from adibas.data.coding import MS_PER_S
 from adibas.errors import AdibasError, RecordingError
-from adibas.pipeline.coding_drafts import new_draft, read_draft
+from adibas.pipeline.coding_drafts import new_draft
+from adibas.pipeline.draft_history import Kept, blind_observer, read_history
 from adibas.recordings.ethogram_json import shipped_ethogram
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter, CodingView
@@ -72,12 +73,14 @@ class BehaviourView(CodingView, FindingView, FilesView, CountsView, Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Opened:
-    """A recording and what is coded of it."""
+    """A recording and what is coded of it: by the first observer, and by one who codes blind."""
 
     source: Source
     reader: "RecordingReader"
     times_ms: tuple[int, ...]
-    draft: Draft | None
+    first: Kept | None
+    observer: str
+    second: Kept | None
 
 
 class BehaviourPresenter:
@@ -283,11 +286,11 @@ class BehaviourPresenter:
         self.counts.forget()
         self._view.show_source(opened.source.title, opened.source.name)
         self._show_playing()
-        place = opened.source.place_for("")
-        self.coding.open(opened.draft or self._new_draft(), place, "")
-        self.files.use(opened.source)
-        if opened.reader.notice is not None:
-            self._workspace.tell("warning", opened.reader.notice)
+        first = History(self._new_draft()) if opened.first is None else opened.first.history
+        second = None if opened.second is None else opened.second.history
+        self.files.use(opened.source, first, opened.observer, second)
+        for notice in _notices(opened):
+            self._workspace.tell("warning", notice)
         self._ask(0)
 
     def _new_draft(self) -> Draft:
@@ -355,6 +358,12 @@ class BehaviourPresenter:
         self._view.show_stored(choices)
 
 
+def _notices(opened: Opened) -> list[str]:
+    kept = (opened.first, opened.second)
+    told = [one.notice.text for one in kept if one is not None and one.notice is not None]
+    return told if opened.reader.notice is None else [opened.reader.notice, *told]
+
+
 def _opened(source: Source) -> Opened:
     """Open a recording and take up what is coded of it."""
     reader = source.access.open(source.path)
@@ -364,7 +373,10 @@ def _opened(source: Source) -> Opened:
             raise RecordingError(
                 "{file} has no frames. Choose another recording.", file=source.title
             )
-        return Opened(source, reader, times_ms, read_draft(source.place_for("")))
+        observer = blind_observer(source.place_for(""))
+        second = read_history(source.place_for(observer)) if observer else None
+        first = read_history(source.place_for(""))
+        return Opened(source, reader, times_ms, first, observer, second)
     except AdibasError:
         reader.close()
         raise
