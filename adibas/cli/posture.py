@@ -80,6 +80,10 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     write_report(report_of_analysis(analysis, arguments.language, pictures), arguments.out)
     for notice in analysis.notices:
         console.warn(_(notice))
+    for reason, count in Counter(one.reason for one in analysis.rejected).most_common():
+        console.warn(
+            _("Not counted as a marker ({n}): {reason}.").format(n=count, reason=_(reason))
+        )
     _tell_measures(analysis, console)
     n_markers, n_distances, n_angles = (
         len(found) for found in (analysis.markers, analysis.distances, analysis.angles)

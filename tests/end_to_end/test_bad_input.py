@@ -336,7 +336,8 @@ def refusals(document):
 def test_a_sticker_on_the_wall_is_no_marker_and_that_is_told(demo, changed, measured):
     with open_recording(demo.recording) as recording:
         info = recording.info
-    document, _told = measured(changed(lambda frame: painted(frame, info, (200, 200))))
+    document, told = measured(changed(lambda frame: painted(frame, info, (200, 200))))
+    assert "Not counted as a marker (1): not on the patient." in told
     assert ("not on the patient", 200, 200) in refusals(document)
     assert len(document["markers"]) == len(demo.said["posture"]["markers"])
 
