@@ -97,6 +97,15 @@ def check_place(path: Path) -> None:
         )
 
 
+def cannot_read(path: Path, error: OSError) -> FileError:
+    """Say in words why `path` cannot be read."""
+    return FileError(
+        "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
+        file=path.name,
+        reason=error.strerror or str(error),
+    )
+
+
 def cannot_write(path: Path, error: OSError) -> FileError:
     """Say in words why `path` cannot be written."""
     if error.errno in FULL:

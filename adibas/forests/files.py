@@ -10,7 +10,7 @@ import numpy as np
 
 from adibas.arrays import AnyArray
 from adibas.errors import FileError
-from adibas.files import written_whole
+from adibas.files import cannot_read, written_whole
 from adibas.forests.forest import Forest
 
 FORMAT, VERSION = "adibas-forest", 1
@@ -52,11 +52,7 @@ def load_forest(path: Path) -> Forest:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return _forest_of(arrays, path)
     except OSError as error:
-        raise FileError(
-            "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
-            file=path.name,
-            reason=error.strerror or str(error),
-        ) from error
+        raise cannot_read(path, error) from error
     except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise FileError(
             "{file} is no forest of ADiBAS, or it is damaged. Choose a file that "

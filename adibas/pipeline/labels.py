@@ -13,6 +13,7 @@ from pathlib import Path
 from adibas.data.corrections import LONGEST_LABEL
 from adibas.data.markers import Marker
 from adibas.errors import FileError, MarkerError
+from adibas.files import cannot_read
 
 REACH_PX = 15.0
 """How far from a marker's centre a pixel may be to mean it, as a click in the window."""
@@ -55,11 +56,7 @@ def read_labels(path: Path) -> tuple[LabelLine, ...]:
                 if (row["label"] or "").strip()
             )
     except OSError as error:
-        raise FileError(
-            "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
-            file=path.name,
-            reason=error.strerror or str(error),
-        ) from error
+        raise cannot_read(path, error) from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise FileError(
             "{file} is no table in UTF-8. Save it as CSV in UTF-8.", file=path.name

@@ -9,7 +9,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.errors import FileError
-from adibas.files import written_whole
+from adibas.files import cannot_read, written_whole
 from adibas.skeleton.model import NeighbourTree, PointModel, Prototype, SkeletonModel
 from adibas.skeleton.parts_files import parts_from_json, parts_to_json
 
@@ -42,11 +42,7 @@ def read_model(path: Path) -> SkeletonModel:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise FileError(
-            "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
-            file=path.name,
-            reason=error.strerror or str(error),
-        ) from error
+        raise cannot_read(path, error) from error
     except ValueError as error:
         raise _no_model(path) from error
     if not isinstance(document, dict) or document.get("format") != FORMAT:

@@ -11,7 +11,7 @@ import numpy as np
 from adibas.arrays import FloatArray, check_shape, read_only
 from adibas.data.posture import VIEWS
 from adibas.errors import FileError
-from adibas.files import written_whole
+from adibas.files import cannot_read, written_whole
 
 COLUMNS = ("shape", "point", "label", "x_m", "y_m")
 Z, VIEW = "z_m", "view"
@@ -71,11 +71,7 @@ def read_points(path: Path) -> tuple[PointSet, ...]:
             for row in reader:
                 _add_row(path, reader.line_num, row, shapes)
     except OSError as error:
-        raise FileError(
-            "{file} cannot be read: {reason}. Check the name, and that the disk is there.",
-            file=path.name,
-            reason=error.strerror or str(error),
-        ) from error
+        raise cannot_read(path, error) from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise FileError(
             "{file} is no CSV file in UTF-8. Save it as such.", file=path.name
