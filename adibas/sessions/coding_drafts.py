@@ -19,11 +19,14 @@ class InStore:
     recording_id : str
     observer : str
         Initials of a second observer; empty for the first one.
+    joined : str
+        Which other recordings are watched with it as one; empty for none.
     """
 
     recordings: Recordings
     recording_id: str
     observer: str = ""
+    joined: str = ""
 
     def read(self, part: str) -> str | None:
         """Return a part; None where it was never written.
@@ -56,5 +59,5 @@ class InStore:
         self.recordings.codings.write(self._file_id(part), key, text.encode())
 
     def _file_id(self, part: str) -> str:
-        name = f"{part}/{self.observer}"
+        name = f"{part}/{self.observer}{f'/{self.joined}' if self.joined else ''}"
         return f"{self.recording_id}-{hashlib.sha256(name.encode()).hexdigest()[:ID_DIGITS]}"

@@ -17,11 +17,13 @@ from adibas.errors import LimbError, RecordingError
 from adibas.pipeline.behaviour import ESTIMATED, BehaviourAnalysis
 from adibas.pipeline.coding_drafts import BesideRecording, read_draft
 from adibas.pipeline.draft_history import note_blind, write_history
+from adibas.recordings import create_recording
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram, shipped_ethogram, write_ethogram
 from adibas.reports.codings import write_codings
 from adibas.texts import message
 from tests.ui.behaviour_scene import (
+    FRAME_MS,
     INFO,
     N_FRAMES,
     InlineFeed,
@@ -33,7 +35,7 @@ from tests.ui.conftest import NoSensor
 from ui.behaviour.playing import Playing, frame_at, frame_times_ms
 from ui.behaviour.presenter import BehaviourPresenter, BehaviourView
 from ui.behaviour.scheme import fields_of, without
-from ui.behaviour.sources import titled
+from ui.behaviour.sources import ALL, titled
 from ui.behaviour.tables import TextTable
 from ui.workspace import Workspace
 
@@ -1013,3 +1015,62 @@ def test_what_is_measured_is_shown_once_the_program_has_looked(scene, seeing, mo
     assert scene.view.show_counts.call_args.args == (("paths", ((), 60_000)),)
     counts.choose_table("raster")
     assert [name[:5] for name in scene.view.show_plot.call_args.args[0].rows] == ["waves"]
+
+
+def test_recordings_that_follow_one_another_are_one_observation(scene):
+    paths = [make_recording(scene.folder / f"part {number}.mcap", 30) for number in (10, 2)]
+    scene.presenter.open_files(paths)
+    title, name = scene.view.show_source.call_args.args
+    assert title == "part 2 and 1 more"
+    assert "a second stands for the break" in scene.told[-1][1]
+    scene.presenter.go_to_end()
+    assert scene.index == 59
+    coding = scene.coding.draft.coding
+    assert coding.media == ("part 2", "part 10")
+    seam_ms = time_ms(29) + 1000
+    assert coding.variables[1] == ("part 10 begins [s]", f"{seam_ms / 1000:.3f}")
+    assert coding.end_ms == seam_ms + FRAME_MS * 29
+    scene.seated(10, 40)
+    scene.presenter.open_file(paths[0])
+    assert scene.events == [], "what is coded of a part alone is another coding"
+    scene.presenter.open_files(paths[::-1])
+    assert [event[0] for event in scene.events] == ["seated"]
+    assert (scene.folder / f"{name}.coding.csv").exists()
+    scene.presenter.open_files(paths[:1])
+    assert scene.presenter.source.parts == ()
+
+
+def test_a_part_of_another_camera_is_told(scene):
+    first = make_recording(scene.folder / "a.mcap", 3)
+    other = scene.folder / "b.mcap"
+    with create_recording(other, replace(INFO, sensor_serial="T2")) as writer:
+        for frame in make_frames(3):
+            writer.write(frame)
+    scene.presenter.open_files([first, other])
+    assert "another camera" in str(scene.workspace.jobs.problems[-1])
+    assert scene.presenter.source is None
+
+
+def test_all_recordings_of_a_session_are_one_observation(stored_scene):
+    scene, store = stored_scene, stored_scene.workspace.store
+    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    session = store.sessions.start(patient.pseudonym, SessionSetup())
+    for n_frames in (9, 5):
+        with store.recordings.create(session.session_id, INFO) as writer:
+            for frame in make_frames(n_frames):
+                writer.write(frame)
+    scene.workspace.choose_session(session)
+    scene.presenter.open_stored(ALL)
+    scene.presenter.go_to_end()
+    assert scene.index == 13
+    assert scene.view.show_source.call_args.args[0].endswith(" and 1 more")
+    scene.seated(0, 12)
+    scene.presenter.open_stored(writer.recording_id)
+    assert scene.events == []
+    scene.presenter.open_stored(ALL)
+    assert [event[0] for event in scene.events] == ["seated"]
+    assert len(scene.presenter.source.access.sha256(Path("any"))) == 64
+    scene.workspace.choose_session(None)
+    scene.keeper.flush()
+    store.sessions.purge(session.session_id)
+    assert not list(store.folder.glob("codings/*/*.sealed"))

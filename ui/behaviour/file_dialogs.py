@@ -29,6 +29,18 @@ def ask_open(parent: QWidget, title: str, name_filter: str, then: Then) -> None:
     _ask(dialog, then)
 
 
+def ask_open_several(
+    parent: QWidget, title: str, name_filter: str, then: Callable[[list[Path]], None]
+) -> None:
+    """Ask which files are opened together."""
+    dialog = QFileDialog(parent, title)
+    dialog.setNameFilter(name_filter)
+    dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
+    dialog.filesSelected.connect(lambda names: then([Path(name) for name in names]))
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()
+
+
 def ask_save(parent: QWidget, title: str, filters: tuple[str, ...], file: str, then: Then) -> None:
     """Ask where a file goes; `file` is proposed, and the ending follows the chosen filter."""
     dialog = QFileDialog(parent, title)

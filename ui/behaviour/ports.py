@@ -37,6 +37,8 @@ class Source:
         Gives the place of a draft for the initials of a second observer; none for the first.
     session_id : str
         Of the session whose recording it is; empty for a file.
+    parts : tuple of str
+        Names of the recordings that are watched one after another; empty for a single one.
     """
 
     title: str
@@ -45,6 +47,7 @@ class Source:
     access: "RecordingAccess"
     place_for: "Callable[[str], DraftPlace]"
     session_id: str = ""
+    parts: tuple[str, ...] = ()
 
 
 class FrameFeed(Protocol):

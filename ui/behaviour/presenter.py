@@ -1,36 +1,36 @@
 """Which recording is looked at, and which of its frames. Knows nothing of Qt."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from adibas.behaviour.editing import Draft, History
+from adibas.behaviour.editing import History
 from adibas.data.coding import MS_PER_S
-from adibas.errors import AdibasError, RecordingError
-from adibas.pipeline.coding_drafts import new_draft
-from adibas.pipeline.draft_history import Kept, blind_observer, read_history
-from adibas.recordings.ethogram_json import shipped_ethogram
+from adibas.errors import AdibasError
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter, CodingView
 from ui.behaviour.counts_presenter import CountsPresenter, CountsView
 from ui.behaviour.files_presenter import FilesPresenter, FilesView
 from ui.behaviour.finding_presenter import FindingPresenter, FindingView
 from ui.behaviour.learning_presenter import LearningPresenter, LearningView
-from ui.behaviour.playing import SPEEDS, Playing, frame_at, frame_times_ms
+from ui.behaviour.opening import Opened, first_draft, notices_of, open_source
+from ui.behaviour.playing import SPEEDS, Playing, frame_at
 from ui.behaviour.ports import FrameFeed, Keeper, Picture, Source
 from ui.behaviour.sources import (
+    ALL,
     StoredChoice,
     file_source,
+    files_source,
     plain_title,
     stored_choices,
-    stored_source,
+    stored_sources,
 )
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
-    from adibas.recordings.ports import RecordingReader
+    pass
 
 KEEP_EVERY_S = 2.0
 """So much of a state that lasts is lost in a crash at most."""
@@ -69,18 +69,6 @@ class BehaviourView(CodingView, FindingView, FilesView, CountsView, Protocol):
 
     def show_playing(self, *, is_on: bool, speed: float) -> None:
         """Show whether the video runs, and how fast; `tick` is called while it does."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Opened:
-    """A recording and what is coded of it: by the first observer, and by one who codes blind."""
-
-    source: Source
-    reader: "RecordingReader"
-    times_ms: tuple[int, ...]
-    first: Kept | None
-    observer: str
-    second: Kept | None
 
 
 class BehaviourPresenter:
@@ -161,13 +149,17 @@ class BehaviourPresenter:
         """Open a recording from the disk."""
         self._open(file_source(path))
 
+    def open_files(self, paths: Sequence[Path]) -> None:
+        """Open recordings from the disk, one after another as one observation."""
+        self._open(files_source(paths))
+
     def open_stored(self, recording_id: str) -> None:
-        """Open a recording of the session that is looked at."""
-        store = self._workspace.store
-        choices = {one.recording_id: one for one in stored_choices(self._workspace)}
-        if recording_id in choices:
-            choice = choices[recording_id]
-            self._open(stored_source(store, choice, self._title_of(choice)))
+        """Open a recording of the session that is looked at, or `ALL` of them as one."""
+        found = stored_choices(self._workspace)
+        chosen = [one for one in found if recording_id in (one.recording_id, ALL)]
+        if chosen:
+            title = self._title_of(chosen[0])
+            self._open(stored_sources(self._workspace.store, chosen, title))
 
     def now_ms(self) -> int:
         """Return the time of the frame that is seen."""
@@ -275,7 +267,7 @@ class BehaviourPresenter:
         self.coding.keep()
         self._keeper.flush()  # it may be the same recording, whose draft is read anew
         label = _("Opening {name}").format(name=source.title)
-        self._workspace.jobs.start(label, lambda _control: _opened(source), self._on_opened)
+        self._workspace.jobs.start(label, lambda _control: open_source(source), self._on_opened)
 
     def _on_opened(self, opened: Opened) -> None:
         self._source, self._times_ms = opened.source, opened.times_ms
@@ -286,18 +278,14 @@ class BehaviourPresenter:
         self.counts.forget()
         self._view.show_source(opened.source.title, opened.source.name)
         self._show_playing()
-        first = History(self._new_draft()) if opened.first is None else opened.first.history
+        operator = self._workspace.preferences.now.operator
+        new = History(first_draft(opened, operator))
+        first = new if opened.first is None else opened.first.history
         second = None if opened.second is None else opened.second.history
         self.files.use(opened.source, first, opened.observer, second)
-        for notice in _notices(opened):
+        for notice in notices_of(opened):
             self._workspace.tell("warning", notice)
         self._ask(0)
-
-    def _new_draft(self) -> Draft:
-        name = "" if self._source is None else self._source.name
-        observed_ms = (self._times_ms[0], self._times_ms[-1])
-        operator = self._workspace.preferences.now.operator
-        return new_draft(name, observed_ms, shipped_ethogram(), operator)
 
     def _on_frame(self, index: int, picture: Picture) -> None:
         self._show_frame(index, picture)
@@ -356,27 +344,3 @@ class BehaviourPresenter:
 
         self._workspace.attempt(find)
         self._view.show_stored(choices)
-
-
-def _notices(opened: Opened) -> list[str]:
-    kept = (opened.first, opened.second)
-    told = [one.notice.text for one in kept if one is not None and one.notice is not None]
-    return told if opened.reader.notice is None else [opened.reader.notice, *told]
-
-
-def _opened(source: Source) -> Opened:
-    """Open a recording and take up what is coded of it."""
-    reader = source.access.open(source.path)
-    try:
-        times_ms = frame_times_ms(reader.timestamps_ns)
-        if not times_ms:
-            raise RecordingError(
-                "{file} has no frames. Choose another recording.", file=source.title
-            )
-        observer = blind_observer(source.place_for(""))
-        second = read_history(source.place_for(observer)) if observer else None
-        first = read_history(source.place_for(""))
-        return Opened(source, reader, times_ms, first, observer, second)
-    except AdibasError:
-        reader.close()
-        raise

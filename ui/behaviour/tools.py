@@ -11,7 +11,7 @@ from adibas.pipeline.own_gestures import own_gestures
 from adibas.texts import translate as _
 from ui.behaviour.content import Desk
 from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter
-from ui.behaviour.sources import StoredChoice, titled
+from ui.behaviour.sources import ALL, StoredChoice, titled
 from ui.widgets.dates import moment_text
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.flow import in_a_flow
@@ -200,6 +200,8 @@ def fill_stored(chooser: QComboBox, choices: tuple[StoredChoice, ...]) -> None:
             moment=stored_title(one), seconds=round(one.duration_s)
         )
         chooser.addItem(text, one.recording_id)
+    if len(choices) > 1:
+        chooser.addItem(_("All of them, one after another"), ALL)
     chooser.setVisible(bool(choices))
 
 

@@ -24,7 +24,7 @@ from ui.behaviour.code_panel import CodePanel
 from ui.behaviour.content import Desk, Selected, Timeline
 from ui.behaviour.counts_page import CountsPage
 from ui.behaviour.counts_presenter import CountsPresenter
-from ui.behaviour.file_dialogs import ask_open
+from ui.behaviour.file_dialogs import ask_open_several
 from ui.behaviour.learn_dialog import LearnDialog
 from ui.behaviour.measured import HeatMap, Raster
 from ui.behaviour.ports import Picture
@@ -373,7 +373,8 @@ class BehaviourScreen(Screen):
 
     def _ask_recording(self) -> None:
         name_filter = _("Recordings") + f" {RECORDINGS}"
-        ask_open(self, _("Open a recording"), name_filter, self._presenter.open_file)
+        title = _("Open a recording, or several that follow one another")
+        ask_open_several(self, title, name_filter, self._presenter.open_files)
 
 
 class _Pages(QTabWidget):

@@ -1,0 +1,44 @@
+"""Several recordings that are reached as one."""
+
+import hashlib
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from adibas.pipeline.recording_access import RecordingAccess
+from adibas.recordings.joined import JoinedRecording
+from adibas.recordings.joints_csv import recording_name
+
+
+def joined_access(paths: Sequence[Path], access: RecordingAccess) -> RecordingAccess:
+    """Return how recordings are opened one after another, whatever path is asked for.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Files or ids, in the order of time.
+    access : RecordingAccess
+        How each of them is reached.
+    """
+    names = [recording_name(path) for path in paths]
+
+    def opened(_path: Path) -> JoinedRecording:
+        with ExitStack() as if_that_fails:
+            parts = []
+            for path in paths:
+                parts.append(access.open(path))
+                if_that_fails.callback(parts[-1].close)
+            joined = JoinedRecording(parts, names)
+            if_that_fails.pop_all()
+        return joined
+
+    def sha256(_path: Path) -> str:
+        told = "\n".join(access.sha256(path) for path in paths)
+        return hashlib.sha256(told.encode()).hexdigest()
+
+    return RecordingAccess(opened, sha256)
+
+
+def joined_key(names: Sequence[str]) -> str:
+    """Return a short text that is the same for the same parts in the same order."""
+    return hashlib.sha256("\n".join(names).encode()).hexdigest()[:8]
