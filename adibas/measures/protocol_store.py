@@ -1,6 +1,7 @@
 """Where protocols are found: those that come with the program, the user's own, and any file."""
 
 from contextlib import suppress
+from itertools import count, islice
 from pathlib import Path
 
 import platformdirs
@@ -12,6 +13,9 @@ from adibas.measures.protocol_file import load_protocol, read_protocol
 from adibas.resources import resource_path
 
 ENDING = ".json"
+NEW_ID = "mine"
+EXAMPLE_ID = "example"
+"""As it stands in the file."""
 UNSAVED = "protocol.json"
 """What a text is called before it has a file."""
 
@@ -83,13 +87,28 @@ def protocol_text(name: str) -> str:
         ) from error
 
 
-def save_own_protocol(text: str) -> Path:
-    """Write a protocol into this user's folder, under its id; one that was there is replaced.
+def new_protocol_text() -> str:
+    """Return a small protocol without a mistake, to begin a new one with; its id is free."""
+    taken = protocol_files()
+    numbers = (f"{NEW_ID}-{number}" for number in count(2))
+    name = next(one for one in (NEW_ID, *islice(numbers, len(taken) + 1)) if one not in taken)
+    text = resource_path("protocol_example.json").read_text(encoding="utf-8")
+    return text.replace(EXAMPLE_ID, name, 1)
+
+
+def save_own_protocol(text: str, opened: str = "") -> Path:
+    """Write a protocol into this user's folder, under its id.
+
+    Parameters
+    ----------
+    opened : str
+        Name of the protocol that was changed: that one is replaced, and no other.
 
     Raises
     ------
     ProtocolError
-        It has a mistake, or the id of a protocol that comes with the program.
+        It has a mistake, or the id of a protocol that comes with the program, or of another one
+        of this user's.
     FileError
         The disk is full, or the folder cannot be written.
     """
@@ -104,6 +123,12 @@ def save_own_protocol(text: str) -> Path:
             name=name,
         )
     path = own_folder() / f"{name}{ENDING}"
+    if name != opened and path.exists():
+        raise ProtocolError(
+            "There is a protocol named {name} among yours. Open it to change it, or give this one "
+            "another id.",
+            name=name,
+        )
     with written_whole(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
     return path

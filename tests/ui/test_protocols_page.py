@@ -48,7 +48,7 @@ def test_the_first_time_a_protocol_is_opened_and_checked(presenter, view):
     presenter.enter()
     names, chosen, _folder = view.show_names.call_args.args
     assert names == ("joints-15", "sapo-1", "upper-quadrant")
-    assert chosen == ""
+    assert chosen == "joints-15"
     assert '"id": "joints-15"' in view.show_text.call_args.args[0]
     mistakes, summary = view.show_check.call_args.args
     assert (mistakes, summary) == ((), "No mistake: 15 landmarks, 1470 measures.")
@@ -73,6 +73,37 @@ def test_an_own_protocol_is_saved_under_its_id(presenter, view, told, own_folder
     assert "mine" in dict(protocol_titles())
     presenter.open("mine")
     assert view.show_text.call_args.args[0] == mine()
+
+
+def test_a_new_protocol_begins_without_a_mistake_under_a_free_id(presenter, view, told):
+    presenter.begin()
+    text = view.show_text.call_args.args[0]
+    assert view.show_check.call_args.args == ((), "No mistake: 2 landmarks, 1 measures.")
+    assert view.show_names.call_args.args[1] == ""
+    presenter.save(text)
+    assert told == [("good", "Written: mine.json")]
+    presenter.begin()
+    assert '"id": "mine-2"' in view.show_text.call_args.args[0]
+
+
+def test_no_other_protocol_of_ones_own_is_replaced(presenter, told, own_folder):
+    presenter.begin()
+    presenter.save(mine())
+    presenter.save(mine().replace('"revision": "', '"revision": "2', 1))
+    assert [kind for kind, _sentence in told] == ["good", "good"]
+    presenter.open("upper-quadrant")
+    presenter.save(mine())
+    assert told[-1][0] == "bad"
+    assert "There is a protocol named mine among yours" in told[-1][1]
+    assert json.loads((own_folder / "mine.json").read_text("utf-8"))["revision"].startswith("2")
+
+
+def test_a_protocol_that_was_being_changed_can_be_saved_after_a_lock(presenter, view, told):
+    presenter.save(mine())
+    presenter.take_back("mine", mine() + " ")
+    view.show_changed.assert_called_once_with(mine() + " ")
+    presenter.save(mine() + " ")
+    assert [kind for kind, _sentence in told] == ["good", "good"]
 
 
 def test_what_is_wrong_or_shipped_is_not_saved(presenter, told, own_folder):
@@ -116,6 +147,9 @@ def test_what_is_typed_is_checked_after_a_pause_and_saved_with_a_button(
     mistakes.itemActivated.emit(item)
     line = text.textCursor().blockNumber() + 1
     assert line == item.data(Qt.ItemDataRole.UserRole)
+    (new,) = [one for one in page.findChildren(QPushButton) if "Ne&w" in one.text()]
+    QTest.mouseClick(new, Qt.MouseButton.LeftButton)
+    assert names.currentIndex() == -1
     text.setPlainText(mine())
     qtbot.waitUntil(save.isEnabled)
     QTest.mouseClick(save, Qt.MouseButton.LeftButton)
@@ -131,7 +165,7 @@ def test_what_is_typed_outlives_a_lock_and_another_protocol(workspace, qtbot):
     assert screen.draft() == ""
     screen.protocols.findChild(QPlainTextEdit).insertPlainText(" ")
     draft = screen.draft()
-    assert draft == " " + mine()
+    assert draft == "\n " + mine()
     screen.closed()
     again = build_settings_screen(workspace)
     qtbot.addWidget(again)
@@ -139,5 +173,5 @@ def test_what_is_typed_outlives_a_lock_and_another_protocol(workspace, qtbot):
     assert again.draft() == draft
     again.protocols.show_text("another")
     again.protocols.findChild(QPlainTextEdit).undo()
-    assert again.protocols.findChild(QPlainTextEdit).toPlainText() == draft
+    assert again.protocols.findChild(QPlainTextEdit).toPlainText() == draft[1:]
     again.closed()

@@ -26,6 +26,8 @@ class ProtocolsPage(QWidget):
     """A choice above, the text, the mistakes below; Enter on a mistake leads to its line."""
 
     opened = Signal(str)
+    begun = Signal()
+    """A new protocol."""
     typed = Signal(str)
     saved = Signal(str)
     names_asked = Signal()
@@ -38,7 +40,8 @@ class ProtocolsPage(QWidget):
         self._names_label.setBuddy(self._names)
         self._text, self._mistakes = QPlainTextEdit(self), QListWidget(self)
         self._summary, self._hint, self._save = QLabel(self), QLabel(self), QPushButton(self)
-        self._to_names = QPushButton(self)
+        self._new, self._to_names = QPushButton(self), QPushButton(self)
+        self._new.clicked.connect(self.begun)
         self._to_names.clicked.connect(self.names_asked)
         self.setFocusProxy(self._names)
         self._pause = QTimer(self)
@@ -63,6 +66,7 @@ class ProtocolsPage(QWidget):
         above = QHBoxLayout()
         above.addWidget(self._names_label)
         above.addWidget(self._names)
+        above.addWidget(self._new)
         above.addStretch()
         above.addWidget(self._to_names)
         column = QVBoxLayout(self)
@@ -79,6 +83,7 @@ class ProtocolsPage(QWidget):
         self._text.setAccessibleName(_("Text of the protocol"))
         self._mistakes.setAccessibleName(_("Mistakes; Enter leads to the line"))
         self._save.setText(_("&Save as my own"))
+        self._new.setText(_("Ne&w protocol"))
         self._to_names.setText(_("Who &names the markers"))
         self._word_hint()
 
@@ -86,7 +91,7 @@ class ProtocolsPage(QWidget):
         self._folder = folder
         self._names.clear()
         self._names.addItems(list(names))
-        self._names.setCurrentIndex(names.index(chosen) if chosen in names else 0)
+        self._names.setCurrentIndex(names.index(chosen) if chosen in names else -1)
         self._word_hint()
 
     @property

@@ -7,6 +7,7 @@ from adibas.errors import AdibasError
 from adibas.measures.protocol_file import CheckedProtocol, read_protocol
 from adibas.measures.protocol_store import (
     UNSAVED,
+    new_protocol_text,
     own_folder,
     protocol_files,
     protocol_text,
@@ -35,6 +36,9 @@ class ProtocolsView(Protocol):
     def show_text(self, text: str) -> None:
         """Show a protocol as it is written."""
 
+    def show_changed(self, text: str) -> None:
+        """Show a text that is not saved."""
+
     def show_check(self, mistakes: tuple[Mistake, ...], summary: str) -> None:
         """Show what is wrong, or else what the protocol holds."""
 
@@ -47,17 +51,33 @@ class ProtocolsPresenter:
         self._workspace = workspace
         self._job: Job | None = None
         self._chosen = ""
+        """Empty: a new one."""
+        self._has_text = False
+
+    @property
+    def chosen(self) -> str:
+        """The protocol that was opened; empty for a new one."""
+        return self._chosen
 
     def enter(self) -> None:
         """Offer the protocols; the first time one is opened."""
         names = tuple(sorted(protocol_files()))
-        self._view.show_names(names, self._chosen, str(own_folder()))
-        if not self._chosen and names:
-            self.open(names[0])
+        if self._has_text or not names:
+            self._view.show_names(names, self._chosen, str(own_folder()))
+            return
+        self._view.show_names(names, names[0], str(own_folder()))
+        self.open(names[0])
+
+    def take_back(self, chosen: str, text: str) -> None:
+        """Show what was typed into a protocol before the window was locked."""
+        self._chosen, self._has_text = chosen, True
+        self.enter()
+        self._view.show_changed(text)
+        self.check(text)
 
     def open(self, name: str) -> None:
         """Show the text of a protocol."""
-        self._chosen = name
+        self._chosen, self._has_text = name, True
 
         def show() -> None:
             text = protocol_text(name)
@@ -65,6 +85,15 @@ class ProtocolsPresenter:
             self.check(text)
 
         self._workspace.attempt(show)
+
+    def begin(self) -> None:
+        """Show a small protocol to begin a new one with."""
+        self._chosen, self._has_text = "", True
+        names = tuple(sorted(protocol_files()))
+        self._view.show_names(names, "", str(own_folder()))
+        text = new_protocol_text()
+        self._view.show_text(text)
+        self.check(text)
 
     def check(self, text: str) -> None:
         """Tell every mistake of a text, the newest text first."""
@@ -79,7 +108,7 @@ class ProtocolsPresenter:
     def save(self, text: str) -> None:
         """Write the text among this user's own protocols."""
         try:
-            path = save_own_protocol(text)
+            path = save_own_protocol(text, self._chosen)
         except AdibasError as error:
             self._workspace.report_problem(error)
             return

@@ -84,6 +84,7 @@ class SettingsScreen(Screen):
         self._presenter, self._audit_presenter = presenter, audit
         self._protocols_presenter, self._names_presenter = protocols, names
         self._protocols.opened.connect(protocols.open)
+        self._protocols.begun.connect(protocols.begin)
         self._protocols.typed.connect(protocols.check)
         self._protocols.saved.connect(protocols.save)
         self._protocols.names_asked.connect(self._show_names)
@@ -131,13 +132,14 @@ class SettingsScreen(Screen):
         self._presenter.close()
 
     def draft(self) -> str:
-        return self._protocols.changed_text
+        text = self._protocols.changed_text
+        return f"{self._protocols_presenter.chosen}\n{text}" if text else ""
 
     def take_back(self, draft: str) -> None:
+        chosen, text = draft.split("\n", 1)
         self._tabs.setCurrentIndex(PROTOCOLS_TAB)
         self._marks.setCurrentWidget(self._protocols)
-        self._protocols.show_changed(draft)
-        self._protocols_presenter.check(draft)
+        self._protocols_presenter.take_back(chosen, text)
 
     def show_preferences(self, preferences: Preferences) -> None:
         self._general.show_preferences(preferences)
