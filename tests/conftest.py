@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import adibas  # noqa: F401  (it says how many threads numpy has, which most tests import before)
+
 os.environ["LANGUAGE"] = "en"  # whatever this machine speaks; read when adibas is imported
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # Begun in the background of a shell: programs that the tests start would ignore Ctrl-C, too.
