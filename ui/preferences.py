@@ -41,6 +41,8 @@ class Preferences:
         Of the countdown.
     countdown_s, burst_frames : int
         Of a capture.
+    calibration_days : int
+        Older ones are told: when the sensor is live, and in every capture.
     wand_length_mm : float
         Of the wand that was measured last.
     protocol : str
@@ -65,6 +67,7 @@ class Preferences:
     has_sound: bool = True
     countdown_s: int = 3
     burst_frames: int = 30
+    calibration_days: int = 180
     wand_length_mm: float = 500.0
     protocol: str = ""
     recent_recordings: tuple[str, ...] = ()
@@ -147,4 +150,5 @@ def _bounded(preferences: Preferences) -> Preferences:
         autolock_minutes=max(preferences.autolock_minutes, 0),
         countdown_s=min(max(preferences.countdown_s, 0), 60),
         burst_frames=min(max(preferences.burst_frames, 1), 300),
+        calibration_days=min(max(preferences.calibration_days, 1), 3650),
     )

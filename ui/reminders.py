@@ -1,7 +1,7 @@
 """How old a sensor's calibration is, in words. Knows nothing of Qt."""
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 
 from adibas.calibration.kept import KeptCalibrations, sensor_key, sizes_of
 from adibas.data.frames import SourceInfo
@@ -40,7 +40,9 @@ class Reminder:
         return _("This sensor was calibrated {age} ago.").format(age=_age(self.days))
 
 
-def remind(kept: KeptCalibrations, info: SourceInfo, now_utc: datetime) -> Reminder:
+def remind(
+    kept: KeptCalibrations, info: SourceInfo, now_utc: datetime, allowed_days: int
+) -> Reminder:
     """Return when a sensor was calibrated for images of these sizes.
 
     Raises
@@ -53,7 +55,7 @@ def remind(kept: KeptCalibrations, info: SourceInfo, now_utc: datetime) -> Remin
     if newest is None:
         return Reminder(None, is_urgent=True)
     days = max((now_utc - newest.made_utc).days, 0)
-    return Reminder(days, is_urgent=newest.is_old(now_utc))
+    return Reminder(days, is_urgent=newest.is_old(now_utc, timedelta(days=allowed_days)))
 
 
 def _age(days: int) -> str:

@@ -43,9 +43,9 @@ class KeptCalibration:
     calibration: RgbdCalibration
     made_utc: datetime
 
-    def is_old(self, now_utc: datetime) -> bool:
+    def is_old(self, now_utc: datetime, allowed: timedelta = REMIND_AFTER) -> bool:
         """Return whether it should be made anew because of its age."""
-        return now_utc - self.made_utc > REMIND_AFTER
+        return now_utc - self.made_utc > allowed
 
 
 class KeptCalibrations:

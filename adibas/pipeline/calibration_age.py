@@ -14,14 +14,13 @@ def check_age(calibration: RgbdCalibration, most_days: int, now_utc: datetime) -
     CalibrationError
         It is.
     """
-    made = _moment(calibration.created_utc)
-    if made is None:
+    n_days = age_days(calibration, now_utc)
+    if n_days is None:
         raise CalibrationError(
             "The calibration does not say when it was made, and one of at most {allowed} days is "
             "asked for. Calibrate the sensor again.",
             allowed=most_days,
         )
-    n_days = (now_utc - made).days
     if n_days > most_days:
         raise CalibrationError(
             "The calibration is {days} days old, and at most {allowed} are allowed. Calibrate the "
@@ -29,6 +28,12 @@ def check_age(calibration: RgbdCalibration, most_days: int, now_utc: datetime) -
             days=n_days,
             allowed=most_days,
         )
+
+
+def age_days(calibration: RgbdCalibration, now_utc: datetime) -> int | None:
+    """Return the whole days since a calibration was made; None where it does not say when."""
+    made = _moment(calibration.created_utc)
+    return None if made is None else (now_utc - made).days
 
 
 def _moment(text: str) -> datetime | None:

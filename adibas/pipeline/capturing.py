@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from concurrent.futures import wait
 from contextlib import ExitStack
 from dataclasses import dataclass
+from datetime import datetime
 
 from adibas.arrays import UInt8Array
 from adibas.calibration.files import check_fits
@@ -16,6 +17,7 @@ from adibas.data.surface import BurstDisparity
 from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorError, StoreError
 from adibas.markers.disparity import fuse_depth
 from adibas.pipeline.burst_recording import Burst
+from adibas.pipeline.calibration_age import age_days
 from adibas.pipeline.live import LiveView
 from adibas.pipeline.namers import namer_of
 from adibas.pipeline.posture import (
@@ -39,6 +41,9 @@ POLL_S = 0.1
 NOT_SOUGHT = message("No marker was looked for, because no marker colour was learned.")
 NOT_FOUND = message("No marker was found in the burst.")
 LOST_FRAMES = message("The sensor lost frames inside the burst.")
+TOO_OLD = message(
+    "The calibration is older than this clinic allows. Calibrate the sensor, and capture again."
+)
 BEGAN_ANEW = message("The recording that was played began anew inside the burst.")
 
 
@@ -56,12 +61,15 @@ class CaptureRequest:
         Of the burst: 30 are a second, in which a patient sways by a millimetre or two.
     target : MarkerTarget or None
         None keeps picture and recording, for markers that are set by hand.
+    oldest_calibration_days : int or None
+        A calibration of more days is told in the capture; None allows any.
     """
 
     session_id: str
     view: str = ""
     n_frames: int = 30
     target: MarkerTarget | None = None
+    oldest_calibration_days: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,9 +162,17 @@ def take_capture(
             recording_sha256(writer.path), calibration, request.target, params, clock()
         ),
         captured_utc=begun_utc,
-        notices=findings.notices,
+        notices=(*findings.notices, *_doubts_about_age(calibration, request, begun_utc)),
     )
     return store.captures.add(request.session_id, new, findings.picture_rgb, findings.surface)
+
+
+def _doubts_about_age(
+    calibration: RgbdCalibration, request: CaptureRequest, now_utc: datetime
+) -> tuple[str, ...]:
+    allowed = request.oldest_calibration_days
+    age = age_days(calibration, now_utc)
+    return (TOO_OLD,) if allowed is not None and age is not None and age > allowed else ()
 
 
 def _named(

@@ -47,6 +47,13 @@ def test_an_old_calibration_should_be_made_anew(workspace, kept):
     assert told(workspace, kept, "realsense", age).endswith("Calibrate it again.")
 
 
+def test_the_clinic_says_how_old_a_calibration_may_be(workspace, kept):
+    workspace.preferences.change(calibration_days=20)
+    assert told(workspace, kept, "realsense", timedelta(days=30)).endswith("Calibrate it again.")
+    workspace.preferences.change(calibration_days=365)
+    assert told(workspace, kept, "realsense", timedelta(days=300)) == ""
+
+
 @pytest.mark.parametrize("source", ["simulator:anterior", "/x/a.mcap", "openni2:/x/a.oni"])
 def test_nothing_is_due_for_what_is_no_sensor(workspace, kept, source):
     assert told(workspace, kept, source) == ""

@@ -51,6 +51,7 @@ def test_a_broken_file_means_the_usual_preferences(path, text):
         ({"autolock_minutes": -3}, "autolock_minutes", 0),
         ({"countdown_s": 999}, "countdown_s", 60),
         ({"burst_frames": 0}, "burst_frames", 1),
+        ({"calibration_days": 0}, "calibration_days", 1),
         ({"recent_recordings": [1, "a"]}, "recent_recordings", ("1", "a")),
         ({"splitters": {"a": 1}}, "splitters", {"a": "1"}),
         ({"unknown": 1}, "operator", ""),

@@ -147,12 +147,14 @@ def test_a_choice_in_the_form_changes_the_preferences(screen, workspace):
     QTest.keyClick(labelled(screen, "Colours of the window", QComboBox), Qt.Key.Key_End)
     QTest.keyClick(labelled(screen, "Countdown before a capture", QSpinBox), Qt.Key.Key_Up)
     QTest.keyClick(labelled(screen, "Frames in a capture", QSpinBox), Qt.Key.Key_Down)
+    QTest.keyClick(labelled(screen, "Calibrate the sensor again after", QSpinBox), Qt.Key.Key_Down)
     operator = labelled(screen, "Who works here (for the audit trail)", QLineEdit)
     QTest.keyClicks(operator, " O. Perator ")
     QTest.keyClick(operator, Qt.Key.Key_Return)
     now = workspace.preferences.now
     assert (now.language, now.font_scale, now.theme) == ("es", 2.0, "dark")
     assert (now.countdown_s, now.burst_frames, now.operator) == (4, 29, "O. Perator")
+    assert now.calibration_days == 179
 
 
 def test_a_passphrase_is_changed_with_the_keyboard(screen, told):

@@ -4,6 +4,7 @@ import errno
 import functools
 import math
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from adibas.errors import CalibrationError, RecordingError, SensorError, StoreEr
 from adibas.markers.color_model import LearningParams, grow_region, learn_colors
 from adibas.markers.lab import rgb_to_lab
 from adibas.pipeline import capturing
-from adibas.pipeline.capturing import CaptureRequest, take_capture
+from adibas.pipeline.capturing import TOO_OLD, CaptureRequest, take_capture
 from adibas.pipeline.live import LiveView
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.mcap_writer import McapWriter
@@ -128,6 +129,20 @@ def offset_px(truth, marker):
 
 def nearest(markers, truth):
     return min(markers, key=lambda marker: offset_px(truth, marker))
+
+
+@pytest.mark.parametrize(("created", "is_told"), [("2026-01-01", True), ("2026-11-20", False)])
+def test_a_capture_tells_of_a_calibration_older_than_the_clinic_allows(
+    created, is_told, store, session_id, showing, scene
+):
+    camera = SceneCamera(scene)
+    made = replace(scene.info.calibration, created_utc=created)
+    camera.info_ = replace(scene.info, calibration=made)
+    view = showing(camera)
+    request = CaptureRequest(session_id, "anterior", 1, None, 180)
+    now = datetime(2026, 11, 21, tzinfo=UTC)
+    taken = take_capture(store, view, request, lambda *_: None, lambda: now)
+    assert (TOO_OLD in taken.notices) == is_told
 
 
 def test_a_capture_holds_the_markers_where_they_truly_are(

@@ -233,10 +233,12 @@ class CalibrationPresenter:
         if self._bench.is_busy:
             return
         board = self._board
+        allowed_days = self._workspace.preferences.now.calibration_days
 
         def work(_control: JobControl) -> tuple[CalibrationSession, Reminder]:
             session = CalibrationSession(sensor, self._bench.kept, board)
-            return session, remind(self._bench.kept, sensor.info, self._bench.clock())
+            now_utc = self._bench.clock()
+            return session, remind(self._bench.kept, sensor.info, now_utc, allowed_days)
 
         self._bench.start(_("Looking for pictures taken before"), work, self._on_opened)
 

@@ -42,7 +42,8 @@ class CalibrationAge:
         if not is_sensor(live.opened[0]):
             self._view.show_calibration_due("")
             return
-        reminder = remind(self._kept, info, self._clock())
+        allowed_days = self._workspace.preferences.now.calibration_days
+        reminder = remind(self._kept, info, self._clock(), allowed_days)
         self._view.show_calibration_due(reminder.text if reminder.is_urgent else "")
 
     def calibrate(self) -> None:

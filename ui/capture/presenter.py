@@ -158,6 +158,7 @@ class CapturePresenter:
             view=self._next_view,
             n_frames=self._workspace.preferences.now.burst_frames,
             target=self._workspace.target,
+            oldest_calibration_days=self._workspace.preferences.now.calibration_days,
         )
         store, live = self._workspace.store, self._workspace.live.view
 

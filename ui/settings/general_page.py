@@ -17,6 +17,7 @@ from adibas.texts import LANGUAGES, message
 from adibas.texts import translate as _
 from ui.preferences import FONT_SCALES, THEMES, Preferences
 
+MOST_DAYS = 3650
 THEME_NAMES = {
     "system": message("As the desktop"),
     "light": message("Light"),
@@ -32,9 +33,10 @@ class GeneralPage(QWidget):
         self._change: Callable[..., None] = _ignore
         self._language, self._theme, self._scale = (QComboBox(self) for _ in range(3))
         self._operator = QLineEdit(self)
-        self._countdown, self._frames = QSpinBox(self), QSpinBox(self)
+        self._countdown, self._frames, self._days = (QSpinBox(self) for _ in range(3))
         self._countdown.setRange(0, 60)
         self._frames.setRange(1, 300)
+        self._days.setRange(1, MOST_DAYS)
         self._sound = QCheckBox(self)
         self._labels = {
             widget: QLabel(self)
@@ -45,6 +47,7 @@ class GeneralPage(QWidget):
                 self._operator,
                 self._countdown,
                 self._frames,
+                self._days,
             )
         }
         form = QFormLayout(self)
@@ -74,6 +77,7 @@ class GeneralPage(QWidget):
         )
         self._countdown.valueChanged.connect(lambda value: self._send(countdown_s=value))
         self._frames.valueChanged.connect(lambda value: self._send(burst_frames=value))
+        self._days.valueChanged.connect(lambda value: self._send(calibration_days=value))
         self._sound.toggled.connect(lambda is_on: self._send(has_sound=is_on))
 
     def bind(self, change: Callable[..., None]) -> None:
@@ -89,16 +93,18 @@ class GeneralPage(QWidget):
             (self._operator, _("Who &works here (for the audit trail)")),
             (self._countdown, _("Count&down before a capture")),
             (self._frames, _("&Frames in a capture")),
+            (self._days, _("Calibrate the sensor a&gain after")),
         ):
             self._labels[widget].setText(text)
         self._countdown.setSuffix(" s")
+        self._days.setSuffix(_(" days"))
         self._sound.setText(_("&Sound with the countdown"))
         for index, theme in enumerate(THEMES):
             self._theme.setItemText(index, _(THEME_NAMES[theme]))
 
     def show_preferences(self, preferences: Preferences) -> None:
         """Show what holds now."""
-        widgets = (self._countdown, self._frames, self._sound)
+        widgets = (self._countdown, self._frames, self._days, self._sound)
         for widget in widgets:
             widget.blockSignals(True)
         self._language.setCurrentIndex(self._language.findData(preferences.language))
@@ -107,6 +113,7 @@ class GeneralPage(QWidget):
         self._operator.setText(preferences.operator)
         self._countdown.setValue(preferences.countdown_s)
         self._frames.setValue(preferences.burst_frames)
+        self._days.setValue(preferences.calibration_days)
         self._sound.setChecked(preferences.has_sound)
         for widget in widgets:
             widget.blockSignals(False)
