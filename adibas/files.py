@@ -17,7 +17,8 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 DAMAGED_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError)
 """What zipfile raises of a damaged archive, be it a workbook or arrays; RuntimeError where a part
 seems encrypted, or packed in a way that it does not know."""
-_UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
+UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
+"""Names of files in the making."""
 
 
 @contextmanager
@@ -59,7 +60,7 @@ def remove_unfinished(folder: Path) -> int:
     OSError
         The folder cannot be read or written.
     """
-    unfinished = [path for path in folder.iterdir() if _UNFINISHED.fullmatch(path.name)]
+    unfinished = [path for path in folder.iterdir() if UNFINISHED.fullmatch(path.name)]
     for path in unfinished:
         path.unlink(missing_ok=True)
     return len(unfinished)

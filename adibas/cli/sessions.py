@@ -10,6 +10,7 @@ from adibas.cli.options import add_out, add_overwrite, positive_count, refuse_to
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
+from adibas.cli.sessions_backup import add_backup_arguments
 from adibas.cli.store_options import add_store, open_existing
 from adibas.clock import NS_PER_S
 from adibas.errors import StoreError
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from adibas.pipeline.stored_report import ReportWish
     from adibas.sessions import AuditEntry, PatientRow, SessionStore
 
-SUMMARY = message("list, show, export, verify or purge what the patient store holds")
+SUMMARY = message("list, show, export, verify, back up or purge what the patient store holds")
 
 SOMETHING_FOUND = 1
 ALL_PATIENTS = 1_000_000
@@ -76,9 +77,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     purging.add_argument("id", metavar="ID", help=_("a pseudonym or the id of a session"))
     purging.add_argument("--yes", action="store_true", help=_("yes, it cannot be undone"))
 
+    def add_alone(name: str, summary: str) -> argparse.ArgumentParser:
+        return actions.add_parser(name, help=summary, description=summary)
+
+    add_backup_arguments(add_alone)
+
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Open the store and do what was asked."""
+    if "alone" in arguments:
+        return int(arguments.alone(arguments, console))
     work: Work = arguments.work
     with open_existing(arguments) as store:
         return work(store, arguments, console)

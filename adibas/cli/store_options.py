@@ -61,13 +61,20 @@ def open_existing(arguments: argparse.Namespace) -> "SessionStore":
             "There is no patient store in {folder}. Give its folder with --store DIR.",
             folder=str(folder),
         )
-    passphrase = _passphrase(arguments.passphrase_file)
+    passphrase = read_passphrase(arguments.passphrase_file)
     if passphrase is None and state is KeyState.PASSPHRASE:
         passphrase = os.environ.get(PASSPHRASE_VARIABLE)
     return open_store(folder, passphrase, operator=_user())
 
 
-def _passphrase(path: Path | None) -> str | None:
+def read_passphrase(path: Path | None) -> str | None:
+    """Return the first line of a file; None where none is named.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, or is no text.
+    """
     if path is None:
         return None
     try:

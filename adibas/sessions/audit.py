@@ -16,7 +16,17 @@ from adibas.sessions.rows import Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import AUDIT, AUDIT_HEAD
 
 Action = Literal[
-    "create", "view", "change", "export", "delete", "restore", "purge", "open", "recover"
+    "create",
+    "view",
+    "change",
+    "export",
+    "delete",
+    "restore",
+    "purge",
+    "open",
+    "recover",
+    "backup",
+    "merge",
 ]
 
 BEGINNING = "0" * 64
@@ -170,7 +180,7 @@ def _owners(transaction: Transaction) -> dict[str, str]:
     """
     telling = (
         select(AUDIT.c.subject, AUDIT.c.detail)
-        .where(AUDIT.c.action.in_(("create", "recover")))
+        .where(AUDIT.c.action.in_(("create", "recover", "merge")))
         .order_by(AUDIT.c.sequence)
     )
     owners: dict[str, str] = {}

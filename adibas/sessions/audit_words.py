@@ -13,6 +13,8 @@ ACTION_WORDS = {
     "purge": message("removed for good"),
     "open": message("opened"),
     "recover": message("recovered after a crash"),
+    "backup": message("backed up"),
+    "merge": message("restored from a backup"),
 }
 SUBJECT_WORDS = {"store": message("the patient store"), "patients": message("the list of patients")}
 

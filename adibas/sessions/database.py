@@ -40,6 +40,8 @@ class Database:
         32 bytes, used as they are.
     is_read_only : bool
         Refuse every change but lines of the audit log.
+    name : str
+        Of the file; another one for a copy.
 
     Raises
     ------
@@ -47,8 +49,10 @@ class Database:
         The file is no database, or damaged, or of another key.
     """
 
-    def __init__(self, folder: Path, key: bytes, *, is_read_only: bool) -> None:
-        self.path = folder / DATABASE_FILE
+    def __init__(
+        self, folder: Path, key: bytes, *, is_read_only: bool, name: str = DATABASE_FILE
+    ) -> None:
+        self.path = folder / name
         self.is_read_only = is_read_only
         self._lock = threading.RLock()
         self._is_inside = False

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import platformdirs
 
+PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER = "pictures", "recordings", "codings"
+
 
 def default_store_folder() -> Path:
     """Return where this user's store is if none is named."""

@@ -26,11 +26,13 @@ from adibas.sessions.keys import load_key, make_key
 from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
+from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
 from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealing import AesSeal, key_for
 
 if TYPE_CHECKING:
+    from adibas.sessions.backing_up import Backups
     from adibas.sessions.captures import Captures
     from adibas.sessions.purging import Purge
     from adibas.sessions.sealed_folder import SealedFolder
@@ -40,7 +42,6 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER = "pictures", "recordings", "codings"
 DRAFTS = "adibas-drafts-1"
 STORE_AS_SUBJECT = "store"
 """The audit log's word for the whole store."""
@@ -72,10 +73,11 @@ class SessionStore:
         database: Database,
         lock: StoreLock,
         audit: AuditLog,
-        drafts: AesSeal,
+        key: bytes,
     ) -> None:
         self.folder = folder
-        self.drafts = drafts
+        self.drafts = AesSeal(key_for(DRAFTS, key), DRAFTS)
+        self._key = key
         self.is_read_only = database.is_read_only
         self.audit = audit
         self._database = database
@@ -112,6 +114,15 @@ class SessionStore:
                 codings = SealedFiles(self.folder / CODINGS_FOLDER)
                 self._recordings = Recordings(self._database, self.audit, sealed, codings)
             return self._recordings
+
+    @cached_property
+    def backups(self) -> "Backups":
+        """The making of backups."""
+        from adibas.sessions.backing_up import Backups
+
+        recordings = self.recordings
+        folders = (self._pictures, recordings.sealed, recordings.codings)
+        return Backups(self._database, self.audit, self._key, folders)
 
     def _purge_patient(self, pseudonym: str) -> None:
         self._purge().patient(pseudonym)
@@ -247,8 +258,7 @@ def open_store(
         bring_up_to_date(database, key)
         _mark_as_made(folder)
         audit = AuditLog(database, clock, operator)
-        drafts = AesSeal(key_for(DRAFTS, key), DRAFTS)
-        store = SessionStore(folder, database, lock, audit, drafts)
+        store = SessionStore(folder, database, lock, audit, key)
         audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
         if not store.is_read_only:
             store.tidy()

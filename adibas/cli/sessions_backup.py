@@ -1,0 +1,182 @@
+"""`adibas sessions backup`, `restore`, `verify-backup`: the store in one sealed file, and back."""
+
+import argparse
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.cli.console import Console
+from adibas.cli.options import add_json
+from adibas.cli.store_options import (
+    PASSPHRASE_VARIABLE,
+    add_store,
+    open_existing,
+    read_passphrase,
+)
+from adibas.errors import FileError
+from adibas.texts import translate as _
+from adibas.texts import translate_plural
+
+if TYPE_CHECKING:
+    from adibas.sessions import SessionStore
+    from adibas.sessions.backing_up import BackupSummary
+
+SOMETHING_FOUND = 1
+
+Add = Callable[[str, str], argparse.ArgumentParser]
+
+
+def add_backup_arguments(add: Add) -> None:
+    """Say what the three actions take; `add` makes the parser of an action."""
+    making = add("backup", _("The whole store into one encrypted file, also while it is in use."))
+    making.set_defaults(alone=_backup)
+    add_store(making)
+    making.add_argument(
+        "--out", type=Path, required=True, metavar=_("FILE"), help=_("file to write")
+    )
+    _add_backup_passphrase(making)
+    making.add_argument("--overwrite", action="store_true", help=_("replace a file of that name"))
+
+    restoring = add("restore", _("A backup into a new folder, or into the store in use."))
+    restoring.set_defaults(alone=_restore)
+    add_store(restoring)
+    _add_backup(restoring)
+    restoring.add_argument(
+        "--into", type=Path, required=True, metavar=_("DIR"), help=_("new or empty folder")
+    )
+    _add_backup_passphrase(restoring)
+
+    verifying = add("verify-backup", _("Restore a backup for a moment and check all of it."))
+    verifying.set_defaults(alone=_verify_backup)
+    _add_backup(verifying)
+    verifying.add_argument(
+        "--passphrase-file",
+        dest="backup_passphrase_file",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("file whose first line is the passphrase of the backup"),
+    )
+    verifying.add_argument(
+        "--temporary",
+        type=Path,
+        metavar=_("DIR"),
+        help=_("folder with room for it; the system's one for temporary files if not given"),
+    )
+    add_json(verifying)
+
+
+def _add_backup(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("backup", type=Path, metavar=_("FILE"), help=_("the backup"))
+
+
+def _add_backup_passphrase(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--backup-passphrase-file",
+        type=Path,
+        metavar=_("FILE"),
+        help=_("file whose first line is the passphrase of the backup; the store's if not given"),
+    )
+
+
+def _backup(arguments: argparse.Namespace, console: Console) -> int:
+    out: Path = arguments.out
+    if out.exists() and not arguments.overwrite:
+        raise FileError(
+            "{file} exists already, and a backup is not replaced by mistake. Choose another name, "
+            "or add --overwrite.",
+            file=out.name,
+        )
+    with open_existing(arguments) as store:
+        summary = _write(store, out, arguments, console)
+    console.give(
+        {
+            "out": str(out),
+            "n_files": summary.n_files,
+            "n_bytes": summary.n_bytes,
+            "damaged": list(summary.damaged),
+        }
+    )
+    return SOMETHING_FOUND if summary.damaged else 0
+
+
+def _write(
+    store: "SessionStore", out: Path, arguments: argparse.Namespace, console: Console
+) -> "BackupSummary":
+    passphrase = read_passphrase(arguments.backup_passphrase_file)
+    with console.progress(out.name) as progress:
+        summary = store.backups.write(out, passphrase, progress=progress)
+    for name in summary.damaged:
+        console.warn(
+            _(
+                "{file} of the store is missing or not as it was saved. Everything else is in the "
+                "backup; `adibas sessions verify` tells more."
+            ).format(file=name)
+        )
+    text = translate_plural(
+        "{file}: {n} file of the store.", "{file}: {n} files of the store.", summary.n_files
+    )
+    console.say(text.format(file=out, n=summary.n_files))
+    return summary
+
+
+def _restore(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.sessions.restoring import restore_into
+
+    with console.progress(arguments.backup.name) as progress:
+        header = restore_into(
+            arguments.backup, arguments.into, _passphrase_of_backup(arguments), progress
+        )
+    console.say(
+        _(
+            "The patient store of {time} is in {folder}; it opens with the backup's passphrase."
+        ).format(time=header.created_utc[:16].replace("T", " "), folder=arguments.into)
+    )
+    console.give({"into": str(arguments.into), "created_utc": header.created_utc})
+    return 0
+
+
+def _verify_backup(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.sessions.restoring import verify_backup
+
+    with console.progress(arguments.backup.name) as progress:
+        header, report = verify_backup(
+            arguments.backup,
+            _passphrase_of_backup(arguments),
+            progress,
+            temporary=arguments.temporary,
+        )
+    for finding in report.findings:
+        console.warn(finding.text)
+    console.say(
+        _(
+            "{n_lines} lines of the audit log, {n_files} pictures and surfaces, {n_recordings} "
+            "recordings: {found}."
+        ).format(
+            n_lines=report.n_lines,
+            n_files=report.n_files,
+            n_recordings=report.n_recordings,
+            found=_("all is well") if report.is_sound else _("see what was found"),
+        )
+    )
+    console.give(
+        {
+            "is_sound": report.is_sound,
+            "created_utc": header.created_utc,
+            "n_lines": report.n_lines,
+            "n_files": report.n_files,
+            "n_recordings": report.n_recordings,
+            "findings": [
+                {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
+            ],
+        }
+    )
+    return 0 if report.is_sound else SOMETHING_FOUND
+
+
+def _passphrase_of_backup(arguments: argparse.Namespace) -> str | None:
+    """Return what was given for the backup, else for the store, else by the environment."""
+    for path in (arguments.backup_passphrase_file, getattr(arguments, "passphrase_file", None)):
+        if path is not None:
+            return read_passphrase(path)
+    return os.environ.get(PASSPHRASE_VARIABLE)

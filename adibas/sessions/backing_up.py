@@ -1,0 +1,255 @@
+"""Backs the whole store up into one sealed file, while it is in use."""
+
+import errno
+import hashlib
+import shutil
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+from sqlalchemy import select
+
+from adibas.errors import PassphraseError
+from adibas.files import UNFINISHED, cannot_write, check_place, written_whole
+from adibas.progress import Progress
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.backup_format import (
+    PIECE_BYTES,
+    BackupWriter,
+    new_header,
+    with_facts,
+)
+from adibas.sessions.database import DATABASE_FILE, Database
+from adibas.sessions.key_file import fingerprint_of, read_key_file
+from adibas.sessions.key_wrapping import SHORTEST_PASSPHRASE, Argon2Params, wrap_key
+from adibas.sessions.schema import FILES, RECORDINGS
+from adibas.sessions.sealed_files import SealedFiles
+from adibas.sessions.sealed_folder import SealedFolder
+
+ENDING = ".adibas-backup"
+ID_LENGTH = 32
+"""Of a recording, with which the names of its codings begin."""
+SECONDS_UNTIL_LITTER = 86_400.0
+"""An unfinished file that is older than a day is written by nobody any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class BackupSummary:
+    """What was written.
+
+    Attributes
+    ----------
+    n_files, n_bytes : int
+        Inside, the database included.
+    damaged : tuple of str
+        Files of the store that are missing or not as they were saved; the rest is backed up.
+    """
+
+    n_files: int
+    n_bytes: int
+    damaged: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Member:
+    """A file of the store: its name in the backup, its place, its checksum where one is known."""
+
+    name: str
+    path: Path
+    sha256: str | None
+
+
+class Backups:
+    """Makes backups of an open store.
+
+    Parameters
+    ----------
+    folder : Path
+        The store.
+    key : bytes
+        Of the store.
+    folders : tuple of SealedFolder
+        Pictures, recordings, codings.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        audit: AuditLog,
+        key: bytes,
+        folders: tuple[SealedFolder, SealedFolder, SealedFiles],
+    ) -> None:
+        self._database = database
+        self._audit = audit
+        self._key = key
+        self._folders = folders
+        self._folder = database.path.parent
+
+    def wrapped_key(
+        self, passphrase: str | None, params: Argon2Params | None = None
+    ) -> tuple[str, dict[str, object]]:
+        """Return the store's number, and its key behind a passphrase.
+
+        Parameters
+        ----------
+        passphrase : str or None
+            None: the one that opens the store.
+
+        Raises
+        ------
+        PassphraseError
+            The store has none, or the given one is too short.
+        """
+        file = read_key_file(self._folder)
+        if file is None or fingerprint_of(self._key) != file.fingerprint:
+            raise PassphraseError(
+                "The patient store has lost its key.json. Restore that file from a backup."
+            )
+        if passphrase is None and file.place == "passphrase":
+            return file.store_id, dict(file.wrapped)
+        if passphrase is None:
+            raise PassphraseError(
+                "The key of this patient store is in the desktop's keyring, which a backup does "
+                "not have. Choose a passphrase for the backup, and keep it safe."
+            )
+        if len(passphrase) < SHORTEST_PASSPHRASE:
+            raise PassphraseError(
+                "A passphrase has {least} characters at least. Several words are safer and easier "
+                "to remember than one.",
+                least=SHORTEST_PASSPHRASE,
+            )
+        wrapped = wrap_key(self._key, passphrase, file.store_id, params or Argon2Params())
+        return file.store_id, wrapped
+
+    def write(
+        self,
+        path: Path,
+        passphrase: str | None = None,
+        *,
+        params: Argon2Params | None = None,
+        progress: Progress | None = None,
+    ) -> BackupSummary:
+        """Write everything that is saved now to `path`; the log gets its line before.
+
+        Parameters
+        ----------
+        passphrase : str, optional
+            With which the backup opens; without it, the one of the store.
+        progress : callable, optional
+            Called with (bytes done, bytes in all); what it raises ends the backup, and no file is
+            left.
+
+        Raises
+        ------
+        PassphraseError
+            See `wrapped_key`.
+        FileError
+            The disk is full, or `path` cannot be written. What stood there is untouched.
+        """
+        store_id, wrapped = self.wrapped_key(passphrase, params)
+        check_place(path)
+        header = new_header(store_id, self._key, wrapped)
+        with written_whole(path) as unfinished:
+            _remove_litter(path.parent, unfinished)
+            self._audit.append("backup", "store")
+            with self._snapshot(unfinished) as members, unfinished.open("wb") as file:
+                n_bytes = sum(_size(member.path) for member in members)
+                _check_room(path, n_bytes)
+                header = with_facts(header, self._audit.now(), n_bytes)
+                writer = BackupWriter(file, header, self._key)
+                summary = _write_all(writer, members, n_bytes, progress)
+        return summary
+
+    @contextmanager
+    def _snapshot(self, beside: Path) -> Iterator[list[_Member]]:
+        """Give what belongs to one state of the database, that state itself first."""
+        copy = beside.with_name(f".{uuid.uuid4().hex}.db")
+        with ExitStack() as at_the_end:
+            for ending in ("", "-wal", "-shm"):
+                at_the_end.callback(Path(f"{copy}{ending}").unlink, missing_ok=True)
+            self._database.copy_to(copy, self._key)
+            snapshot = Database(copy.parent, self._key, is_read_only=True, name=copy.name)
+            try:
+                members = self._members(snapshot)
+            finally:
+                snapshot.close()
+            yield [_Member(DATABASE_FILE, copy, None), *members]
+
+    def _members(self, snapshot: Database) -> list[_Member]:
+        pictures, recordings, codings = self._folders
+        with snapshot.reading() as transaction:
+            files = transaction.execute(
+                select(FILES.c.file_id, FILES.c.sha256).where(FILES.c.sha256.is_not(None))
+            ).all()
+            closed = transaction.execute(
+                select(RECORDINGS.c.recording_id, RECORDINGS.c.sha256).where(RECORDINGS.c.is_closed)
+            ).all()
+        known = {recording_id for recording_id, _sha256 in closed}
+        coded = [(one, None) for one in sorted(codings.ids()) if one[:ID_LENGTH] in known]
+        return [
+            _Member(f"{folder.folder.name}/{file_id}", folder.path_of(file_id), sha256)
+            for folder, rows in ((pictures, files), (recordings, closed), (codings, coded))
+            for file_id, sha256 in rows
+        ]
+
+
+def _write_all(
+    writer: BackupWriter, members: list[_Member], n_bytes: int, progress: Progress | None
+) -> BackupSummary:
+    done, n_files, damaged = 0, 0, []
+    for member in members:
+        try:
+            file = member.path.open("rb")
+        except OSError:
+            damaged.append(member.name)
+            continue
+        with file:
+            writer.begin_file(member.name)
+            digest = hashlib.sha256()
+            for block in _blocks(file):
+                digest.update(block)
+                writer.write(block)
+                done += len(block)
+                if progress is not None:
+                    progress(min(done, n_bytes), n_bytes)
+        n_files += 1
+        if member.sha256 not in (None, digest.hexdigest()):
+            damaged.append(member.name)
+    writer.finish()
+    return BackupSummary(n_files, done, tuple(damaged))
+
+
+def _blocks(file: BinaryIO) -> Iterator[bytes]:
+    """Give the content up to where the disk fails; the checksum tells that then."""
+    while True:
+        try:
+            block = file.read(PIECE_BYTES)
+        except OSError:
+            return
+        if not block:
+            return
+        yield block
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
+def _check_room(path: Path, n_bytes: int) -> None:
+    if shutil.disk_usage(path.parent).free < n_bytes:
+        raise cannot_write(path, OSError(errno.ENOSPC, ""))
+
+
+def _remove_litter(folder: Path, mine: Path) -> None:
+    """Remove what backups that were killed left in `folder`."""
+    for path in folder.iterdir():
+        is_ours = UNFINISHED.fullmatch(path.name) and path.suffix.startswith((ENDING, ".db"))
+        if is_ours and path != mine and time.time() - path.stat().st_mtime > SECONDS_UNTIL_LITTER:
+            path.unlink(missing_ok=True)

@@ -1,0 +1,270 @@
+"""The file of a backup: a header in plain, then numbered sealed pieces, the last of them marked.
+
+`docs/backup.md` describes it for those who want to read one without this program.
+"""
+
+import hashlib
+import json
+import secrets
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO, Self
+
+from adibas.errors import PassphraseError, StoreError
+from adibas.files import cannot_read
+from adibas.recordings.seal import SealError
+from adibas.sessions.key_file import ID_LENGTH, fingerprint_of
+from adibas.sessions.key_wrapping import unwrap_key
+from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal, key_for
+
+MAGIC = b"\x8aADIBAK\x01"
+"""Eight bytes; the last is the version."""
+FORMAT, VERSION = "adibas-backup", 1
+LENGTH = struct.Struct("<I")
+PIECE_BYTES = 1 << 20
+LONGEST_PIECE = PIECE_BYTES + 1 + NONCE_SIZE + TAG_SIZE
+LONGEST_HEADER = 1 << 16
+FILE, DATA, END = b"F", b"D", b"E"
+"""A file begins (its name), more of its content, the whole is complete (number of files)."""
+
+
+@dataclass(frozen=True, slots=True)
+class BackupHeader:
+    """What can be read of a backup without its passphrase; it names nobody.
+
+    Attributes
+    ----------
+    store_id, fingerprint : str
+        Of the store and of its key.
+    created_utc : str
+        ISO 8601.
+    salt : str
+        Random; every backup has its own key.
+    n_bytes : int
+        Of all files inside.
+    wrapped : Mapping
+        The store's key behind a passphrase; see `wrap_key`.
+    """
+
+    store_id: str
+    fingerprint: str
+    created_utc: str
+    salt: str
+    n_bytes: int
+    wrapped: Mapping[str, object]
+
+
+def new_header(store_id: str, key: bytes, wrapped: Mapping[str, object]) -> BackupHeader:
+    """Return the header of a backup to be; time and size are still to be told."""
+    salt = secrets.token_hex(ID_LENGTH // 2)
+    return BackupHeader(store_id, fingerprint_of(key), "", salt, 0, wrapped)
+
+
+class BackupWriter:
+    """Appends files to a backup; memory holds one piece of 1 MiB."""
+
+    def __init__(self, file: BinaryIO, header: BackupHeader, key: bytes) -> None:
+        line = json.dumps({"format": FORMAT, "version": VERSION, **asdict(header)}).encode()
+        self._file = file
+        self._seal = _seal(line, header, key)
+        self._n_pieces = self._n_files = 0
+        file.write(MAGIC + LENGTH.pack(len(line)) + line)
+
+    def begin_file(self, name: str) -> None:
+        """Say whose content follows."""
+        self._n_files += 1
+        self._write(FILE + name.encode())
+
+    def write(self, block: bytes) -> None:
+        """Append `PIECE_BYTES` of content at most."""
+        self._write(DATA + block)
+
+    def finish(self) -> None:
+        """Mark the end, so that a cut is seen."""
+        self._write(END + str(self._n_files).encode())
+
+    def _write(self, plain: bytes) -> None:
+        sealed = self._seal.seal(str(self._n_pieces), plain)
+        self._n_pieces += 1
+        self._file.write(LENGTH.pack(len(sealed)) + sealed)
+
+
+class BackupReader:
+    """A backup, opened; nothing is read into memory but one piece.
+
+    Raises
+    ------
+    StoreError
+        It is no backup, damaged, or of a later version.
+    FileError
+        It cannot be read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            self._file: BinaryIO = path.open("rb")
+        except OSError as error:
+            raise cannot_read(path, error) from error
+        try:
+            self._line = self._read_header()
+            self.header = self._parsed(self._line)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def key(self, passphrase: str | None) -> bytes:
+        """Return the key of the store that was backed up.
+
+        Raises
+        ------
+        PassphraseError
+            The passphrase is missing or wrong.
+        """
+        if passphrase is None:
+            raise PassphraseError(
+                "{file} is locked. Give the passphrase that held when it was made.",
+                file=self._path.name,
+            )
+        try:
+            key = unwrap_key(self.header.wrapped, passphrase, self.header.store_id)
+        except ValueError as error:
+            raise self._damaged() from error
+        if key is None:
+            raise PassphraseError(
+                "This is not the passphrase of {file}. Nothing was changed. Give the one that held "
+                "when the backup was made.",
+                file=self._path.name,
+            )
+        if not self.is_of(key):
+            raise self._damaged()
+        return key
+
+    def is_of(self, key: bytes) -> bool:
+        """Say whether this is a backup of the store with that key."""
+        return self.header.fingerprint == fingerprint_of(key)
+
+    def pieces(self, key: bytes) -> Iterator[tuple[bytes, bytes]]:
+        """Give kind and content of each piece, up to the end; see `FILE`, `DATA`.
+
+        Raises
+        ------
+        StoreError
+            The file was cut, changed or damaged.
+        """
+        seal = _seal(self._line, self.header, key)
+        number = n_files = 0
+        while True:
+            try:
+                plain = seal.open(str(number), self._sealed_piece())
+            except SealError as error:
+                raise self._damaged() from error
+            kind, content = plain[:1], plain[1:]
+            if kind == END:
+                break
+            n_files += kind == FILE
+            number += 1
+            yield kind, content
+        if content != str(n_files).encode() or self._take(1):
+            raise self._damaged()
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _sealed_piece(self) -> bytes:
+        return self._whole(self._length(LONGEST_PIECE))
+
+    def _length(self, most: int) -> int:
+        (length,) = LENGTH.unpack(self._whole(LENGTH.size))
+        if length > most:
+            raise self._damaged()
+        return int(length)
+
+    def _whole(self, n_bytes: int) -> bytes:
+        data = self._take(n_bytes)
+        if len(data) < n_bytes:
+            raise self._damaged()
+        return data
+
+    def _take(self, n_bytes: int) -> bytes:
+        try:
+            return self._file.read(n_bytes)
+        except OSError as error:
+            raise cannot_read(self._path, error) from error
+
+    def _read_header(self) -> bytes:
+        magic = self._take(len(MAGIC))
+        if magic[:-1] == MAGIC[:-1] and magic[-1:] > MAGIC[-1:]:
+            raise self._of_later_version()
+        if magic != MAGIC:
+            raise StoreError(
+                "{file} is no backup of ADiBAS. Choose another file.", file=self._path.name
+            )
+        return self._whole(self._length(LONGEST_HEADER))
+
+    def _parsed(self, line: bytes) -> BackupHeader:
+        try:
+            document = json.loads(line)
+        except (ValueError, RecursionError) as error:
+            raise self._damaged() from error
+        if not isinstance(document, dict) or document.pop("format", None) != FORMAT:
+            raise self._damaged()
+        if document.pop("version", None) != VERSION:
+            raise self._of_later_version()
+        header = _header_of(document)
+        if header is None:
+            raise self._damaged()
+        return header
+
+    def _of_later_version(self) -> StoreError:
+        return StoreError(
+            "{file} was made by a later version of ADiBAS. Update the program.",
+            file=self._path.name,
+        )
+
+    def _damaged(self) -> StoreError:
+        return StoreError(
+            "{file} was cut off, changed or damaged, and nothing of it is used. Take another "
+            "backup, or copy this one anew from where it came.",
+            file=self._path.name,
+        )
+
+
+def with_facts(header: BackupHeader, created_utc: str, n_bytes: int) -> BackupHeader:
+    """Return the header with what is known when writing begins."""
+    return replace(header, created_utc=created_utc, n_bytes=n_bytes)
+
+
+def _header_of(document: Mapping[str, Any]) -> BackupHeader | None:
+    texts = ("store_id", "fingerprint", "created_utc", "salt")
+    is_whole = (
+        all(isinstance(document.get(name), str) for name in texts)
+        and type(document.get("n_bytes")) is int
+        and isinstance(document.get("wrapped"), dict)
+        and len(document["store_id"]) == ID_LENGTH
+    )
+    if not is_whole:
+        return None
+    fields = (*texts, "n_bytes", "wrapped")
+    return BackupHeader(**{name: document[name] for name in fields})
+
+
+def _seal(line: bytes, header: BackupHeader, key: bytes) -> AesSeal:
+    """Return the seal of the pieces; a changed header opens none of them."""
+    own_key = key_for(f"{FORMAT}-{VERSION}/{header.salt}", key)
+    return AesSeal(own_key, f"{FORMAT}-{VERSION}/{hashlib.sha256(line).hexdigest()}")
