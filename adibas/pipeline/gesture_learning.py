@@ -47,7 +47,7 @@ NOBODY_NAMED = message(
 )
 NOBODY_THERE = message("{n} examples are left out: nobody's joints were found at that time.")
 ALL_ALIKE = message(
-    "No joint tells {label} from the rest: all count alike. Mark examples within a longer "
+    "No joint tells {label} from the rest: all count alike. Mark every one, within a longer "
     "recording."
 )
 

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QWidget
 
 from adibas.texts import decimal_text
 from adibas.texts import translate as _
-from ui.behaviour.measured import HeatMap, Raster
+from ui.behaviour.measured import S_PER_MINUTE, HeatMap, Raster
 from ui.theme import Theme
 from ui.widgets.plot import Plot
 
@@ -20,9 +20,10 @@ BAR_HEIGHT = 0.8
 POINT_SHARE = 0.003
 """Of the session: so wide is an event that does not last."""
 LEAST_LETTERS, LEAST_LINES = 20, 10
-MOST_NAMED, NAMES_SHARE = 40, 0.45
-"""Rows whose names are all written; of the width, for the longest of them."""
+NAMES_SHARE, LINES_BELOW = 0.45, 4
+"""Of the width, for the longest name; for the axis below, with air."""
 COLOR_MAP = "viridis"
+MOST_MINUTES_IN_SECONDS = 5.0
 
 
 class TimePlot(Plot):
@@ -52,18 +53,20 @@ class TimePlot(Plot):
         content = self._content
         if content is None:
             return
+        scale, unit = _scale(content)
         for _name, begin, end in content.sections:
-            self._add_section(plot, begin, end)
+            self._add_section(plot, scale * begin, scale * end)
         if isinstance(content, Raster):
             self._add_bars(plot, content)
         else:
             self._add_map(plot, content)
         n_rows = len(content.rows)
         plot.getViewBox().invertY(True)
-        plot.setXRange(0.0, max(content.end_min, 1e-6), padding=0.0)
+        plot.setXRange(0.0, max(scale * content.end_min, 1e-6), padding=0.0)
         plot.setYRange(-0.5, n_rows - 0.5, padding=0.0)
-        every = 1 + n_rows // MOST_NAMED
         letters, room_px = self.fontMetrics(), round(NAMES_SHARE * self.width())
+        n_lines = max(self.height() // letters.height() - LINES_BELOW, 1)
+        every = -(-n_rows // n_lines)
         names = [
             (row, letters.elidedText(name, Qt.TextElideMode.ElideRight, room_px))
             for row, name in enumerate(content.rows)
@@ -72,13 +75,8 @@ class TimePlot(Plot):
         widest_px = max(letters.horizontalAdvance(name) for _row, name in names)
         plot.getAxis("left").setTicks([names, []])
         plot.getAxis("left").setWidth(widest_px + 2 * letters.averageCharWidth())
-        self.name_axes(plot, self._across(content), "")
-
-    def _across(self, content: Raster | HeatMap) -> str:
-        if isinstance(content, Raster) or not np.isfinite(content.values).any():
-            return _("Time [min]")
-        most = decimal_text(float(np.nanmax(content.values)), 1)
-        return _("Time [min]; brightest: {most} m/min, empty: not seen").format(most=most)
+        self.name_axes(plot, unit, "")
+        self.setToolTip(_brightest(content))
 
     def _add_section(self, plot: "PlotWidget", begin: float, end: float) -> None:
         import pyqtgraph
@@ -93,10 +91,11 @@ class TimePlot(Plot):
     def _add_bars(self, plot: "PlotWidget", content: Raster) -> None:
         import pyqtgraph
 
-        least = POINT_SHARE * content.end_min
+        scale, _unit = _scale(content)
+        least = POINT_SHARE * scale * content.end_min
         bars = pyqtgraph.BarGraphItem(
-            x0=[begin for _row, begin, _end, _color in content.bars],
-            width=[max(end - begin, least) for _row, begin, end, _color in content.bars],
+            x0=[scale * begin for _row, begin, _end, _color in content.bars],
+            width=[max(scale * (end - begin), least) for _row, begin, end, _color in content.bars],
             y=[row for row, _begin, _end, _color in content.bars],
             height=BAR_HEIGHT,
             brushes=[QColor(color) for _row, _begin, _end, color in content.bars],
@@ -113,8 +112,23 @@ class TimePlot(Plot):
         image.setLevels((0.0, max(float(np.nanmax(content.values)), 1e-9)))
         image.setColorMap(pyqtgraph.colormap.get(COLOR_MAP))
         n_rows = len(content.rows)
-        image.setRect(QRectF(0.0, -0.5, max(content.end_min, 1e-6), n_rows))
+        scale, _unit = _scale(content)
+        image.setRect(QRectF(0.0, -0.5, max(scale * content.end_min, 1e-6), n_rows))
         plot.addItem(image)
+
+
+def _scale(content: Raster | HeatMap) -> tuple[float, str]:
+    """Return the units of the axis in a minute, and its title: a short session in seconds."""
+    if content.end_min > MOST_MINUTES_IN_SECONDS:
+        return 1.0, _("Time [min]")
+    return S_PER_MINUTE, _("Time [s]")
+
+
+def _brightest(content: Raster | HeatMap) -> str:
+    if isinstance(content, Raster) or not np.isfinite(content.values).any():
+        return ""
+    most = decimal_text(float(np.nanmax(content.values)), 1)
+    return _("Brightest: {most} m/min; empty: not seen").format(most=most)
 
 
 def _told(content: Raster | HeatMap) -> list[str]:

@@ -97,6 +97,7 @@ class Plot(QFrame):
             axis.setTextPen(QColor(tokens.text))
             axis.setTickFont(font)
             axis.enableAutoSIPrefix(False)
+            axis.setSIPrefixEnableRanges(())  # below 1 it counts in thousandths all the same
             axis.setStyle(hideOverlappingLabels=self._half_label_px())
             axis.tickStrings = tick_texts
         margins = (1, MARGIN_PX // 2, self._half_label_px(), 1)
