@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, mirror_order
 from adibas.data.skeleton_track import SkeletonTrack
 
 NECK = JOINT_NAMES.index("neck")
@@ -218,6 +218,13 @@ def described(joints_m: FloatArray, size: float, facing: FloatArray | None) -> F
     if facing is not None:
         others = turned(others, facing)
     return others.reshape(len(others), -1)
+
+
+def mirrored(frames: FloatArray) -> FloatArray:
+    """Return descriptors (T, d) of the same movement with the sides exchanged."""
+    parts = frames.reshape(len(frames), -1, len(DESCRIBED_JOINTS), 3)
+    order = mirror_order(DESCRIBED_JOINTS)
+    return np.ascontiguousarray((parts[:, :, order] * [-1.0, 1.0, 1.0]).reshape(frames.shape))
 
 
 def averaged(vectors: FloatArray, n_frames: int) -> FloatArray:

@@ -16,20 +16,23 @@ from adibas.data.events import TimedEvent
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import GestureError
-from adibas.gestures.descriptor import DESCRIBED_JOINTS, NECK, DescriptorParams
+from adibas.gestures.descriptor import DESCRIBED_JOINTS, NECK, DescriptorParams, mirrored
 from adibas.gestures.evaluation import Evaluation, leave_one_out
 from adibas.gestures.model import GestureModel
-from adibas.gestures.segments import Examples
+from adibas.gestures.segments import Examples, at_one_length
 from adibas.gestures.training import FEWEST, TrainingParams, check_examples, train
 from adibas.gestures.weighting import weights_of_gestures
 from adibas.pipeline.behaviour_activity import subject_of
 from adibas.pipeline.gesture_examples import examples_of
 from adibas.progress import Progress
 from adibas.texts import message
+from adibas.timeseries.dtw import cross_costs
 
 EXAMPLE, PART = "example", "part"
 MOST_PARTS = 20
 """Examples are left out one by one up to here; more are left out in so many parts."""
+MIRROR_RATIO = 1.5
+"""An example that is so much nearer to the mirror image is done with the other side."""
 BRIDGED = 2.0
 """The alignment stretches and squeezes by this much at most."""
 
@@ -40,6 +43,10 @@ TOO_FEW_TO_TEST = message(
 UNEVEN = message(
     "The examples of {label} last from {shortest} to {longest} s: what takes more than "
     "twice as long is not taken for the same. Check their ends, or learn two gestures."
+)
+BOTH_SIDES = message(
+    "Some examples of {label} look like the mirror image of others: left and right are told apart. "
+    "Learn a gesture for each side, or mark several of both."
 )
 NOBODY_NAMED = message(
     "{n} examples do not say which person of the recording they are of: the one who is seen "
@@ -111,7 +118,8 @@ def learn(
     examples, descriptor = lesson.examples, DescriptorParams()
     model = train(examples, descriptor, params, progress)
     weights = weights_of_gestures(examples)
-    notices = [*lesson.notices, *_uneven(examples), *_alike(examples.labels, weights)]
+    notices = [*lesson.notices, *_uneven(examples), *_both_sides(examples)]
+    notices += _alike(examples.labels, weights)
     tested, rule = None, lesson.rule
     if is_tested:
         rule, groups = _left_out(examples, lesson.rule)
@@ -251,6 +259,23 @@ def _uneven(examples: Examples) -> list[Sentence]:
         if longest > BRIDGED * shortest:
             told = {"label": name, "shortest": shortest, "longest": longest}
             found.append(Sentence(UNEVEN, told))
+    return found
+
+
+def _both_sides(examples: Examples) -> list[Sentence]:
+    """Say which gestures have examples that are nearer to the mirror image of the first one."""
+    found = []
+    for label, name in enumerate(examples.labels):
+        pieces = [
+            at_one_length(examples.frames_of(one))
+            for one in examples.gestures
+            if one.label == label
+        ]
+        first, others = pieces[0], pieces[1:]
+        as_is, exchanged = cross_costs(others, [first, mirrored(first)]).T
+        with np.errstate(invalid="ignore"):
+            if (as_is > MIRROR_RATIO * exchanged).any():
+                found.append(Sentence(BOTH_SIDES, {"label": name}))
     return found
 
 

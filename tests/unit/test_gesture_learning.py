@@ -9,7 +9,7 @@ from adibas.behaviour.editing import Draft, with_detected
 from adibas.cli.command_line import main
 from adibas.data.coding import Coding, Occurrence
 from adibas.data.ethogram import Behaviour, Ethogram
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, mirror_order
 from adibas.data.skeleton_track import track_of
 from adibas.errors import FileError, GestureError
 from adibas.gestures.descriptor import DESCRIBED_JOINTS
@@ -110,6 +110,22 @@ def test_examples_of_very_different_lengths_are_told(watched):
     (told,) = [one.text for one in trained.notices if "twice as long" in one.text]
     assert "hello" in told
     assert "5." in told
+
+
+def test_examples_of_both_sides_are_told(watched):
+    track, events = watched
+    waves = marked("wave", events)
+    joints_m = track.joints_m.copy()
+    last = (track.times_s > waves[-1].begin_ms / 1000) & (track.times_s < waves[-1].end_ms / 1000)
+    middle_m = joints_m[:, JOINT_NAMES.index("neck"), 0].mean()
+    exchanged_m = joints_m[last][:, mirror_order(JOINT_NAMES)]
+    exchanged_m[..., 0] = 2 * middle_m - exchanged_m[..., 0]
+    joints_m[last] = exchanged_m
+    for moves_m, n_told in ((track.joints_m, 0), (joints_m, 1)):
+        lesson = marked_lesson("hello", waves, [track_of(track.times_s, moves_m)], "child")
+        trained = learn(lesson, QUICK, no_progress, is_tested=False)
+        told = [one.text for one in trained.notices if "mirror image" in one.text]
+        assert len(told) == n_told
 
 
 def test_who_is_meant_is_the_person_of_the_event_or_who_is_seen_longest(watched):
