@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from adibas.sessions import SessionStore
 
 DASH = "\N{EN DASH}"
+MOST_SESSIONS = 1_000_000
 
 
 def add_reliability_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,13 +47,24 @@ def tell_reliability(store: "SessionStore", arguments: argparse.Namespace, conso
             reasons[reason.text] = reasons.get(reason.text, 0) + 1
         documents.append({"view": view, "id": measure_id, **_document(one)})
     if not found.by_measure:
-        console.warn(_("No session of this operator has a measure of this protocol."))
+        console.warn(
+            _(
+                "No session of {operator} has a measure of this protocol. The store has sessions "
+                "of: {others}. Choose one with --operator."
+            ).format(operator=operator or DASH, others=_others(store) or DASH)
+        )
     for text, count in reasons.items():
         console.warn(f"{count} \N{MULTIPLICATION SIGN} {text}")
     console.give(
         {"protocol": wish.protocol.protocol_id, "operator": operator, "measures": documents}
     )
     return 0
+
+
+def _others(store: "SessionStore") -> str:
+    """Return who took the sessions of a store."""
+    sessions = store.sessions.recent(MOST_SESSIONS)
+    return ", ".join(sorted({one.operator for one in sessions if one.operator}))
 
 
 def _line(one: "Reliability") -> str:

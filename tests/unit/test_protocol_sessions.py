@@ -318,7 +318,9 @@ def test_the_command_line_tells_how_measures_repeat(clinic, tmp_path, capsys):
     assert plotted["limits"][0] < plotted["bias"] < plotted["limits"][1]
     assert "do not differ" in captured.err
     assert main(["sessions", "reliability", *options, "--operator", "nobody"]) == 0
-    assert "No session of this operator" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "No session of nobody has a measure of this protocol" in told
+    assert "has sessions of: op." in told
     assert main(["sessions", "reliability", "--store", str(folder)]) == 1
     assert "--protocol" in capsys.readouterr().err
 
