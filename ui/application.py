@@ -223,7 +223,7 @@ class Application:
             workspace.report_problem(error)
             return
         self.window.show_screen(name)
-        self.window.screen_named(name).open_file(paths[0])
+        self.window.screen_named(name).open_files(paths)
 
     def _close_other_windows(self) -> None:
         """Close dialogs, menus and tips: they may show a patient."""

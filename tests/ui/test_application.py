@@ -411,6 +411,10 @@ def test_a_recording_dropped_onto_the_behaviour_screen_is_coded(user, tmp_path):
     assert user.window.shown == "behaviour"
     user.until(lambda: user.screen._presenter.source is not None)
     user.key(Key.Key_S)
+    paths = [make_recording(tmp_path / f"part {number}.mcap", 3) for number in (1, 2)]
+    assert user.drop(*paths)
+    user.settle()
+    user.until(lambda: len(user.screen._presenter.source.parts) == len(paths))
     user.close()
     assert (tmp_path / "child.coding.csv").is_file()
 

@@ -175,6 +175,10 @@ class BehaviourScreen(Screen):
         tools.undone.connect(coding.undo)
         tools.redone.connect(coding.redo)
 
+    def offer_labelling(self, label: Callable[[], object]) -> None:
+        """Call this when limbs are to be labelled."""
+        self._tools.labelling_asked.connect(label)
+
     def _bind_pages(self, counts: CountsPresenter) -> None:
         self._tabs.currentChanged.connect(
             lambda _index: counts.set_seen(is_seen=self._tabs.currentWidget() is self._counts)
@@ -241,6 +245,10 @@ class BehaviourScreen(Screen):
     def open_file(self, path: Path) -> None:
         """Open a dropped recording."""
         self._presenter.open_file(path)
+
+    def open_files(self, paths: tuple[Path, ...]) -> None:
+        """Open dropped recordings as one."""
+        self._presenter.open_files(paths)
 
     def show_source(self, title: str, name: str) -> None:
         self._tools.show_source(title, name)

@@ -37,6 +37,10 @@ class Screen(QWidget):
     def open_file(self, path: Path) -> None:
         """Open what was dropped onto the window; most screens open nothing."""
 
+    def open_files(self, paths: tuple[Path, ...]) -> None:
+        """Open all that was dropped; most screens open one file at a time."""
+        self.open_file(paths[0])
+
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
         """Speak the new language."""
         if event.type() == QEvent.Type.LanguageChange:
