@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
-from adibas.cli.recording_options import add_calibration, add_frames
+from adibas.cli.recording_options import add_calibration, add_frames, add_recording
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 SUMMARY = message("find the limbs of a person in the depth image, without markers")
 TRAIN = message("learn limbs from labelled depth images, or from simulated people")
 SEGMENT = message("find the limbs in every frame of a recording")
+PROPOSE = message("label the limbs in a recording by its joints, to be corrected in the window")
 EVALUATE = message("measure on labelled images that had no part in the training")
 SETS = ("full-body-15", "upper-body-7", "hand-6")
 CUTS = ("omega_1", "omega_2", "none")
@@ -35,14 +36,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_train(train)
     segment = actions.add_parser("segment", help=_(SEGMENT), description=sentence(_(SEGMENT)))
     _add_segment(segment)
+    propose = actions.add_parser("propose", help=_(PROPOSE), description=sentence(_(PROPOSE)))
+    _add_propose(propose)
     evaluate = actions.add_parser("evaluate", help=_(EVALUATE), description=sentence(_(EVALUATE)))
     _add_evaluate(evaluate)
-    for action in (train, segment, evaluate):
+    for action in (train, segment, propose, evaluate):
         add_json(action)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    """Train, segment or evaluate."""
+    """Train, segment, propose or evaluate."""
     code: int = arguments.action(arguments, console)
     return code
 
@@ -133,6 +136,22 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
     )
     add_out(parser, _("FOLDER"), _("folder for the pictures and labels"))
     parser.set_defaults(action=_segment)
+
+
+def _add_propose(parser: argparse.ArgumentParser) -> None:
+    add_recording(parser)
+    add_calibration(parser)
+    add_frames(parser, _("frames to label; all if not given"))
+    parser.add_argument(
+        "--labels", choices=SETS[:2], default=SETS[0], help=_("all 15 if not given")
+    )
+    parser.add_argument(
+        "--done",
+        action="store_true",
+        help=_("take the proposals as they are: limbs train reads them at once"),
+    )
+    add_out(parser, _("FOLDER"), _("folder for the labels; frames with labels stay as they are"))
+    parser.set_defaults(action=_propose)
 
 
 def _add_evaluate(parser: argparse.ArgumentParser) -> None:
@@ -249,6 +268,39 @@ def _segment(arguments: argparse.Namespace, console: Console) -> int:
             "notices": [
                 {"text": notice.text, "n_frames": n_frames} for notice, n_frames in done.notices
             ],
+        }
+    )
+    return 0
+
+
+def _propose(arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.pipeline.limb_proposing import ProposingRequest, propose_recording
+
+    request = ProposingRequest(
+        arguments.recording,
+        arguments.out,
+        arguments.labels,
+        arguments.calibration,
+        arguments.frames,
+        is_done=arguments.done,
+    )
+    with console.progress(_("Looking for limbs")) as progress:
+        found = propose_recording(request, progress)
+    for text, n_frames in found.notices:
+        told = translate_plural("{n} frame", "{n} frames", n_frames).format(n=n_frames)
+        console.warn(f"{told}: {text}")
+    console.say(
+        _(
+            "{folder}: limbs proposed in {n_proposed} frames; {n_known} were labelled before."
+        ).format(folder=arguments.out, n_proposed=found.n_proposed, n_known=found.n_known)
+    )
+    console.give(
+        {
+            "out": str(arguments.out),
+            "n_frames": found.n_frames,
+            "n_labelled_before": found.n_known,
+            "n_proposed": found.n_proposed,
+            "notices": [{"text": text, "n_frames": n} for text, n in found.notices],
         }
     )
     return 0

@@ -7,9 +7,9 @@ limbs segment` has written.
 """
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import cv2
@@ -130,7 +130,8 @@ class LabellingDesk:
         labels: LimbLabels = FULL_BODY,
     ) -> None:
         self._recording = recording
-        self._name = name
+        self._reading = Lock()
+        self.name = name
         self.folder = folder
         self._calibration = calibration_of(recording, calibration)
         if self._calibration.depth is None:
@@ -151,7 +152,8 @@ class LabellingDesk:
 
     def close(self) -> None:
         """Close the recording."""
-        self._recording.close()
+        with self._reading:
+            self._recording.close()
 
     @property
     def progress(self) -> LabellingProgress:
@@ -171,11 +173,12 @@ class LabellingDesk:
         CalibrationError
             It is of another resolution than the calibration.
         """
-        frame = self._recording.read(index)
+        with self._reading:
+            frame = self._recording.read(index)
         if frame.depth_raw is None:
             raise RecordingError(
                 "{file} has no depth, and limbs are found in depth. Record with a depth camera.",
-                file=self._name,
+                file=self.name,
             )
         depth_m = depth_in_metres(frame.depth_raw, self._recording.info.depth_unit_m)
         check_fits(self._calibration, None, depth_m.shape)
@@ -233,9 +236,8 @@ class LabellingDesk:
         """Return (15, 3) joints of the person in the mask."""
         if not frame.mask.any():
             raise LimbError(
-                "Nobody was found in frame {index}: there is nothing to propose. Paint the limbs, "
+                "Nobody was found in the picture: there is nothing to propose. Paint the limbs, "
                 "or go on to the next frame.",
-                index=frame.index + 1,
             )
         now_ns = int(self._recording.timestamps_ns[frame.index])
         if self._estimator is None or now_ns <= self._looked_at_ns:
@@ -246,8 +248,7 @@ class LabellingDesk:
         if not pose.people or not np.isfinite(pose.people[0].joints.joints_m).any():
             reason = pose.notices[0].text if pose.notices else ""
             raise LimbError(
-                "No joints were found in frame {index}. {reason}",
-                index=frame.index + 1,
+                "No joints were found in the picture. {reason}",
                 reason=reason,
             )
         return np.asarray(pose.people[0].joints.joints_m).reshape(len(JOINT_NAMES), 3)
@@ -303,7 +304,7 @@ class LabellingDesk:
         document = {
             "format": FORMAT,
             "version": VERSION,
-            "recording": self._name,
+            "recording": self.name,
             "n_frames": len(self),
             "done": sorted(done),
         }
@@ -328,12 +329,6 @@ class LabellingDesk:
                 folder=self.folder.name,
             )
         return found
-
-
-def frames_to_propose(desk: LabellingDesk, wanted: Sequence[int]) -> tuple[int, ...]:
-    """Return those of the wanted frames that nobody has labelled yet."""
-    known = desk.progress
-    return tuple(index for index in wanted if index not in known.done | known.begun)
 
 
 def _optics(header: FolderHeader) -> tuple[float, ...]:

@@ -29,13 +29,22 @@ def limb_picture(depth: AnyArray, labels: UInt8Array) -> UInt8Array:
     labels : (H, W) uint8 array
         0 where no limb is.
     """
+    return tinted(grey_picture(depth), labels, limb_colors(int(labels.max(initial=1))))
+
+
+def grey_picture(depth: AnyArray) -> UInt8Array:
+    """Return the (H, W, 3) picture of depth in any unit: near is bright, not measured black."""
     known = np.isfinite(depth) & (depth > 0)
     grey = np.zeros(depth.shape)
     if known.any():
         near, far = np.percentile(depth[known], (1, 99))
         grey[known] = 255 - 200 * np.clip((depth[known] - near) / max(far - near, 1e-6), 0, 1)
-    picture = np.repeat(grey[..., None], 3, axis=2)
+    return np.repeat(grey[..., None], 3, axis=2).astype(np.uint8)
+
+
+def tinted(ground: UInt8Array, labels: UInt8Array, colors: UInt8Array) -> UInt8Array:
+    """Return an (H, W, 3) picture with (L + 1, 3) colours over it where a label is not 0."""
+    picture = ground.copy()
     is_limb = labels > 0
-    colors = limb_colors(int(labels.max(initial=1)))
     picture[is_limb] = 0.3 * picture[is_limb] + 0.7 * colors[labels[is_limb]]
-    return picture.astype(np.uint8)
+    return picture

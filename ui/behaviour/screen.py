@@ -9,6 +9,7 @@ from ui.behaviour.presenter import BehaviourPresenter
 from ui.behaviour.tools import stored_title
 from ui.behaviour.view import BehaviourScreen
 from ui.frame_bridge import CallBridge
+from ui.limbs.dialog import open_limb_editor
 from ui.theme import Theme
 from ui.workspace import Workspace
 
@@ -25,4 +26,5 @@ def build_behaviour_screen(
 
     keeper = DraftKeeper(CallBridge(report, view).publish)
     view.bind(BehaviourPresenter(view, workspace, QtFrameFeed(view), keeper, title_of=stored_title))
+    view.offer_labelling(lambda: open_limb_editor(workspace, view))
     return view

@@ -37,6 +37,8 @@ class BehaviourTools(QWidget):
     finding_asked = Signal(object)
     """`NONE`, `SHIPPED`, `OWN`, or the `Path` of a model of gestures."""
     learning_asked = Signal()
+    labelling_asked = Signal()
+    """Limbs are to be labelled, for a model of one's own."""
     coding_opened = Signal(object)
     coding_saved = Signal(object)
     scheme_edited = Signal()
@@ -57,7 +59,7 @@ class BehaviourTools(QWidget):
         self.stored = QComboBox(self)
         self.buttons = {name: QPushButton(self) for name in BUTTONS}
         self._actions: dict[str, QAction] = {}
-        self._menu("find", "shipped", "own", "model", "plain", "learn")
+        self._menu("find", "shipped", "own", "model", "plain", "learn", "label")
         self._menu("file", "open_coding", "save_coding", "section")
         self._menu("scheme", "edit", "open_scheme", "save_scheme")
         column = QVBoxLayout(self)
@@ -91,6 +93,7 @@ class BehaviourTools(QWidget):
             "own": lambda: self.finding_asked.emit(OWN),
             "model": self._ask_model,
             "learn": self.learning_asked.emit,
+            "label": self.labelling_asked.emit,
             "open_coding": self._ask_coding,
             "save_coding": self._ask_place,
             "section": self.section_asked.emit,
@@ -236,6 +239,7 @@ def _action_texts() -> dict[str, str]:
         "model": _("With a model of gestures..."),
         "plain": _("Changes of posture and times out of view alone"),
         "learn": _("Learn a gesture from what is coded..."),
+        "label": _("Label limbs for a model of your own..."),
         "open_coding": _("Open a coding..."),
         "save_coding": _("Save a copy..."),
         "section": _("Mark a section..."),

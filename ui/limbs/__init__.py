@@ -1,0 +1,1 @@
+"""The editor of labelled images: limbs painted over the depth of a recording."""

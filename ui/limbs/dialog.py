@@ -1,0 +1,49 @@
+"""Builds the window in which limbs are labelled: where its parts and the core meet."""
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
+
+from adibas.texts import translate as _
+from ui.limbs.presenter import LimbsPresenter
+from ui.limbs.view import LimbsPage
+from ui.widgets.message_bar import MessageBar
+from ui.workspace import Workspace
+
+USUAL_LETTERS, USUAL_LINES = 150, 50
+
+
+class LimbsDialog(QDialog):
+    """The page, what is told meanwhile, and a button to close; nothing is lost by closing."""
+
+    def __init__(self, workspace: Workspace, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(_("Label limbs"))
+        self.page, self._message = LimbsPage(self), MessageBar(self)
+        self._presenter = LimbsPresenter(self.page, workspace)
+        self.page.bind(self._presenter)
+        self.page.retranslate()
+        self._end = workspace.noticed.subscribe(self._message.tell)
+        box = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
+        box.button(QDialogButtonBox.StandardButton.Close).setText(_("Close"))
+        box.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.addWidget(self._message)
+        column.addWidget(self.page, 1)
+        column.addWidget(box)
+        self.finished.connect(self._on_finished)
+        letters = self.fontMetrics()
+        wanted = QSize(USUAL_LETTERS * letters.averageCharWidth(), USUAL_LINES * letters.height())
+        self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
+
+    def _on_finished(self, _code: int) -> None:
+        self._presenter.close()
+        self._message.put_away()
+        self._end()
+
+
+def open_limb_editor(workspace: Workspace, parent: QWidget) -> LimbsDialog:
+    """Show the editor before its parent."""
+    dialog = LimbsDialog(workspace, parent)
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()
+    return dialog
