@@ -285,6 +285,10 @@ class Protocol:
         given = {same_label(label) for label in labels}
         return tuple(one for one in self.landmarks if view in one.views and not one.labels & given)
 
+    def marks(self, view: str, label: str) -> bool:
+        """Say whether a label means a landmark of one of `VIEWS`."""
+        return any(view in one.views and same_label(label) in one.labels for one in self.landmarks)
+
     def marked_for(self, points: tuple[str, ...]) -> tuple[str, ...]:
         """Return the landmarks that must be marked for these, derived ones taken apart."""
         return tuple(self.shares_of(points))

@@ -218,6 +218,22 @@ def test_landmarks_are_named_one_after_the_other_by_clicks(qtbot, workspace, the
     assert user.names() == ["Glabella", "Tragus, left", "m03"]
 
 
+def test_a_name_that_no_measure_of_this_view_uses_is_told(qtbot, workspace, theme, store):
+    _patient, session, _captures = saved_session(store, protocol="sapo-1")
+    workspace.choose_session(session)
+    user = shown(qtbot, workspace, theme)
+    qtbot.waitUntil(user.tool("name-next").isEnabled)
+    told = []
+    workspace.noticed.subscribe(lambda *notice: told.append(notice))
+    points = user.screen._presenter.points
+    points.rename("m01", "glabella")
+    assert told == []
+    points.rename("m02", "c7")
+    ((kind, sentence),) = told
+    assert kind == "warning"
+    assert sentence.startswith("c7 is no landmark of this protocol in this view")
+
+
 def test_without_a_protocol_no_landmark_is_next(qtbot, user):
     qtbot.waitUntil(user.tool("add-marker").isEnabled)
     assert not user.tool("name-next").isEnabled()

@@ -78,6 +78,9 @@ def test_the_small_protocol_is_right():
     assert [one.landmark_id for one in protocol.unmarked("anterior", ())] == ["left_a", "right_a"]
     assert protocol.unmarked("anterior", ("A, Right", "left a", "m01")) == ()
     assert [one.landmark_id for one in protocol.unmarked("posterior", ())] == ["right_a"]
+    assert protocol.marks("anterior", "A, Right")
+    assert not protocol.marks("posterior", "left a")
+    assert not protocol.marks("anterior", "m01")
     assert protocol.shares_of(("right_a", "mid")) == {"right_a": (1.0, 0.5), "left_a": (0.0, 0.5)}
 
 

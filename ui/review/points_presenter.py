@@ -10,6 +10,7 @@ from adibas.arrays import UInt8Array
 from adibas.data.corrections import CorrectionHistory
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.sessions import Capture
+from adibas.texts import translate as _
 from ui.review.content import MeasureRow, Mode, Points
 from ui.review.editor import CaptureEditor
 from ui.review.measuring import MeasureTable, free_rows
@@ -242,8 +243,16 @@ class PointsPresenter:
         def rename(editor: CaptureEditor) -> None:
             self._selected = label
             self._selected = editor.rename(label, wanted)
+            self._warn_of(self._selected, editor.capture.view)
 
         self._edit(rename)
+
+    def _warn_of(self, name: str, view: str) -> None:
+        """Tell of a name that no measure of the session's protocol can use."""
+        protocol = None if self._opened is None else self._opened.protocol
+        if protocol is not None and view and not protocol.marks(view, name):
+            told = _("{name} is no landmark of this protocol in this view: no measure uses it.")
+            self._workspace.tell("warning", told.format(name=name))
 
     def undo(self) -> None:
         """Take the last correction back."""
