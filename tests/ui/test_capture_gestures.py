@@ -6,7 +6,7 @@ from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
-from PySide6.QtWidgets import QComboBox
+from PySide6.QtWidgets import QComboBox, QLabel
 
 from adibas.data.calibration import RgbdCalibration
 from adibas.errors import GestureError
@@ -135,6 +135,12 @@ def test_the_capture_screen_offers_gestures_and_says_them(qtbot, workspace):
     assert [chooser.itemData(index) for index in range(chooser.count())] == list(CHOICES)
     assert chooser.accessibleName()
     assert chooser.itemText(1) == "Gestures of the program"
+    chooser.activated.emit(1)
     screen.show_gesture("Gesture: clap")
-    assert "Gesture: clap" in [one.text() for one in screen.findChildren(type(screen._gesture))]
+    told = next(one for one in screen.findChildren(QLabel) if one.text() == "Gesture: clap")
+    assert told.isVisibleTo(screen)
+    screen.show_gesture("")
+    assert told.isVisibleTo(screen), "the picture stays where it is"
+    chooser.activated.emit(0)
+    assert not told.isVisibleTo(screen)
     screen.closed()

@@ -18,7 +18,7 @@ from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.texts import translate as _
-from ui.capture.gesture_presenter import GesturePresenter
+from ui.capture.gesture_presenter import Choice, GesturePresenter
 from ui.capture.live_overlays import overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
@@ -111,7 +111,7 @@ class CaptureScreen(Screen):
     def bind_gestures(self, gestures: GesturePresenter) -> None:
         """Send the choice of gestures to a presenter, and own it."""
         self._gestures = gestures
-        self._display.gestures_chosen.connect(gestures.choose)
+        self._display.gestures_chosen.connect(self._on_gestures)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -186,7 +186,6 @@ class CaptureScreen(Screen):
 
     def show_gesture(self, sentence: str) -> None:
         self._gesture.setText(sentence)
-        self._gesture.setVisible(bool(sentence))
 
     def show_countdown(self, seconds: int | None) -> None:
         self._shutter.show_stop(can_stop=seconds is not None)
@@ -236,6 +235,11 @@ class CaptureScreen(Screen):
         text = "\n".join(_(hint) for hint in hints)
         if self._hints.text() != text:
             self._hints.setText(text)
+
+    def _on_gestures(self, choice: Choice) -> None:
+        self._gesture.setVisible(choice != "none")  # its line stays, so that the picture does
+        if self._gestures is not None:
+            self._gestures.choose(choice)
 
     def _check_wand(self) -> None:
         if not self._presenter.may_check_wand():
