@@ -170,7 +170,12 @@ class LimbsPresenter:
 
         def done(found: "tuple[FrameToLabel, UInt8Array, UInt8Array]") -> None:
             self._show_frame(found[0], found[1])
-            self._change(found[2])
+            if found[2].any():
+                self._change(found[2])
+            else:
+                self._workspace.tell(
+                    "warning", _("Nothing was carried over: nobody was found near those limbs.")
+                )
 
         if self.leave():
             self._start(_("Carrying labels over"), work, done)

@@ -105,7 +105,7 @@ class LimbsPage(QWidget):
 
     def bind(self, presenter: LimbsPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
-        self._presenter = presenter
+        self.presenter = presenter
         clicks = {
             "open": self._ask,
             "undo": presenter.undo,
@@ -147,7 +147,7 @@ class LimbsPage(QWidget):
         for name, keys in KEYS.items():
             self._buttons[name].setToolTip(QKeySequence(keys).toString(NATIVE))
         self._tool_label.setText(_("Tool"))
-        tools = (_("&Brush"), _("&Fill"), _("Pol&ygon"))
+        tools = (_("&Brush"), _("F&ill"), _("Pol&ygon"))
         for tool, text in zip(self._tools.values(), tools, strict=True):
             tool.setText(text)
         self._radius_label.setText(_("Bru&sh radius"))
@@ -155,6 +155,7 @@ class LimbsPage(QWidget):
         self._enclose.setText(_("Fill the polygon"))
         self._beyond.setText(_("Paint beside the person, too"))
         self._labels_label.setText(_("&Limb"))
+        self._labels.setAccessibleName(_("Limb"))
         self._number_label.setText(_("Fra&me"))
         self._previous.setText(_("Previous"))
         self._next.setText(_("Next"))
@@ -231,8 +232,8 @@ class LimbsPage(QWidget):
         self._picture.set_overlays((*self._overlays, *self._corners))
 
     def _on_tool(self, tool: Tool) -> None:
-        self._presenter.choose_tool(tool)
-        self._picture.set_painting(is_on=self._presenter.draws_by_dragging)
+        self.presenter.choose_tool(tool)
+        self._picture.set_painting(is_on=self.presenter.draws_by_dragging)
 
     def _word_labels(self) -> None:
         from adibas.pipeline.limb_names import limb_text
@@ -245,7 +246,7 @@ class LimbsPage(QWidget):
     def _ask(self) -> None:
         dialog = QFileDialog(self, _("Open a recording"))
         dialog.setNameFilter(_("Recordings") + f" {RECORDINGS}")
-        dialog.fileSelected.connect(lambda name: self._presenter.open(Path(name)))
+        dialog.fileSelected.connect(lambda name: self.presenter.open(Path(name)))
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.open()
 
@@ -257,5 +258,5 @@ def _texts() -> dict[str, str]:
         "redo": _("&Redo"),
         "propose": _("&Propose"),
         "carry": _("&Carry to the next frame"),
-        "finish": _("Frame is &done"),
+        "finish": _("Frame is don&e"),
     }

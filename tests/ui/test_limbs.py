@@ -1,0 +1,276 @@
+"""The editor of labelled images: what its presenter decides, and the window with a mouse."""
+
+from unittest.mock import create_autospec
+
+import cv2
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QListWidget, QProgressBar, QPushButton, QRadioButton
+
+from adibas.errors import LimbError
+from adibas.limbs.training_set import LimbFolder
+from adibas.pipeline.limb_labelling import LabellingDesk
+from adibas.recordings import open_recording
+from adibas.texts import LANGUAGES, speaking
+from tests.ui.limb_scene import BOX, HEIGHT, WIDTH, record_box
+from tests.ui.test_mnemonics import assert_each_letter_is_one_control
+from ui.behaviour.screen import build_behaviour_screen
+from ui.limbs.dialog import LimbsDialog
+from ui.limbs.paint_view import PaintView
+from ui.limbs.ports import LimbsView
+from ui.limbs.presenter import LimbsPresenter
+
+HEAD, TORSO = 1, 3
+
+
+@pytest.fixture
+def video(tmp_path):
+    return record_box(tmp_path / "box.mcap")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "box-limbs"
+
+
+@pytest.fixture
+def view():
+    return create_autospec(LimbsView, instance=True)
+
+
+@pytest.fixture
+def presenter(view, workspace, video):
+    presenter = LimbsPresenter(view, workspace)
+    presenter.open(video)
+    presenter.set_beyond(is_on=True)
+    yield presenter
+    presenter.close()
+
+
+@pytest.fixture
+def told(workspace):
+    notices = []
+    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
+    return notices
+
+
+def allowed(view):
+    return view.show_allowed.call_args.args[0]
+
+
+def progress(view):
+    return view.show_progress.call_args.args
+
+
+def kept(folder, index):
+    """Return the labels that lie in the folder."""
+    found = [*folder.glob(f"{index:05d}.draft.png"), *folder.glob(f"{index:05d}.labels.png")]
+    assert len(found) <= 1
+    return cv2.imread(str(found[0]), cv2.IMREAD_UNCHANGED) if found else None
+
+
+def fill_box(presenter, label=TORSO):
+    presenter.choose_label(label)
+    presenter.choose_tool("fill")
+    presenter.click(25, 15)
+
+
+def test_nothing_can_be_done_before_a_recording_is_open(view, workspace, told):
+    presenter = LimbsPresenter(view, workspace)
+    assert not allowed(view).can_edit
+    for action in (presenter.propose, presenter.carry, presenter.finish, presenter.enclose):
+        action()
+    presenter.click(3, 3)
+    presenter.go_by(1)
+    presenter.point(3, 3)
+    presenter.close()
+    view.show_picture.assert_not_called()
+    assert not told
+
+
+def test_a_stroke_is_one_step_and_can_be_taken_back(presenter, view, folder):
+    presenter.choose_label(HEAD)
+    presenter.set_radius(1)
+    for u in range(5, 10):
+        presenter.drag(u, 20)
+    assert not allowed(view).can_undo
+    presenter.drop()
+    presenter.undo()
+    assert not allowed(view).can_undo
+    presenter.redo()
+    presenter.leave()
+    labels = kept(folder, 0)
+    assert set(np.argwhere(labels)[:, 1]) == set(range(4, 11))
+    assert set(np.unique(labels)) == {0, HEAD}
+
+
+def test_filling_stops_at_the_edge_of_depth_and_the_limb_there_is_told(presenter, view, folder):
+    fill_box(presenter)
+    presenter.leave()
+    wanted = np.zeros((HEIGHT, WIDTH), np.uint8)
+    wanted[BOX] = TORSO
+    np.testing.assert_array_equal(kept(folder, 0), wanted)
+    presenter.point(25, 15)
+    view.show_under.assert_called_with("torso")
+    presenter.point(-4, 15)
+    view.show_under.assert_called_with("")
+
+
+def test_a_polygon_is_filled_once_it_has_three_corners(presenter, view, folder):
+    presenter.choose_tool("polygon")
+    for u, v in ((2, 2), (8, 2), (8, 8)):
+        assert not allowed(view).can_enclose
+        presenter.click(u, v)
+    assert allowed(view).can_enclose
+    presenter.enclose()
+    view.show_corners.assert_called_with(())
+    presenter.leave()
+    assert kept(folder, 0)[3, 7] == HEAD
+    presenter.click(4, 4)
+    presenter.choose_tool("brush")
+    view.show_corners.assert_called_with(())
+
+
+def test_nothing_is_painted_beside_the_person_unless_it_is_asked_for(presenter, folder):
+    presenter.set_beyond(is_on=False)
+    fill_box(presenter)
+    presenter.go_by(1)
+    assert kept(folder, 0) is None
+
+
+def test_what_was_labelled_is_there_again_after_a_restart(presenter, view, workspace, video):
+    fill_box(presenter)
+    presenter.go_by(1)
+    presenter.close()
+    again = LimbsPresenter(view, workspace)
+    again.open(video)
+    index, known = progress(view)
+    assert (index, known.begun, known.done) == (0, {0}, frozenset())
+    again.point(25, 15)
+    view.show_under.assert_called_with("torso")
+    again.close()
+
+
+def test_frames_that_are_done_can_be_trained_on_and_the_next_one_is_shown(
+    presenter, view, folder, told
+):
+    presenter.finish()
+    assert told[-1][0] == "warning"
+    for _ in range(3):
+        fill_box(presenter)
+        presenter.finish()
+    assert told[-1][0] == "good"
+    assert progress(view)[1].done == {0, 1, 2}
+    images = LimbFolder(folder)
+    assert len(images) == 3
+    depth_m, labels, focal_px = images.read(0)
+    assert focal_px == 60
+    np.testing.assert_allclose(depth_m[labels == TORSO], 2.0)
+    presenter.choose_label(0)
+    presenter.click(25, 15)
+    presenter.leave()
+    assert progress(view)[1].begun == {2}
+    assert len(LimbFolder(folder)) == 2, "what is worked on again is not trained on"
+
+
+def test_labels_are_carried_to_where_the_limb_is_by_then(presenter, view, folder, told):
+    fill_box(presenter)
+    presenter.go(1)
+    fill_box(presenter, HEAD)  # from now on the box counts as somebody here
+    presenter.go(0)
+    presenter.carry()
+    assert progress(view)[0] == 1
+    presenter.leave()
+    wanted = np.zeros((HEIGHT, WIDTH), np.uint8)
+    wanted[10:30, 21:41] = TORSO
+    np.testing.assert_array_equal(kept(folder, 1), wanted)
+    presenter.carry()
+    assert "nobody was found" in told[-1][1]
+    assert progress(view)[0] == 2
+    assert kept(folder, 2) is None
+    presenter.carry()
+    assert progress(view)[0] == 2, "there is no next one"
+
+
+def test_where_nobody_is_nothing_is_proposed_and_a_word_said(presenter, inline_jobs):
+    presenter.propose()
+    assert "Nobody was found" in str(inline_jobs.problems[-1])
+
+
+def test_a_folder_of_another_recording_is_refused(presenter, folder, tmp_path):
+    fill_box(presenter)
+    presenter.leave()
+    other = record_box(tmp_path / "other.mcap")
+
+    with open_recording(other) as recording:
+        with pytest.raises(LimbError, match=r"holds labels of box\.mcap"):
+            LabellingDesk(recording, "other.mcap", folder)
+        (folder / "progress.json").write_text("{")
+        with pytest.raises(LimbError, match="damaged"):
+            LabellingDesk(recording, "box.mcap", folder)
+
+
+@pytest.fixture
+def editor(qtbot, workspace, theme, video):
+    """The editor as the menu of the behaviour screen opens it."""
+    screen = build_behaviour_screen(workspace, theme)
+    qtbot.addWidget(screen)
+    screen.resize(1200, 800)
+    screen.show()
+    (action,) = [
+        one for one in screen.findChildren(QAction) if one.text().startswith("Label limbs")
+    ]
+    action.trigger()
+    dialog = screen.findChild(LimbsDialog)
+    dialog.page.presenter.open(video)
+    yield dialog
+    screen.closed()
+
+
+def button(editor, text):
+    (found,) = [one for one in editor.findChildren(QAbstractButton) if one.text() == text]
+    return found
+
+
+def test_a_limb_is_painted_with_the_mouse_and_kept_when_the_window_closes(editor, folder):
+    button(editor, "Paint beside the person, too").click()
+    editor.findChild(QListWidget).setCurrentRow(HEAD)
+    picture = editor.findChild(PaintView)
+    begin, end = (QPoint(*map(round, picture.placement.to_widget(u, 20))) for u in (10, 40))
+    QTest.mousePress(picture, Qt.MouseButton.LeftButton, pos=begin)
+    QTest.mouseMove(picture, end)
+    QTest.mouseRelease(picture, Qt.MouseButton.LeftButton, pos=end)
+    assert button(editor, "&Undo").isEnabled()
+    button(editor, "Pol&ygon").click()
+    for u, v in ((50, 40), (60, 40), (60, 46)):
+        at = QPoint(*map(round, picture.placement.to_widget(u, v)))
+        QTest.mouseClick(picture, Qt.MouseButton.LeftButton, pos=at)
+    button(editor, "Fill the polygon").click()
+    QTest.keyClick(picture, Qt.Key.Key_PageDown)
+    assert editor.findChild(QProgressBar).maximum() == 3
+    editor.close()
+    labels = kept(folder, 0)
+    assert labels[20, 25] == labels[41, 58] == HEAD
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_editor_has_a_letter_for_each_control_and_room_for_large_ones(
+    qtbot, workspace, theme, language
+):
+    theme.use("light", 2.0)
+    with speaking(language):
+        dialog = LimbsDialog(workspace)
+        qtbot.addWidget(dialog)
+        dialog.show()
+        assert_each_letter_is_one_control(dialog)
+        least = dialog.minimumSizeHint()
+        assert least.width() <= 1280
+        assert least.height() <= 800
+        named = (QPushButton, QRadioButton, QListWidget, QProgressBar, PaintView)
+        assert all(one.accessibleName() or hasattr(one, "text") for kind in named
+                   for one in dialog.findChildren(kind))  # fmt: skip
+        dialog.close()
+    theme.use("light", 1.0)
