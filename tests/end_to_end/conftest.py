@@ -1,8 +1,10 @@
 """One short demo session, made once, that the tests of posture and of bad input share."""
 
 import contextlib
+import fcntl
 import io
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,11 +38,24 @@ class DemoFiles:
         return self.folder / "report.xlsx"
 
 
-@pytest.fixture(scope="session")
-def demo(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("demo")
+def make_demo(folder):
+    """Run `adibas demo --json`; return what it prints."""
     said = io.StringIO()
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(said):
         patch.setattr(demo_session, "N_FRAMES", N_FRAMES)
         assert main(["demo", "--out", str(folder), "--json"]) == 0
-    return DemoFiles(folder, N_FRAMES, json.loads(said.getvalue()))
+    return said.getvalue()
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory):
+    """The demo's files; where several processes test, the first that wants them makes them."""
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
+    folder, said = shared / "shared-demo", shared / "shared-demo.json"
+    with (shared / "shared-demo.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not said.exists():
+            said.write_text(make_demo(folder), encoding="utf-8")
+    return DemoFiles(folder, N_FRAMES, json.loads(said.read_text(encoding="utf-8")))
