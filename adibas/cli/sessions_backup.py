@@ -3,6 +3,7 @@
 import argparse
 import os
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from adibas.cli.store_options import (
     read_passphrase,
 )
 from adibas.errors import FileError
+from adibas.sessions.merge_words import merge_texts
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 
@@ -43,7 +45,10 @@ def add_backup_arguments(add: Add) -> None:
     add_store(restoring)
     _add_backup(restoring)
     restoring.add_argument(
-        "--into", type=Path, required=True, metavar=_("DIR"), help=_("new or empty folder")
+        "--into",
+        type=Path,
+        metavar=_("DIR"),
+        help=_("new or empty folder; without it, what is missing is added to the store in use"),
     )
     _add_backup_passphrase(restoring)
 
@@ -121,6 +126,21 @@ def _write(
 
 
 def _restore(arguments: argparse.Namespace, console: Console) -> int:
+    return _restore_used(arguments, console) if arguments.into is None else _new(arguments, console)
+
+
+def _restore_used(arguments: argparse.Namespace, console: Console) -> int:
+    with open_existing(arguments) as store, console.progress(arguments.backup.name) as progress:
+        summary = store.backups.restore(
+            arguments.backup, _passphrase_of_backup(arguments), progress
+        )
+    for line in merge_texts(summary):
+        console.say(line)
+    console.give(asdict(summary))
+    return 0
+
+
+def _new(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.sessions.restoring import restore_into
 
     with console.progress(arguments.backup.name) as progress:

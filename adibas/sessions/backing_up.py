@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from sqlalchemy import select
 
@@ -29,6 +29,9 @@ from adibas.sessions.key_wrapping import SHORTEST_PASSPHRASE, Argon2Params, wrap
 from adibas.sessions.schema import FILES, RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
+
+if TYPE_CHECKING:
+    from adibas.sessions.merging import MergeSummary
 
 ENDING = ".adibas-backup"
 ID_LENGTH = 32
@@ -74,6 +77,8 @@ class Backups:
         Of the store.
     folders : tuple of SealedFolder
         Pictures, recordings, codings.
+    making : set of str
+        Recordings that are being made.
     """
 
     def __init__(
@@ -82,11 +87,13 @@ class Backups:
         audit: AuditLog,
         key: bytes,
         folders: tuple[SealedFolder, SealedFolder, SealedFiles],
+        making: set[str],
     ) -> None:
         self._database = database
         self._audit = audit
         self._key = key
         self._folders = folders
+        self._making = making
         self._folder = database.path.parent
 
     def wrapped_key(
@@ -163,6 +170,30 @@ class Backups:
                 writer = BackupWriter(file, header, self._key)
                 summary = _write_all(writer, members, n_bytes, progress)
         return summary
+
+    def restore(
+        self, path: Path, passphrase: str | None = None, progress: Progress | None = None
+    ) -> "MergeSummary":
+        """Add what a backup has and the store has not; nothing that is here is lost.
+
+        Parameters
+        ----------
+        passphrase : str, optional
+            Of the backup; not needed for one of this very store.
+
+        Raises
+        ------
+        PassphraseError
+            The passphrase is missing or wrong.
+        StoreError
+            The backup is damaged, the store is read-only, or the disk is full. Nothing was changed.
+        FileError
+            The backup cannot be read.
+        """
+        from adibas.sessions.merged_files import restore_merged
+
+        store = (self._database, self._audit, self._key)
+        return restore_merged(path, passphrase, store, self._making, progress)
 
     @contextmanager
     def _snapshot(self, beside: Path) -> Iterator[list[_Member]]:

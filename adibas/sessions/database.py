@@ -78,13 +78,23 @@ class Database:
         StoreError
             The store is read-only, or the disk is full; nothing was changed then.
         """
+        self.check_writable()
+        with self._transaction("BEGIN IMMEDIATE") as transaction:
+            yield transaction
+
+    def check_writable(self) -> None:
+        """See, before long work, that this opener may change something.
+
+        Raises
+        ------
+        StoreError
+            The store is read-only.
+        """
         if self.is_read_only:
             raise StoreError(
                 "The patient store is open in another window, and this one can only read. Close "
                 "the other window, then open the store again."
             )
-        with self._transaction("BEGIN IMMEDIATE") as transaction:
-            yield transaction
 
     @contextmanager
     def logging(self) -> Iterator[Transaction]:

@@ -72,7 +72,7 @@ class Patients:
                 created_utc=created_utc,
                 is_deleted=False,
             )
-            add_row(transaction, IDENTITIES, **_columns_of(pseudonym, identity))
+            add_row(transaction, IDENTITIES, **identity_columns(pseudonym, identity))
             self._audit.write(transaction, "create", pseudonym)
         return patient
 
@@ -97,7 +97,7 @@ class Patients:
         with self._database.changing() as transaction:
             found_patient(transaction, pseudonym)
             if identity is not None:
-                columns = _columns_of(pseudonym, identity)
+                columns = identity_columns(pseudonym, identity)
                 change_row(transaction, IDENTITIES, pseudonym, **columns)
             if given:
                 change_row(transaction, PATIENTS, pseudonym, **given)
@@ -253,7 +253,7 @@ def _row(found: Row) -> PatientRow:
     last = found.last_session_utc
     return PatientRow(
         pseudonym=found.pseudonym,
-        identity=_identity(found),
+        identity=identity_of(found),
         n_sessions=found.n_sessions,
         last_session_utc=None if last is None else datetime.fromisoformat(last),
         is_deleted=found.is_deleted,
@@ -267,7 +267,8 @@ def _new_pseudonym(transaction: Transaction) -> str:
             return PREFIX + letters
 
 
-def _columns_of(pseudonym: str, identity: Identity) -> dict[str, str | None]:
+def identity_columns(pseudonym: str, identity: Identity) -> dict[str, str | None]:
+    """Return the row of `IDENTITIES`."""
     born = identity.birth_date
     return {
         "pseudonym": pseudonym,
@@ -279,7 +280,8 @@ def _columns_of(pseudonym: str, identity: Identity) -> dict[str, str | None]:
     }
 
 
-def _identity(row: Row) -> Identity:
+def identity_of(row: Row) -> Identity:
+    """Return who a row of `IDENTITIES` tells of."""
     born = None if row.birth_date is None else date.fromisoformat(row.birth_date)
     return Identity(row.name, born, row.record_number)
 
@@ -289,7 +291,7 @@ def _patient(transaction: Transaction, pseudonym: str) -> Patient:
     whose = select(IDENTITIES).where(IDENTITIES.c.pseudonym == pseudonym)
     return Patient(
         pseudonym=pseudonym,
-        identity=_identity(transaction.execute(whose).one()),
+        identity=identity_of(transaction.execute(whose).one()),
         sex=row.sex,
         notes=row.notes,
         created_utc=datetime.fromisoformat(row.created_utc),

@@ -65,7 +65,7 @@ def restore_into(
         with _making_of(making):
             extract(backup, key, making, progress=progress)
             write_key_file(making, _key_file(backup.header))
-            _check_opens(making, key)
+            make_present(making, key)
             (making / LOCK_FILE).unlink(missing_ok=True)
             _give_name(making, folder)
         return backup.header
@@ -202,7 +202,7 @@ class _Files:
 
 def _verified(folder: Path, key: bytes, progress: Progress | None) -> VerifyReport:
     """Check a restored store as `verify` checks one in use."""
-    _check_opens(folder, key)
+    make_present(folder, key)
     database = Database(folder, key, is_read_only=True)
     try:
         audit = AuditLog(database, utc_now, "")
@@ -218,8 +218,14 @@ def _verified(folder: Path, key: bytes, progress: Progress | None) -> VerifyRepo
         database.close()
 
 
-def _check_opens(folder: Path, key: bytes) -> None:
-    """See that the restored database opens; one of an older version becomes a present one."""
+def make_present(folder: Path, key: bytes) -> None:
+    """See that a restored database opens; one of an older version becomes a present one.
+
+    Raises
+    ------
+    StoreError
+        It does not open, or is of a later version.
+    """
     database = Database(folder, key, is_read_only=False)
     try:
         bring_up_to_date(database, key)

@@ -36,6 +36,11 @@ def remove_row(transaction: Transaction, table: Table, key: object) -> None:
     transaction.execute(delete(table).where(_key(table) == key))
 
 
+def values_of(row: Row, *without: str) -> dict[str, Any]:
+    """Return what a row holds, by column."""
+    return {name: value for name, value in row._asdict().items() if name not in without}
+
+
 def _key(table: Table) -> Any:
     (key,) = table.primary_key
     return key

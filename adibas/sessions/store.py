@@ -24,6 +24,7 @@ from adibas.sessions.key_file import KEY_FILE
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import load_key, make_key
 from adibas.sessions.lock import StoreLock, cannot_use
+from adibas.sessions.merged_files import finish_merge
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
 from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
@@ -122,7 +123,8 @@ class SessionStore:
 
         recordings = self.recordings
         folders = (self._pictures, recordings.sealed, recordings.codings)
-        return Backups(self._database, self.audit, self._key, folders)
+        making = recordings.in_the_making
+        return Backups(self._database, self.audit, self._key, folders, making)
 
     def _purge_patient(self, pseudonym: str) -> None:
         self._purge().patient(pseudonym)
@@ -144,6 +146,7 @@ class SessionStore:
         for remove in (
             self._files.finish,
             SealedFiles(self.folder / CODINGS_FOLDER).remove_unfinished,
+            partial(finish_merge, self._database),
             partial(remove_leftovers, self._database, self._sealed_folders),
         ):
             try:
