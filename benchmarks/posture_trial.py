@@ -120,18 +120,19 @@ def _compared(number: int, markers: tuple[Marker, ...], truths: Sequence[FrameTr
     right: list[Marker] = []
     n_wrong = 0
     for marker in markers:
-        if marker.label not in places_m or marker.position_m is None:
+        if marker.label not in places_m:
             continue
         is_there = _is_at(marker, truths, marker.label)
         right += [marker] if is_there else []
         n_wrong += not is_there
+    placed = [marker for marker in right if marker.position_m is not None]
     return Result(
         number,
         len(visible),
         len(visible & {marker.label for marker in right}),
         n_wrong,
-        _distances(right, places_m),
-        _angles(right, places_m),
+        _distances(placed, places_m),
+        _angles(placed, places_m),
     )
 
 

@@ -1,12 +1,14 @@
 """Markers of a posture analysis get the names of landmarks, where the model is sure."""
 
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.markers import Marker
+from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
 from adibas.skeleton.namer import Namer
 
@@ -28,26 +30,47 @@ def with_names(
     namer : Namer
         See `adibas.pipeline.namers.namer_of`.
     markers : tuple of Marker
-        Those without a position keep their labels.
+        Those without a position, because the depth image does not reach them, are named as if they
+        were as far away as the others; they get no name that another marker has.
     view : str
         As declared; empty: left and right only where the shape tells them.
     named_by_hand : frozenset of str
         Labels that stay; no other marker gets one of them.
     """
-    placed = [marker for marker in markers if marker.position_m is not None]
+    placed = tuple(marker for marker in markers if marker.position_m is not None)
     if not placed:
         return markers
-    positions_m = np.stack(
-        [marker.position_m for marker in placed if marker.position_m is not None]
-    )
-    upright_m = positions_m @ upright_turn(vertical_of(calibration).up).T
-    found = namer.label(upright_m, view)
-    names = {
-        marker.label: name
-        for marker, name in zip(placed, found.names, strict=True)
-        if name is not None and name not in named_by_hand and marker.label not in named_by_hand
-    }
+    turn = upright_turn(vertical_of(calibration).up)
+    positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
+    found = namer.label(positions_m @ turn.T, view).names
+    names = _given(placed, found, named_by_hand)
+    flat = tuple(marker for marker in markers if marker.position_m is None)
+    if flat and calibration.color is not None:
+        places_m = np.vstack([positions_m, _as_far_away(flat, positions_m, calibration.color)])
+        more = namer.label(places_m @ turn.T, view).names[len(placed) :]
+        names |= _given(flat, more, named_by_hand | set(names.values()))
     return tuple(replace(marker, label=names.get(marker.label, marker.label)) for marker in markers)
+
+
+def _given(
+    markers: Sequence[Marker], found: Sequence[str | None], taken: Set[str]
+) -> dict[str, str]:
+    """Return the new name of each marker that gets one, by its label."""
+    return {
+        marker.label: name
+        for marker, name in zip(markers, found, strict=True)
+        if name is not None and name not in taken and marker.label not in taken
+    }
+
+
+def _as_far_away(
+    markers: Sequence[Marker], positions_m: FloatArray, camera: CameraCalibration
+) -> FloatArray:
+    """Return (N, 3) places of markers by their pixels alone, at the depth of the others."""
+    pixels = np.array([(marker.u, marker.v) for marker in markers])
+    rays = undistort_pixels(pixels, camera.intrinsics, camera.distortion)
+    depth_m = float(np.median(positions_m[:, 2]))
+    return depth_m * np.column_stack([rays, np.ones(len(rays))])
 
 
 def upright_turn(up: FloatArray) -> FloatArray:

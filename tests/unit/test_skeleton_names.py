@@ -1,12 +1,16 @@
 """Markers of a posture analysis get the joints' names where their protocol marks joints."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
+from adibas.geometry.distortion import project_distorted
+from adibas.geometry.pinhole import Intrinsics
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline import skeleton_names
 from adibas.pipeline.namers import namer_of
@@ -65,7 +69,44 @@ def test_names_by_hand_stay_and_are_not_given_twice(joints_m, tilted_by):
     assert [marker.label for marker in named][:3] == ["neck", "m02", "left_shoulder"]
 
 
-def test_markers_without_a_position_keep_their_labels(tilted_by):
+@pytest.fixture
+def seen_flat(joints_m):
+    """The joints, of which those that are asked for are seen by the colour camera alone."""
+    lens = (0.05, -0.1, 0.0, 0.0)
+    camera = CameraCalibration(1280, 1024, Intrinsics(1050.0, 1050.0, 639.5, 511.5), lens)
+    pixels = project_distorted(joints_m, camera.intrinsics, camera.distortion)
+    calibration = RgbdCalibration(color=camera)
+
+    def see(*names):
+        markers = [
+            replace(marker, u=float(u), v=float(v))
+            for marker, (u, v) in zip(markers_at(joints_m), pixels, strict=True)
+        ]
+        for name in names:
+            index = JOINT_NAMES.index(name)
+            markers[index] = replace(markers[index], position_m=None, covariance_m2=None)
+        return tuple(markers), calibration
+
+    return see
+
+
+def test_markers_below_the_depth_image_are_named_by_their_pixels(seen_flat):
+    markers, calibration = seen_flat("left_foot", "right_foot", "right_hand")
+    named = with_names(shipped_namer(), markers, "anterior", calibration)
+    assert tuple(marker.label for marker in named) == JOINT_NAMES
+    assert [marker.position_m is None for marker in named].count(True) == 3
+
+
+def test_a_name_by_hand_is_not_given_to_a_marker_without_a_position(seen_flat):
+    markers, calibration = seen_flat("left_foot")
+    last = replace(markers[0], label="left_foot")
+    named = with_names(
+        shipped_namer(), (last, *markers[1:]), "anterior", calibration, frozenset(["left_foot"])
+    )
+    assert [marker.label for marker in named].count("left_foot") == 1
+
+
+def test_a_marker_without_a_position_keeps_its_label_where_no_other_has_one(tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
     assert with_names(shipped_namer(), flat, "anterior", None) == flat
