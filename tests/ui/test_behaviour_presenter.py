@@ -32,10 +32,11 @@ from tests.ui.behaviour_scene import (
     time_ms,
 )
 from tests.ui.conftest import NoSensor
+from tests.unit import store_samples
 from ui.behaviour.playing import Playing, frame_at, frame_times_ms
 from ui.behaviour.presenter import BehaviourPresenter, BehaviourView
 from ui.behaviour.scheme import fields_of, without
-from ui.behaviour.sources import ALL, titled
+from ui.behaviour.sources import ALL
 from ui.behaviour.tables import TextTable
 from ui.workspace import Workspace
 
@@ -937,7 +938,6 @@ def test_a_recording_of_the_session_is_coded_and_sealed(stored_scene):
     title, name = scene.view.show_source.call_args.args
     assert title == f"{choice.created_utc:%Y-%m-%d %H:%M}"
     assert name == writer.recording_id[:8]
-    assert titled(title, "posterior") == f"{title}, Back"
     scene.seated(0, 5)
     scene.presenter.open_stored(writer.recording_id)
     assert scene.events == [("seated", time_ms(0), time_ms(5))]
@@ -949,6 +949,21 @@ def test_a_recording_of_the_session_is_coded_and_sealed(stored_scene):
     assert len(scene.presenter.source.access.sha256(scene.presenter.source.path)) == 64
     scene.presenter.open_stored("ab" * 16)
     assert scene.presenter.source.path == Path(writer.recording_id)
+
+
+def test_a_recording_of_a_capture_is_called_by_its_day_and_view(stored_scene):
+    scene, store = stored_scene, stored_scene.workspace.store
+    session = store_samples.add_session(store)
+    with store.recordings.create(session.session_id, INFO) as writer:
+        for frame in make_frames(3):
+            writer.write(frame)
+    recording_id = writer.recording_id
+    store_samples.add_capture(store, session, view="posterior", recording_id=recording_id)
+    scene.workspace.choose_session(session)
+    (choice,) = scene.view.show_stored.call_args.args[0]
+    scene.presenter.open_stored(recording_id)
+    title = scene.view.show_source.call_args.args[0]
+    assert title == f"{choice.created_utc:%Y-%m-%d %H:%M}, Back"
 
 
 def test_a_recording_of_another_session_is_left(stored_scene):
