@@ -11,6 +11,7 @@ from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
 from adibas.cli.sessions_backup import add_backup_arguments
+from adibas.cli.sessions_retention import add_retention_arguments, retain
 from adibas.cli.store_options import add_store, open_existing
 from adibas.clock import NS_PER_S
 from adibas.errors import StoreError
@@ -81,6 +82,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         return actions.add_parser(name, help=summary, description=summary)
 
     add_backup_arguments(add_alone)
+    add_retention_arguments(
+        add("retention", _("Patients whose time is over, and when the disk is full."), retain)
+    )
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json
+from adibas.cli.options import add_json, positive_count
 from adibas.cli.store_options import (
     PASSPHRASE_VARIABLE,
     add_store,
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from adibas.sessions.backing_up import BackupSummary
 
 SOMETHING_FOUND = 1
+DAYS_BETWEEN, N_KEPT = 7, 4
 
 Add = Callable[[str, str], argparse.ArgumentParser]
 
@@ -34,8 +35,27 @@ def add_backup_arguments(add: Add) -> None:
     making = add("backup", _("The whole store into one encrypted file, also while it is in use."))
     making.set_defaults(alone=_backup)
     add_store(making)
+    place = making.add_mutually_exclusive_group(required=True)
+    place.add_argument("--out", type=Path, metavar=_("FILE"), help=_("file to write"))
+    place.add_argument(
+        "--if-due",
+        type=Path,
+        metavar=_("DIR"),
+        help=_("in place of --out: into this folder, when its newest backup is old enough"),
+    )
     making.add_argument(
-        "--out", type=Path, required=True, metavar=_("FILE"), help=_("file to write")
+        "--every",
+        type=positive_count,
+        default=DAYS_BETWEEN,
+        metavar="N",
+        help=_("with --if-due: days between two backups; 7 if not given"),
+    )
+    making.add_argument(
+        "--keep",
+        type=positive_count,
+        default=N_KEPT,
+        metavar="N",
+        help=_("with --if-due: keep the N newest and remove older ones; 4 if not given"),
     )
     _add_backup_passphrase(making)
     making.add_argument("--overwrite", action="store_true", help=_("replace a file of that name"))
@@ -85,32 +105,44 @@ def _add_backup_passphrase(parser: argparse.ArgumentParser) -> None:
 
 
 def _backup(arguments: argparse.Namespace, console: Console) -> int:
-    out: Path = arguments.out
-    if out.exists() and not arguments.overwrite:
+    if arguments.out is not None:
+        _refuse_to_replace(arguments.out, is_allowed=arguments.overwrite)
+    with open_existing(arguments) as store:
+        made = _made(store, arguments, console)
+        days = None if arguments.if_due is None else store.backups.days_since(arguments.if_due)
+    if made is None:
+        console.say(_("No backup is due: the newest one is {days:.1f} days old.").format(days=days))
+        console.give({"out": None, "days": days})
+        return 0
+    out, summary = made
+    _tell(out, summary, console)
+    return SOMETHING_FOUND if summary.damaged else 0
+
+
+def _refuse_to_replace(out: Path, *, is_allowed: bool) -> None:
+    if out.exists() and not is_allowed:
         raise FileError(
             "{file} exists already, and a backup is not replaced by mistake. Choose another name, "
             "or add --overwrite.",
             file=out.name,
         )
-    with open_existing(arguments) as store:
-        summary = _write(store, out, arguments, console)
-    console.give(
-        {
-            "out": str(out),
-            "n_files": summary.n_files,
-            "n_bytes": summary.n_bytes,
-            "damaged": list(summary.damaged),
-        }
-    )
-    return SOMETHING_FOUND if summary.damaged else 0
 
 
-def _write(
-    store: "SessionStore", out: Path, arguments: argparse.Namespace, console: Console
-) -> "BackupSummary":
+def _made(
+    store: "SessionStore", arguments: argparse.Namespace, console: Console
+) -> "tuple[Path, BackupSummary] | None":
     passphrase = read_passphrase(arguments.backup_passphrase_file)
-    with console.progress(out.name) as progress:
-        summary = store.backups.write(out, passphrase, progress=progress)
+    with console.progress(_("Backup")) as progress:
+        if arguments.out is not None:
+            summary = store.backups.write(arguments.out, passphrase, progress=progress)
+            return arguments.out, summary
+        from adibas.sessions.backup_schedule import BackupPlan
+
+        plan = BackupPlan(arguments.if_due, arguments.every, arguments.keep)
+        return store.backups.write_planned(plan, passphrase, progress=progress)
+
+
+def _tell(out: Path, summary: "BackupSummary", console: Console) -> None:
     for name in summary.damaged:
         console.warn(
             _(
@@ -122,7 +154,14 @@ def _write(
         "{file}: {n} file of the store.", "{file}: {n} files of the store.", summary.n_files
     )
     console.say(text.format(file=out, n=summary.n_files))
-    return summary
+    console.give(
+        {
+            "out": str(out),
+            "n_files": summary.n_files,
+            "n_bytes": summary.n_bytes,
+            "damaged": list(summary.damaged),
+        }
+    )
 
 
 def _restore(arguments: argparse.Namespace, console: Console) -> int:

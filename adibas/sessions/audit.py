@@ -97,6 +97,10 @@ class AuditLog:
         self._clock = clock
         self._last_views: dict[tuple[str, str], datetime] = {}
 
+    def now_utc(self) -> datetime:
+        """Return the time of day."""
+        return self._clock()
+
     def now(self) -> str:
         """Return the time of day as the tables keep it."""
         return to_text(self._clock())

@@ -31,6 +31,7 @@ from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
 
 if TYPE_CHECKING:
+    from adibas.sessions.backup_schedule import BackupPlan, KeptBackup
     from adibas.sessions.merging import MergeSummary
 
 ENDING = ".adibas-backup"
@@ -170,6 +171,55 @@ class Backups:
                 writer = BackupWriter(file, header, self._key)
                 summary = _write_all(writer, members, n_bytes, progress)
         return summary
+
+    def kept(self, folder: Path) -> "tuple[KeptBackup, ...]":
+        """Return the backups of this store in a folder, newest first.
+
+        Raises
+        ------
+        FileError
+            The folder cannot be read.
+        """
+        from adibas.sessions.backup_schedule import backups_in
+
+        file = read_key_file(self._folder)
+        return () if file is None else backups_in(folder, file.store_id)
+
+    def days_since(self, folder: Path) -> float | None:
+        """Return how old the newest backup in a folder is; None without any."""
+        from adibas.sessions.backup_schedule import days_since
+
+        return days_since(self.kept(folder), self._audit.now_utc())
+
+    def write_planned(
+        self,
+        plan: "BackupPlan",
+        passphrase: str | None = None,
+        *,
+        params: Argon2Params | None = None,
+        progress: Progress | None = None,
+    ) -> "tuple[Path, BackupSummary] | None":
+        """Make a backup where one is due, and remove older ones than the plan keeps.
+
+        Returns
+        -------
+        made : (Path, BackupSummary) or None
+            None where none is due.
+
+        Raises
+        ------
+        PassphraseError, FileError
+            See `write`; the older ones are untouched then.
+        """
+        from adibas.sessions.backup_schedule import is_due, name_at, remove_older
+
+        now_utc = self._audit.now_utc()
+        if not is_due(self.kept(plan.folder), now_utc, plan.every_days):
+            return None
+        path = plan.folder / name_at(now_utc)
+        summary = self.write(path, passphrase, params=params, progress=progress)
+        remove_older(self.kept(plan.folder), plan.keep)
+        return path, summary
 
     def restore(
         self, path: Path, passphrase: str | None = None, progress: Progress | None = None

@@ -35,7 +35,9 @@ from adibas.sessions.sealing import AesSeal, key_for
 if TYPE_CHECKING:
     from adibas.sessions.backing_up import Backups
     from adibas.sessions.captures import Captures
+    from adibas.sessions.disk_use import DiskForecast
     from adibas.sessions.purging import Purge
+    from adibas.sessions.retention import Retention
     from adibas.sessions.sealed_folder import SealedFolder
     from adibas.sessions.stored_recordings import Recordings
     from adibas.sessions.verification import VerifyReport
@@ -125,6 +127,25 @@ class SessionStore:
         folders = (self._pictures, recordings.sealed, recordings.codings)
         making = recordings.in_the_making
         return Backups(self._database, self.audit, self._key, folders, making)
+
+    @cached_property
+    def retention(self) -> "Retention":
+        """The patients whose time is over."""
+        from adibas.sessions.retention import Retention
+
+        return Retention(self._database, self.audit, self._purge_patient)
+
+    def forecast_disk(self) -> "DiskForecast":
+        """Say when the disk will be full at the rate of the last 90 days.
+
+        Raises
+        ------
+        StoreError
+            The disk cannot be asked.
+        """
+        from adibas.sessions.disk_use import forecast_disk
+
+        return forecast_disk(self.folder, self._database, self._pictures, self.audit.now_utc())
 
     def _purge_patient(self, pseudonym: str) -> None:
         self._purge().patient(pseudonym)

@@ -1,0 +1,114 @@
+"""Backups that are made every few days into one folder, of which the last ones are kept.
+
+When a backup is due is read from the backups that are there: a folder that somebody emptied, or a
+disk that was changed, counts as one without any.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from adibas.errors import AdibasError, FileError
+from adibas.files import cannot_read
+from adibas.sessions.backing_up import ENDING
+from adibas.sessions.backup_format import BackupReader
+
+SECONDS_A_DAY = 86_400.0
+PATTERN = f"adibas-*{ENDING}"
+
+
+@dataclass(frozen=True, slots=True)
+class BackupPlan:
+    """When and where.
+
+    Attributes
+    ----------
+    folder : Path
+        Best on another disk.
+    every_days : int
+        A backup is due when the newest one is so old.
+    keep : int
+        Older ones are removed after a new one is made.
+    """
+
+    folder: Path
+    every_days: int = 7
+    keep: int = 4
+
+    def __post_init__(self) -> None:
+        if self.every_days < 1 or self.keep < 1:
+            raise ValueError(f"no plan: {self}")
+
+
+@dataclass(frozen=True, slots=True)
+class KeptBackup:
+    """A backup of a folder."""
+
+    path: Path
+    created_utc: datetime
+
+
+def backups_in(folder: Path, store_id: str) -> tuple[KeptBackup, ...]:
+    """Return the backups of one store in a folder, newest first; damaged ones are none.
+
+    Raises
+    ------
+    FileError
+        The folder cannot be read; one that does not exist yet holds none.
+    """
+    try:
+        paths = sorted(folder.glob(PATTERN)) if folder.exists() else []
+    except OSError as error:
+        raise cannot_read(folder, error) from error
+    found = [kept for path in paths if (kept := _kept(path, store_id)) is not None]
+    return tuple(sorted(found, key=lambda one: one.created_utc, reverse=True))
+
+
+def days_since(kept: tuple[KeptBackup, ...], now_utc: datetime) -> float | None:
+    """Return how old the newest backup is, days; None without any."""
+    if not kept:
+        return None
+    return max(0.0, (now_utc - kept[0].created_utc).total_seconds() / SECONDS_A_DAY)
+
+
+def is_due(kept: tuple[KeptBackup, ...], now_utc: datetime, every_days: int) -> bool:
+    """Say whether it is time for a backup."""
+    days = days_since(kept, now_utc)
+    return days is None or days >= every_days
+
+
+def name_at(now_utc: datetime) -> str:
+    """Return the name of a backup that is made now."""
+    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}{ENDING}"
+
+
+def remove_older(kept: tuple[KeptBackup, ...], keep: int) -> tuple[Path, ...]:
+    """Remove all but the `keep` newest; return what was removed.
+
+    Raises
+    ------
+    FileError
+        One of them cannot be removed.
+    """
+    old = tuple(one.path for one in kept[keep:])
+    for path in old:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise FileError(
+                "The older backup {file} cannot be removed: {reason}. The new one is made; remove "
+                "the older one yourself.",
+                file=path.name,
+                reason=error.strerror or str(error),
+            ) from error
+    return old
+
+
+def _kept(path: Path, store_id: str) -> KeptBackup | None:
+    try:
+        with BackupReader(path) as backup:
+            created = datetime.fromisoformat(backup.header.created_utc)
+            is_ours = backup.header.store_id == store_id and created.tzinfo is not None
+    except (AdibasError, ValueError):  # it protects nobody, and so it does not count
+        return None
+    return KeptBackup(path, created) if is_ours else None

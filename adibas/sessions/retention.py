@@ -1,0 +1,150 @@
+"""How long patients are kept, whose time is over, and their removal by the purge."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import date, datetime
+from typing import Literal
+
+from sqlalchemy import func, select
+
+from adibas.errors import StoreError
+from adibas.progress import Progress
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.database import Database
+from adibas.sessions.rows import Row
+from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
+from adibas.texts import translate as _
+
+ADULT_AGE = 18
+
+Reason = Literal["adult", "child", "unknown"]
+
+
+@dataclass(frozen=True, slots=True)
+class RetentionRules:
+    """What the clinic's law asks for; whoever is responsible for the data chooses the numbers.
+
+    Attributes
+    ----------
+    years : int
+        After the last session: 15, as Catalonia's Llei 21/2000 (article 12) asks for the core of
+        a clinical history; Spain's Ley 41/2002 (article 17) asks for five at least.
+    child_until_age : int
+        Who was a child at the last session is kept up to this age at least: 25, as the records
+        management code of England's NHS asks for children.
+    """
+
+    years: int = 15
+    child_until_age: int = 25
+
+    def __post_init__(self) -> None:
+        if self.years < 1 or self.child_until_age < ADULT_AGE:
+            raise ValueError(f"no rules: {self}")
+
+
+@dataclass(frozen=True, slots=True)
+class Expired:
+    """A patient whose time is over.
+
+    Attributes
+    ----------
+    last_utc : datetime
+        Of the last session, hidden ones included; without any, when the patient was added.
+    reason : str
+        By which rule: ``adult``, ``child``, or ``unknown`` where no birth date is known.
+    since : date
+        When the time was over.
+    """
+
+    pseudonym: str
+    n_sessions: int
+    last_utc: datetime
+    reason: Reason
+    since: date
+
+    @property
+    def text(self) -> str:
+        """Say why, in the language in use."""
+        reasons = {
+            "adult": _("an adult, last seen {last}; the time was over on {since}"),
+            "child": _("a child when last seen, {last}; the time was over on {since}"),
+            "unknown": _("birth date not known, last seen {last}; the time was over on {since}"),
+        }
+        return reasons[self.reason].format(last=self.last_utc.date(), since=self.since)
+
+
+class Retention:
+    """Finds and removes patients whose time is over."""
+
+    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
+        self._database = database
+        self._audit = audit
+        self._purge = purge
+
+    def expired(self, rules: RetentionRules, today: date) -> tuple[Expired, ...]:
+        """Return whose time is over, longest first; nothing is changed."""
+        last = func.max(SESSIONS.c.started_utc).label("last_utc")
+        everybody = (
+            select(
+                PATIENTS.c.pseudonym,
+                PATIENTS.c.created_utc,
+                IDENTITIES.c.birth_date,
+                last,
+                func.count(SESSIONS.c.session_id).label("n_sessions"),
+            )
+            .join(IDENTITIES, IDENTITIES.c.pseudonym == PATIENTS.c.pseudonym)
+            .outerjoin(SESSIONS, SESSIONS.c.pseudonym == PATIENTS.c.pseudonym)
+            .group_by(PATIENTS.c.pseudonym)
+        )
+        with self._database.reading() as transaction:
+            found = [_judged(row, rules) for row in transaction.execute(everybody)]
+        over = (one for one in found if one.since <= today)
+        return tuple(sorted(over, key=lambda one: (one.since, one.pseudonym)))
+
+    def apply(
+        self, rules: RetentionRules, today: date, progress: Progress | None = None
+    ) -> tuple[Expired, ...]:
+        """Purge whose time is over, and return who that was; the log has a line for each.
+
+        Raises
+        ------
+        StoreError
+            The store is read-only, or a recording of one of them is being made.
+        """
+        self._database.check_writable()
+        over = self.expired(rules, today)
+        for done, one in enumerate(over, 1):
+            self._purge(one.pseudonym)
+            if progress is not None:
+                progress(done, len(over))
+        if over:
+            self._audit.append(
+                "purge", "store", by="retention", patients=len(over), years=rules.years
+            )
+        return over
+
+
+def _judged(row: Row, rules: RetentionRules) -> Expired:
+    last_utc = datetime.fromisoformat(row.last_utc or row.created_utc)
+    over = _years_later(last_utc.date(), rules.years)
+    reason: Reason = "adult"
+    if row.birth_date is None:
+        # It may have been a newborn: too long is put right at any time, too short never.
+        reason = "unknown"
+        over = max(over, _years_later(last_utc.date(), rules.child_until_age))
+    else:
+        born = date.fromisoformat(row.birth_date)
+        if last_utc.date() < _years_later(born, ADULT_AGE):
+            reason = "child"
+            over = max(over, _years_later(born, rules.child_until_age))
+    return Expired(row.pseudonym, row.n_sessions, last_utc, reason, over)
+
+
+def _years_later(day: date, years: int) -> date:
+    try:
+        return day.replace(year=day.year + years)
+    except ValueError:  # the 29th of February
+        try:
+            return day.replace(year=day.year + years, day=28)
+        except ValueError as error:
+            raise StoreError("That many years are no date any more. Give fewer.") from error

@@ -1,0 +1,103 @@
+"""Backups every few days: when one is due, which are kept, and what counts as one."""
+
+import json
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+
+from adibas.cli import main
+from adibas.errors import FileError
+from adibas.sessions.backup_schedule import BackupPlan, backups_in, days_since, is_due
+from tests.unit.store_samples import IDENTITY, PASSPHRASE, START, minutes_clock, open_sample
+
+
+@pytest.fixture
+def folder(tmp_path):
+    with open_sample(tmp_path / "store") as store:
+        store.patients.add(IDENTITY)
+    return tmp_path / "store"
+
+
+@pytest.fixture
+def plan(tmp_path):
+    return BackupPlan(tmp_path / "disk" / "backups", every_days=7, keep=2)
+
+
+def on_day(folder, plan, day):
+    with open_sample(folder, clock=minutes_clock(START + timedelta(days=day))) as store:
+        made = store.backups.write_planned(plan)
+        return made, [one.path.name[7:17] for one in store.backups.kept(plan.folder)]
+
+
+def test_a_backup_is_made_when_it_is_due_and_the_newest_are_kept(folder, plan):
+    assert on_day(folder, plan, 0)[1] == ["2026-11-21"]
+    assert on_day(folder, plan, 6) == (None, ["2026-11-21"])
+    assert on_day(folder, plan, 8)[1] == ["2026-11-29", "2026-11-21"]
+    (path, summary), kept = on_day(folder, plan, 16)
+    assert kept == ["2026-12-07", "2026-11-29"]
+    assert summary.n_files == 1
+    assert path.parent == plan.folder
+    assert len(list(plan.folder.iterdir())) == 2
+
+
+def test_damaged_and_foreign_backups_neither_count_nor_go(folder, plan, tmp_path):
+    (path, _), _ = on_day(folder, plan, 0)
+    path.write_bytes(b"damaged")
+    with open_sample(tmp_path / "other", clock=minutes_clock(START + timedelta(days=1))) as store:
+        (foreign, _) = store.backups.write(plan.folder / "adibas-x.adibas-backup"), None
+        assert foreign.n_files == 1
+    mine = plan.folder / "adibas-by-hand.txt"
+    mine.write_text("mine")
+    made, kept = on_day(folder, plan, 2)
+    assert made is not None
+    assert kept == ["2026-11-23"]
+    assert len(list(plan.folder.iterdir())) == 4
+
+
+def test_a_backup_that_fails_removes_no_older_one(folder, plan, monkeypatch):
+    on_day(folder, BackupPlan(plan.folder, 1, 1), 0)
+    monkeypatch.setattr("shutil.disk_usage", lambda _path: type("Usage", (), {"free": 10}))
+    with pytest.raises(FileError, match="disk is full"):
+        on_day(folder, BackupPlan(plan.folder, 1, 1), 5)
+    assert len(list(plan.folder.iterdir())) == 1
+
+
+def test_an_old_backup_that_cannot_be_removed_is_told(folder, plan, monkeypatch):
+    def refuse(_path, missing_ok=False):  # noqa: ARG001
+        raise PermissionError(13, "Permission denied")
+
+    on_day(folder, BackupPlan(plan.folder, 1, 1), 0)
+    kept = backups_in(plan.folder, "ab" * 16)
+    assert kept == ()
+    with open_sample(folder) as store:
+        kept = store.backups.kept(plan.folder)
+    monkeypatch.setattr(Path, "unlink", refuse)
+    from adibas.sessions.backup_schedule import remove_older
+
+    with pytest.raises(FileError, match="remove the older one yourself"):
+        remove_older(kept * 2, 1)
+
+
+def test_no_backup_is_older_than_any(tmp_path):
+    assert backups_in(tmp_path / "nowhere", "ab" * 16) == ()
+    assert days_since((), START) is None
+    assert is_due((), START, 7)
+
+
+@pytest.mark.parametrize("numbers", [(0, 1), (1, 0)])
+def test_a_plan_without_days_or_backups_is_none(tmp_path, numbers):
+    with pytest.raises(ValueError, match="no plan"):
+        BackupPlan(tmp_path, *numbers)
+
+
+def test_the_command_does_nothing_when_none_is_due(folder, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
+    words = ["sessions", "backup", "--store", str(folder), "--if-due", str(tmp_path / "kept")]
+    assert main([*words, "--every", "2", "--json"]) == 0
+    assert Path(json.loads(capsys.readouterr().out)["out"]).exists()
+    assert main(words) == 0
+    assert "No backup is due" in capsys.readouterr().out
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+    with pytest.raises(SystemExit, match="2"):
+        main(words[:-2])
