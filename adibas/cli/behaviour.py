@@ -15,10 +15,14 @@ SUMMARY = message("turn joints over time into a timeline of activity and behavio
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the command takes."""
     parser.add_argument(
-        "source",
+        "sources",
         type=Path,
+        nargs="+",
         metavar=_("RECORDING"),
-        help=_("a recording, in which joints are found without markers, or a JOINTS.csv"),
+        help=_(
+            "a recording, in which joints are found without markers, or several of one camera in "
+            "the order of time; or a JOINTS.csv"
+        ),
     )
     parser.add_argument(
         "--model",
@@ -85,13 +89,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     """Measure, write the reports, and say what was found."""
     from adibas.behaviour.activity import ActivityParams
     from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
+    from adibas.pipeline.joined_access import access_to
     from adibas.reports.behaviour import BEHAVIOUR_KINDS, write_behaviour
     from adibas.reports.behaviour_json import behaviour_to_json
 
     for path in arguments.out:
         check_report(path, BEHAVIOUR_KINDS)
     request = BehaviourRequest(
-        arguments.source,
+        arguments.sources[0],
         tuple(arguments.model),
         arguments.ethogram,
         arguments.coding,
@@ -99,6 +104,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         arguments.bin,
         arguments.patient,
         ActivityParams(still_s=arguments.still),
+        access=access_to(arguments.sources),
     )
     with console.progress(_("Analysing")) as advance:
         analysis = analyse_behaviour(request, advance)

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from adibas.pipeline.recording_access import RecordingAccess
+from adibas.errors import RecordingError
+from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.recordings.joined import JoinedRecording
 from adibas.recordings.joints_csv import recording_name
 
@@ -37,6 +38,28 @@ def joined_access(paths: Sequence[Path], access: RecordingAccess) -> RecordingAc
         return hashlib.sha256(told.encode()).hexdigest()
 
     return RecordingAccess(opened, sha256)
+
+
+def access_to(paths: Sequence[Path]) -> RecordingAccess:
+    """Return how a file is reached, or several recordings as one.
+
+    Raises
+    ------
+    RecordingError
+        One of several is a table of joints.
+    """
+    from adibas.pipeline.movement import JOINT_FILE  # brings the compiler along
+
+    if len(paths) == 1:
+        return FILES
+    for path in paths:
+        if path.suffix.lower() == JOINT_FILE:
+            raise RecordingError(
+                "{file} is a table of joints: only recordings are watched one after another. "
+                "Analyse each table by itself.",
+                file=path.name,
+            )
+    return joined_access(paths, FILES)
 
 
 def joined_key(names: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ import pytest
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.errors import RecordingError
 from adibas.geometry.pinhole import Intrinsics
-from adibas.pipeline.joined_access import joined_access, joined_key
+from adibas.pipeline.joined_access import access_to, joined_access, joined_key
 from adibas.pipeline.recording_access import FILES
 from adibas.recordings.joined import SEAM_NS, JoinedRecording, begins_ns_of
 from tests.unit.recorded_frames import INFO, make_frames
@@ -111,3 +111,10 @@ def test_files_are_reached_as_one_and_closed_where_one_is_missing(tmp_path):
         joined_access([tmp_path / "a", tmp_path / "missing"], access).open(tmp_path)
     assert all(part.is_closed for part in opened)
     assert joined_key(["a", "b"]) != joined_key(["b", "a"])
+
+
+def test_one_file_is_reached_as_ever_and_tables_are_not_joined(tmp_path):
+    assert access_to([tmp_path / "a.csv"]) is FILES
+    assert access_to([tmp_path / "a.mcap", tmp_path / "b.mcap"]) is not FILES
+    with pytest.raises(RecordingError, match=r"b.csv is a table of joints"):
+        access_to([tmp_path / "a.mcap", tmp_path / "b.csv"])
