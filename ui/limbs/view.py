@@ -83,7 +83,6 @@ class LimbsPage(QWidget):
         self._number.setKeyboardTracking(False)
         self._labels.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self._labels.setIconSize(QSize(SWATCH, SWATCH))
-        self._told.setWordWrap(True)
         panel = SidePanel(self)
         for part in (self._tool_label, *self._tools.values()):
             panel.column.addWidget(part)
