@@ -4,6 +4,7 @@ Compiling takes a minute and holds Python's lock all the while, so the window le
 process of its own; the machine code comes to everybody through numba's cache.
 """
 
+import gc
 import importlib.metadata
 import logging
 import os
@@ -29,6 +30,10 @@ N_FRAMES = 2
 N_BOARDS = 8
 COLOR_SIZE = (480, 640)
 SPACE, N_SECONDS = 3, 4
+GARBAGE_EVERY = 1_000_000
+"""New objects: compiling keeps most of what it makes, and a tenth of its time went into looking
+through all of that again and again."""
+
 NICENESS = 10
 """Of the process: whoever waits for the computer goes first."""
 
@@ -53,6 +58,7 @@ def warm_kernels(note: Path) -> None:
     """Do a little of every work that has hot loops, and note that it was done."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
+    _collect_seldom()
     for work in WORKS:
         work()
     _write(note)
@@ -63,7 +69,8 @@ def warm_at_once(folder: Path | None = None) -> None:
     note = _note(folder or platformdirs.user_cache_path("adibas"))
     if note.exists():
         return
-    with ProcessPoolExecutor(mp_context=get_context("spawn")) as processes:
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(mp_context=spawn, initializer=_collect_seldom) as processes:
         for done in [processes.submit(work) for work in WORKS]:
             done.result()
     _write(note)
@@ -165,6 +172,11 @@ WORKS: tuple[Callable[[], None], ...] = (
     find_joints,
     find_gestures,
 )
+
+
+def _collect_seldom() -> None:
+    """Leave garbage alone for longer than Python would."""
+    gc.set_threshold(GARBAGE_EVERY)
 
 
 def _write(note: Path) -> None:
