@@ -28,6 +28,7 @@ from ui.jobs import JobRunner
 from ui.live_source import QtLiveSource
 from ui.log import log_folder, start_log
 from ui.preferences import Preferences, PreferencesFile
+from ui.scheduled_backup import back_up_if_due
 from ui.screens import preload, screen_builders
 from ui.signals import SignalWatch
 from ui.theme import Theme
@@ -185,6 +186,7 @@ class Application:
             self._tell_read_only(workspace)
         else:
             self._drafts.give_back(store.drafts)
+            back_up_if_due(workspace)
 
     def _tell_read_only(self, workspace: Workspace) -> None:
         if self._drafts.are_there:

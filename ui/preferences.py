@@ -19,6 +19,7 @@ FILE = "preferences.json"
 THEMES = ("system", "light", "dark")
 FONT_SCALES = (1.0, 1.25, 1.5, 1.75, 2.0)
 MOST_RECENT = 8
+MOST_BACKUP_DAYS, MOST_BACKUPS = 365, 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,10 @@ class Preferences:
         Folder of the store; empty = the usual one.
     report_folder : str
         Where reports were written last.
+    backup_folder : str
+        Where backups are made every few days; empty = none are.
+    backup_days, backup_keep : int
+        Days between two of them, and how many are kept.
     geometry, docks : str
         Of the window and of the help beside it, as Qt packs them, hexadecimal.
     splitters : dict of str
@@ -73,6 +78,9 @@ class Preferences:
     recent_recordings: tuple[str, ...] = ()
     store: str = ""
     report_folder: str = ""
+    backup_folder: str = ""
+    backup_days: int = 7
+    backup_keep: int = 4
     geometry: str = ""
     docks: str = ""
     splitters: dict[str, str] = field(default_factory=dict)
@@ -148,6 +156,8 @@ def _bounded(preferences: Preferences) -> Preferences:
         theme=preferences.theme if preferences.theme in THEMES else "system",
         font_scale=min(FONT_SCALES, key=lambda offered: abs(offered - scale)),
         autolock_minutes=max(preferences.autolock_minutes, 0),
+        backup_days=min(max(preferences.backup_days, 1), MOST_BACKUP_DAYS),
+        backup_keep=min(max(preferences.backup_keep, 1), MOST_BACKUPS),
         countdown_s=min(max(preferences.countdown_s, 0), 60),
         burst_frames=min(max(preferences.burst_frames, 1), 300),
         calibration_days=min(max(preferences.calibration_days, 1), 3650),

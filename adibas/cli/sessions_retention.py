@@ -5,15 +5,14 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import positive_count
+from adibas.sessions.disk_words import forecast_text
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 
 if TYPE_CHECKING:
     from adibas.sessions import SessionStore
-    from adibas.sessions.disk_use import DiskForecast
 
 YEARS, CHILD_UNTIL_AGE = 15, 25
-BYTES_PER_GB = 1e9
 
 
 def add_retention_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,18 +72,6 @@ def retain(store: "SessionStore", arguments: argparse.Namespace, console: Consol
         }
     )
     return 0
-
-
-def forecast_text(forecast: "DiskForecast") -> str:
-    """Say when the disk will be full."""
-    free = forecast.free_bytes / BYTES_PER_GB
-    if forecast.months_left is None:
-        return _("{free:.1f} GB are free; too little was recorded for a forecast.").format(
-            free=free
-        )
-    return _("{free:.1f} GB are free: {months:.0f} months at the rate of the last 90 days.").format(
-        free=free, months=forecast.months_left
-    )
 
 
 def _result(n_over: int, *, is_applied: bool) -> str:

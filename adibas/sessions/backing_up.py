@@ -31,8 +31,10 @@ from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
 
 if TYPE_CHECKING:
+    from adibas.sessions.backup_format import BackupHeader
     from adibas.sessions.backup_schedule import BackupPlan, KeptBackup
     from adibas.sessions.merging import MergeSummary
+    from adibas.sessions.verification import VerifyReport
 
 ENDING = ".adibas-backup"
 ID_LENGTH = 32
@@ -244,6 +246,14 @@ class Backups:
 
         store = (self._database, self._audit, self._key)
         return restore_merged(path, passphrase, store, self._making, progress)
+
+    def verify(
+        self, path: Path, passphrase: str | None = None, progress: Progress | None = None
+    ) -> "tuple[BackupHeader, VerifyReport]":
+        """Check a backup; one of this very store needs no passphrase. See `verify_backup`."""
+        from adibas.sessions.restoring import verify_backup
+
+        return verify_backup(path, passphrase, progress, key=self._key)
 
     @contextmanager
     def _snapshot(self, beside: Path) -> Iterator[list[_Member]]:

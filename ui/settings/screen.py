@@ -3,6 +3,7 @@
 from PySide6.QtWidgets import QWidget
 
 from ui.settings.audit_presenter import AuditPresenter
+from ui.settings.backup_presenter import BackupPresenter
 from ui.settings.names_presenter import NamesPresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protocols_presenter import ProtocolsPresenter
@@ -19,4 +20,5 @@ def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -
         ProtocolsPresenter(view.protocols, workspace),
         NamesPresenter(view.names, workspace),
     )
+    view.bind_backup(BackupPresenter(view.backup, workspace))
     return view

@@ -1,4 +1,4 @@
-"""The settings screen: six pages, one of them with a page behind it. No decisions."""
+"""The settings screen: seven pages, one of them with a page behind it. No decisions."""
 
 from PySide6.QtWidgets import (
     QLabel,
@@ -18,6 +18,8 @@ from adibas.texts import translate as _
 from ui.preferences import Preferences
 from ui.settings.audit_page import AuditPage
 from ui.settings.audit_presenter import AuditPresenter
+from ui.settings.backup_page import BackupPage
+from ui.settings.backup_presenter import BackupPresenter
 from ui.settings.computer_page import ComputerPage
 from ui.settings.general_page import GeneralPage
 from ui.settings.names_page import NamesPage
@@ -28,11 +30,11 @@ from ui.settings.protocols_page import ProtocolsPage
 from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.widgets.screen import Screen
 
-AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 2, 3, 4
+AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB, BACKUP_TAB = 2, 3, 4, 5
 
 
 class SettingsScreen(Screen):
-    """General, protection, audit log, this computer, protocols (behind them names), about."""
+    """General, protection, audit, this computer, protocols (behind them names), backup, about."""
 
     name = "settings"
 
@@ -44,6 +46,7 @@ class SettingsScreen(Screen):
         self._general, self._protection = GeneralPage(self), ProtectionPage(self)
         self._audit, self._computer = AuditPage(self), ComputerPage(self)
         self._protocols, self._names = ProtocolsPage(self), NamesPage(self)
+        self._backup = BackupPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
         for page in (_scrolled(self._general), _scrolled(self._protection)):
@@ -51,7 +54,8 @@ class SettingsScreen(Screen):
         self._marks = QStackedWidget(self)
         self._marks.addWidget(self._protocols)
         self._marks.addWidget(self._names)
-        for whole_page in (self._audit, self._computer, self._marks, self._about):
+        backup = _scrolled(self._backup)
+        for whole_page in (self._audit, self._computer, self._marks, backup, self._about):
             self._tabs.addTab(whole_page, "")
         layout = QVBoxLayout(self)
         layout.addWidget(self._title)
@@ -72,6 +76,19 @@ class SettingsScreen(Screen):
     def names(self) -> NamesPage:
         """The page of names for markers."""
         return self._names
+
+    @property
+    def backup(self) -> BackupPage:
+        """The page of backups."""
+        return self._backup
+
+    def bind_backup(self, presenter: BackupPresenter) -> None:
+        """Send what is wanted of backups to the presenter, and own it."""
+        self._backup_presenter = presenter
+        self._backup.bind(presenter.change)
+        self._backup.made.connect(presenter.back_up)
+        self._backup.checked.connect(presenter.check)
+        self._backup.restored.connect(presenter.restore)
 
     def bind(
         self,
@@ -109,6 +126,7 @@ class SettingsScreen(Screen):
             _("Audit log"),
             _("This computer"),
             _("Protocols"),
+            _("Backup"),
             _("About"),
         )
         for index, title in enumerate(titles):
@@ -117,6 +135,7 @@ class SettingsScreen(Screen):
             page.retranslate()
         self._protocols.retranslate()
         self._names.retranslate()
+        self._backup.retranslate()
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
@@ -126,6 +145,8 @@ class SettingsScreen(Screen):
             self._audit_presenter.enter()
         elif self._tabs.currentIndex() == PROTOCOLS_TAB:
             self._enter_marks()
+        elif self._tabs.currentIndex() == BACKUP_TAB:
+            self._backup_presenter.enter()
 
     def closed(self) -> None:
         self._protocols.stop()
@@ -172,6 +193,8 @@ class SettingsScreen(Screen):
             self._audit_presenter.enter()
         elif index == PROTOCOLS_TAB:
             self._enter_marks()
+        elif index == BACKUP_TAB:
+            self._backup_presenter.enter()
 
     def _enter_marks(self) -> None:
         if self._marks.currentWidget() is self._names:

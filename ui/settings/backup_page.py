@@ -1,0 +1,190 @@
+"""Backups: where and how often, now, their check, and their way back into the store."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QFormLayout,
+    QGridLayout,
+    QGroupBox,
+    QLabel,
+    QLineEdit,
+    QPlainTextEdit,
+    QPushButton,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from adibas.texts import translate as _
+from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
+
+ENDING = "adibas-backup"
+FILTER = f"ADiBAS (*.{ENDING})"
+
+
+class BackupPage(QWidget):
+    """Two groups: the plan with how old the newest backup is, and what is done by hand."""
+
+    made = Signal(object, str)
+    """A path and a passphrase; also of the next two."""
+    checked = Signal(object, str)
+    restored = Signal(object, str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._change: Callable[..., None] = _ignore
+        self._state, self._folder = QLabel(self), QLabel(self)
+        for label in (self._state, self._folder):
+            label.setWordWrap(True)
+        self._choose, self._none = QPushButton(self), QPushButton(self)
+        self._days, self._keep = QSpinBox(self), QSpinBox(self)
+        self._days.setRange(1, MOST_BACKUP_DAYS)
+        self._keep.setRange(1, MOST_BACKUPS)
+        self._passphrase = QLineEdit(self)
+        self._passphrase.setEchoMode(QLineEdit.EchoMode.Password)
+        self._labels = [QLabel(self) for _ in range(3)]
+        self._make, self._check, self._restore = (QPushButton(self) for _ in range(3))
+        self._result = QPlainTextEdit(self)
+        self._result.setReadOnly(True)
+        self._result.setMaximumHeight(140)
+        self._result.hide()
+        self._groups = [QGroupBox(self) for _ in range(2)]
+        self._where = ""
+        self._lay_out()
+        self._connect()
+        self.retranslate()
+
+    def _lay_out(self) -> None:
+        plan, by_hand = self._groups
+        form = QFormLayout(plan)
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
+        form.addRow(self._state)
+        form.addRow(self._folder)
+        form.addRow(self._choose)
+        form.addRow(self._none)
+        widgets = (self._days, self._keep, self._passphrase)
+        for label, widget in zip(self._labels, widgets, strict=True):
+            label.setBuddy(widget)
+        form.addRow(self._labels[0], self._days)
+        form.addRow(self._labels[1], self._keep)
+        grid = QGridLayout(by_hand)
+        self._labels[2].setWordWrap(True)
+        for row, widget in enumerate(
+            (
+                self._labels[2],
+                self._passphrase,
+                self._make,
+                self._check,
+                self._restore,
+                self._result,
+            )
+        ):
+            grid.addWidget(widget, row, 0)
+        layout = QVBoxLayout(self)
+        for group in self._groups:
+            layout.addWidget(group)
+        layout.addStretch()
+
+    def _connect(self) -> None:
+        self._choose.clicked.connect(self._ask_folder)
+        self._none.clicked.connect(lambda: self._change(backup_folder=""))
+        self._days.valueChanged.connect(lambda value: self._change(backup_days=value))
+        self._keep.valueChanged.connect(lambda value: self._change(backup_keep=value))
+        self._make.clicked.connect(self._ask_place)
+        self._check.clicked.connect(lambda: self._ask_backup(self.checked.emit))
+        self._restore.clicked.connect(lambda: self._ask_backup(self.restored.emit))
+
+    def bind(self, change: Callable[..., None]) -> None:
+        """Send changes of the plan to `change`."""
+        self._change = change
+
+    def retranslate(self) -> None:
+        """Set the texts in the language in use."""
+        for group, title in zip(self._groups, (_("Every few days"), _("By hand")), strict=True):
+            group.setTitle(title)
+        texts = (
+            _("Days between two backups"),
+            _("Backups that are kept"),
+            _("Passphrase of the backup (empty: the one of this store)"),
+        )
+        for label, text in zip(self._labels, texts, strict=True):
+            label.setText(text)
+        self._choose.setText(_("Choose the folder of backups..."))
+        self._none.setText(_("Make none by itself"))
+        self._make.setText(_("Back up now..."))
+        self._check.setText(_("Try a backup out by restoring it for a moment..."))
+        self._restore.setText(_("Add what is missing from a backup..."))
+        self._result.setAccessibleName(_("What was found in the backup"))
+        self._state.clear()  # it was said in the language before
+        self._result.hide()
+        self._show_where()
+
+    def show_plan(self, preferences: Preferences) -> None:
+        """Show where, how often and how many."""
+        for widget, value in (
+            (self._days, preferences.backup_days),
+            (self._keep, preferences.backup_keep),
+        ):
+            widget.blockSignals(True)
+            widget.setValue(value)
+            widget.blockSignals(False)
+        self._where = preferences.backup_folder
+        self._show_where()
+
+    def show_state(self, sentences: tuple[str, ...], *, is_urgent: bool) -> None:
+        """Show how old the newest backup is, and how long the disk will last."""
+        self._state.setText("\n".join(sentences))
+        self._state.setProperty("kind", "warning" if is_urgent else "")
+        self._state.style().unpolish(self._state)
+        self._state.style().polish(self._state)
+
+    def show_result(self, sentences: tuple[str, ...]) -> None:
+        """Show what a check or a restore found."""
+        self._result.setPlainText("\n".join(sentences))
+        self._result.show()
+
+    def _show_where(self) -> None:
+        self._none.setEnabled(bool(self._where))
+        if self._where:
+            text = _("Backups go to {folder} when one is due and the store is opened here.")
+        else:
+            text = _("No folder is chosen: no backup is made by itself.")
+        self._folder.setText(text.format(folder=self._where))
+
+    def _ask_folder(self) -> None:
+        dialog = QFileDialog(self, _("Folder of backups, best on another disk"), self._where)
+        dialog.setFileMode(QFileDialog.FileMode.Directory)
+        dialog.fileSelected.connect(lambda name: self._change(backup_folder=name))
+        _open(dialog)
+
+    def _ask_place(self) -> None:
+        dialog = QFileDialog(self, _("Where to write the backup"), self._where)
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        dialog.setNameFilter(FILTER)
+        dialog.setDefaultSuffix(ENDING)
+        dialog.fileSelected.connect(lambda name: self._give(self.made.emit, name))
+        _open(dialog)
+
+    def _ask_backup(self, emit: Callable[[Path, str], None]) -> None:
+        dialog = QFileDialog(self, _("Which backup?"), self._where)
+        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        dialog.setNameFilter(FILTER)
+        dialog.fileSelected.connect(lambda name: self._give(emit, name))
+        _open(dialog)
+
+    def _give(self, emit: Callable[[Path, str], None], name: str) -> None:
+        emit(Path(name), self._passphrase.text())
+        self._passphrase.clear()
+
+
+def _ignore(**_changes: Any) -> None:
+    """Send changes nowhere: nobody is bound yet."""
+
+
+def _open(dialog: QFileDialog) -> None:
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()
