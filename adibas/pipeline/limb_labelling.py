@@ -207,7 +207,8 @@ class LabellingDesk:
         return None
 
     def _read(self, path: Path) -> UInt8Array:
-        image = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
+        payload = np.fromfile(path, np.uint8)
+        image = cv2.imdecode(payload, cv2.IMREAD_UNCHANGED) if payload.size else None
         shape = (self.camera.height, self.camera.width)
         if image is None or image.shape != shape or image.dtype != np.uint8:
             raise LimbError(

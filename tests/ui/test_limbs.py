@@ -200,6 +200,19 @@ def test_where_nobody_is_nothing_is_proposed_and_a_word_said(presenter, inline_j
     assert "Nobody was found" in str(inline_jobs.problems[-1])
 
 
+@pytest.mark.parametrize("content", [b"", b"no picture"])
+def test_damaged_labels_are_told_and_the_frame_before_stays(
+    presenter, view, folder, inline_jobs, content
+):
+    fill_box(presenter)
+    presenter.leave()
+    (folder / "00001.draft.png").write_bytes(content)
+    presenter.go(1)
+    assert "00001.draft.png in box-limbs is damaged" in str(inline_jobs.problems[-1])
+    assert progress(view)[0] == 0
+    assert allowed(view).can_edit
+
+
 def test_a_folder_of_another_recording_is_refused(presenter, folder, tmp_path):
     fill_box(presenter)
     presenter.leave()
@@ -215,18 +228,17 @@ def test_a_folder_of_another_recording_is_refused(presenter, folder, tmp_path):
 
 @pytest.fixture
 def editor(qtbot, workspace, theme, video):
-    """The editor as the menu of the behaviour screen opens it."""
+    """The editor as the menu of the behaviour screen opens it, with what is watched there."""
     screen = build_behaviour_screen(workspace, theme)
     qtbot.addWidget(screen)
     screen.resize(1200, 800)
     screen.show()
+    screen.open_file(video)
     (action,) = [
         one for one in screen.findChildren(QAction) if one.text().startswith("Label limbs")
     ]
     action.trigger()
-    dialog = screen.findChild(LimbsDialog)
-    dialog.page.presenter.open(video)
-    yield dialog
+    yield screen.findChild(LimbsDialog)
     screen.closed()
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from adibas.behaviour.editing import History
 from adibas.data.coding import MS_PER_S
 from adibas.errors import AdibasError
+from adibas.pipeline.recording_access import FILES
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter, CodingView
 from ui.behaviour.counts_presenter import CountsPresenter, CountsView
@@ -228,6 +229,12 @@ class BehaviourPresenter:
             self._ask(due)
         if due == len(self._times_ms) - 1:
             self.stop()
+
+    @property
+    def recording(self) -> Path | None:
+        """The file that is looked at; None for none, for several, and for one in the store."""
+        is_file = self._source is not None and self._source.access is FILES
+        return self._source.path if self._source is not None and is_file else None
 
     def learn_from_marks(self, view: LearningView) -> LearningPresenter | None:
         """Return what learns a gesture in a dialog; None where nothing may be learned now."""

@@ -25,6 +25,8 @@ def build_behaviour_screen(
             workspace.report_problem(error)
 
     keeper = DraftKeeper(CallBridge(report, view).publish)
-    view.bind(BehaviourPresenter(view, workspace, QtFrameFeed(view), keeper, title_of=stored_title))
-    view.offer_labelling(lambda: open_limb_editor(workspace, view))
+    feed = QtFrameFeed(view)
+    presenter = BehaviourPresenter(view, workspace, feed, keeper, title_of=stored_title)
+    view.bind(presenter)
+    view.offer_labelling(lambda: open_limb_editor(workspace, view, presenter.recording))
     return view

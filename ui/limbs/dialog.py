@@ -1,5 +1,7 @@
 """Builds the window in which limbs are labelled: where its parts and the core meet."""
 
+from pathlib import Path
+
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
 
@@ -19,8 +21,7 @@ class LimbsDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle(_("Label limbs"))
         self.page, self._message = LimbsPage(self), MessageBar(self)
-        self._presenter = LimbsPresenter(self.page, workspace)
-        self.page.bind(self._presenter)
+        self.page.bind(LimbsPresenter(self.page, workspace))
         self.page.retranslate()
         self._end = workspace.noticed.subscribe(self._message.tell)
         box = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
@@ -36,14 +37,18 @@ class LimbsDialog(QDialog):
         self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
 
     def _on_finished(self, _code: int) -> None:
-        self._presenter.close()
+        self.page.presenter.close()
         self._message.put_away()
         self._end()
 
 
-def open_limb_editor(workspace: Workspace, parent: QWidget) -> LimbsDialog:
-    """Show the editor before its parent."""
+def open_limb_editor(
+    workspace: Workspace, parent: QWidget, recording: Path | None = None
+) -> LimbsDialog:
+    """Show the editor before its parent, with a recording that is looked at already."""
     dialog = LimbsDialog(workspace, parent)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     dialog.open()
+    if recording is not None:
+        dialog.page.presenter.open(recording)
     return dialog
