@@ -10,7 +10,7 @@ from adibas.cli.options import add_out, add_overwrite, positive_count, refuse_to
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
-from adibas.cli.sessions_backup import add_backup_arguments
+from adibas.cli.sessions_backup import add_backup_arguments, tell_report
 from adibas.cli.sessions_retention import add_retention_arguments, retain
 from adibas.cli.store_options import add_store, open_existing
 from adibas.clock import NS_PER_S
@@ -196,28 +196,9 @@ def _verify(store: "SessionStore", arguments: argparse.Namespace, console: Conso
         console.say(_entry_line(entry))
     with console.progress(_("Checking")) as progress:
         report = store.verify(progress)
-    for finding in report.findings:
-        console.warn(finding.text)
-    console.say(
-        _(
-            "{n_lines} lines of the audit log, {n_files} pictures and surfaces, {n_recordings} "
-            "recordings: {found}."
-        ).format(
-            n_lines=report.n_lines,
-            n_files=report.n_files,
-            n_recordings=report.n_recordings,
-            found=_("all is well") if report.is_sound else _("see what was found"),
-        )
-    )
     console.give(
         {
-            "is_sound": report.is_sound,
-            "n_lines": report.n_lines,
-            "n_files": report.n_files,
-            "n_recordings": report.n_recordings,
-            "findings": [
-                {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
-            ],
+            **tell_report(report, console),
             "entries": [_entry_document(entry) for entry in entries],
         }
     )

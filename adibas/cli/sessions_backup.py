@@ -21,7 +21,7 @@ from adibas.texts import translate as _
 from adibas.texts import translate_plural
 
 if TYPE_CHECKING:
-    from adibas.sessions import SessionStore
+    from adibas.sessions import SessionStore, VerifyReport
     from adibas.sessions.backing_up import BackupSummary
 
 SOMETHING_FOUND = 1
@@ -205,6 +205,12 @@ def _verify_backup(arguments: argparse.Namespace, console: Console) -> int:
             progress,
             temporary=arguments.temporary,
         )
+    console.give({**tell_report(report, console), "created_utc": header.created_utc})
+    return 0 if report.is_sound else SOMETHING_FOUND
+
+
+def tell_report(report: "VerifyReport", console: Console) -> dict[str, object]:
+    """Print what a check of a store found; return it for JSON."""
     for finding in report.findings:
         console.warn(finding.text)
     console.say(
@@ -218,19 +224,15 @@ def _verify_backup(arguments: argparse.Namespace, console: Console) -> int:
             found=_("all is well") if report.is_sound else _("see what was found"),
         )
     )
-    console.give(
-        {
-            "is_sound": report.is_sound,
-            "created_utc": header.created_utc,
-            "n_lines": report.n_lines,
-            "n_files": report.n_files,
-            "n_recordings": report.n_recordings,
-            "findings": [
-                {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
-            ],
-        }
-    )
-    return 0 if report.is_sound else SOMETHING_FOUND
+    return {
+        "is_sound": report.is_sound,
+        "n_lines": report.n_lines,
+        "n_files": report.n_files,
+        "n_recordings": report.n_recordings,
+        "findings": [
+            {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
+        ],
+    }
 
 
 def _passphrase_of_backup(arguments: argparse.Namespace) -> str | None:

@@ -25,7 +25,9 @@ from adibas.sessions.backup_format import (
 )
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.key_file import fingerprint_of, read_key_file
-from adibas.sessions.key_wrapping import SHORTEST_PASSPHRASE, Argon2Params, wrap_key
+from adibas.sessions.key_wrapping import Argon2Params
+from adibas.sessions.keys import behind_passphrase
+from adibas.sessions.places import ID_LENGTH
 from adibas.sessions.schema import FILES, RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
@@ -37,8 +39,6 @@ if TYPE_CHECKING:
     from adibas.sessions.verification import VerifyReport
 
 ENDING = ".adibas-backup"
-ID_LENGTH = 32
-"""Of a recording, with which the names of its codings begin."""
 SECONDS_UNTIL_LITTER = 86_400.0
 """An unfinished file that is older than a day is written by nobody any more."""
 
@@ -126,14 +126,8 @@ class Backups:
                 "The key of this patient store is in the desktop's keyring, which a backup does "
                 "not have. Choose a passphrase for the backup, and keep it safe."
             )
-        if len(passphrase) < SHORTEST_PASSPHRASE:
-            raise PassphraseError(
-                "A passphrase has {least} characters at least. Several words are safer and easier "
-                "to remember than one.",
-                least=SHORTEST_PASSPHRASE,
-            )
-        wrapped = wrap_key(self._key, passphrase, file.store_id, params or Argon2Params())
-        return file.store_id, wrapped
+        own = behind_passphrase(file.store_id, self._key, passphrase, params or Argon2Params())
+        return file.store_id, dict(own.wrapped)
 
     def write(
         self,

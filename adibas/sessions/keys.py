@@ -86,7 +86,7 @@ def make_key(folder: Path, passphrase: str | None, params: Argon2Params) -> byte
         _to_keyring(store_id, key)
         file = KeyFile(store_id, "keyring", fingerprint_of(key), {})
     else:
-        file = _behind_passphrase(store_id, key, passphrase, params)
+        file = behind_passphrase(store_id, key, passphrase, params)
     write_key_file(folder, file)
     return key
 
@@ -137,13 +137,20 @@ def change_passphrase(
     file = read_key_file(folder)
     if file is None:
         raise StoreError("The patient store has lost its key.json. Restore it from a backup.")
-    write_key_file(folder, _behind_passphrase(file.store_id, key, new, params or Argon2Params()))
+    write_key_file(folder, behind_passphrase(file.store_id, key, new, params or Argon2Params()))
     if file.place == "keyring":
         with suppress(KeyringError):  # then the keyring keeps a second way in
             keyring.delete_password(SERVICE, file.store_id)
 
 
-def _behind_passphrase(store_id: str, key: bytes, passphrase: str, params: Argon2Params) -> KeyFile:
+def behind_passphrase(store_id: str, key: bytes, passphrase: str, params: Argon2Params) -> KeyFile:
+    """Return what `key.json` says of a key behind a passphrase.
+
+    Raises
+    ------
+    PassphraseError
+        It is too short.
+    """
     if len(passphrase) < SHORTEST_PASSPHRASE:
         raise PassphraseError(
             "A passphrase has {least} characters at least. Several words are safer and easier to "

@@ -18,7 +18,12 @@ from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import BackupReader
 from adibas.sessions.database import DATABASE_FILE, Database
-from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
+from adibas.sessions.places import (
+    CODINGS_FOLDER,
+    ID_LENGTH,
+    PICTURES_FOLDER,
+    RECORDINGS_FOLDER,
+)
 from adibas.sessions.schema import FILES, RECORDINGS
 from adibas.sessions.sealed_folder import SealedFolder, cannot_save
 
@@ -27,7 +32,6 @@ if TYPE_CHECKING:
 
 WAITING = "restoring"
 """In the store's folder; there during a restore only."""
-ID_LENGTH = 32
 
 
 def restore_merged(

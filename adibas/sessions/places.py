@@ -4,6 +4,8 @@ from pathlib import Path
 
 import platformdirs
 
+ID_LENGTH = 32
+"""Of a recording, with which the names of its codings begin."""
 PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER = "pictures", "recordings", "codings"
 
 

@@ -10,15 +10,13 @@ from adibas.sessions.database import Database
 from adibas.sessions.kept_files import remove_leftovers
 from adibas.sessions.migrating import copies
 from adibas.sessions.patients import found_patient
+from adibas.sessions.places import ID_LENGTH
 from adibas.sessions.rows import Transaction, remove_row
 from adibas.sessions.schema import CAPTURES, FILES, LEFTOVERS, PATIENTS, RECORDINGS, SESSIONS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import cannot_save
 from adibas.sessions.stored_recordings import Recordings
 from adibas.sessions.visits import found_session
-
-ID_LENGTH = 32
-"""Of a recording, with which the names of its codings begin."""
 
 
 class Purge:

@@ -42,6 +42,8 @@ def wait(done, total):
         time.sleep(60)
 if what == "backup":
     open_sample(store).backups.write(file, progress=wait)
+elif what == "merge":
+    open_sample(new).backups.restore(file, PASSPHRASE, wait)
 else:
     restore_into(file, new, PASSPHRASE, wait)
 """
@@ -233,6 +235,24 @@ def test_a_kill_harms_nothing_and_the_next_try_cleans_up(folder, backup, tmp_pat
         assert store.verify().is_sound
     assert names_in(backup.parent) == [backup.name]
     assert names_in(tmp_path) == ["kept", "new", "store"]
+
+
+def test_a_kill_while_a_used_store_is_restored_harms_nothing(folder, backup, tmp_path):
+    project, used = str(Path(__file__).parents[2]), tmp_path / "used"
+    with open_sample(used) as store:
+        filled(store)
+    words = [VICTIM, project, "merge", str(folder), str(backup), str(used)]
+    with subprocess.Popen(
+        [sys.executable, "-c", *words], stdout=subprocess.PIPE, cwd=project
+    ) as victim:
+        assert victim.stdout.readline() == b"half\n"
+        victim.kill()
+    assert (used / "restoring").exists()
+    with open_sample(used) as store:
+        assert not (used / "restoring").exists()
+        assert len(store.patients.search("")) == 1
+        assert store.verify().is_sound
+        assert store.backups.restore(backup, PASSPHRASE).n_captures == 1
 
 
 def test_a_damaged_file_of_the_store_is_told_and_the_rest_is_kept(folder, backup):
