@@ -17,7 +17,7 @@ from ui.scheduled_backup import back_up_if_due
 from ui.settings import backup_presenter
 from ui.settings.backup_presenter import BackupPresenter, BackupView
 from ui.settings.screen import build_settings_screen
-from ui.settings.view import BACKUP_TAB
+from ui.settings.view import PROTECTION_TAB
 
 
 @pytest.fixture
@@ -117,7 +117,7 @@ def screen(qtbot, workspace):
     qtbot.addWidget(screen)
     screen.resize(1000, 800)
     screen.show()
-    screen.findChild(QTabWidget).setCurrentIndex(BACKUP_TAB)
+    screen.findChild(QTabWidget).setCurrentIndex(PROTECTION_TAB)
     yield screen
     screen.closed()
     use_language("en")

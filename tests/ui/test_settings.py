@@ -204,7 +204,7 @@ def test_the_doctor_looks_when_its_page_is_opened(screen):
 
 
 def test_about_names_version_use_and_licences(screen):
-    screen.findChild(QTabWidget).setCurrentIndex(6)
+    screen.findChild(QTabWidget).setCurrentIndex(5)
     about = next(one for one in screen.findChildren(QTextBrowser) if one.isVisible())
     text = about.toPlainText()
     assert __version__ in text

@@ -85,9 +85,9 @@ class BackupPage(QWidget):
         ):
             grid.addWidget(widget, row, 0)
         layout = QVBoxLayout(self)
+        layout.setContentsMargins(9, 4, 9, 4)
         for group in self._groups:
             layout.addWidget(group)
-        layout.addStretch()
 
     def _connect(self) -> None:
         self._choose.clicked.connect(self._ask_folder)
@@ -104,7 +104,9 @@ class BackupPage(QWidget):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        for group, title in zip(self._groups, (_("Every few days"), _("By hand")), strict=True):
+        for group, title in zip(
+            self._groups, (_("Backups every few days"), _("Backups by hand")), strict=True
+        ):
             group.setTitle(title)
         texts = (
             _("Days between two backups"),

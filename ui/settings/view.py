@@ -1,4 +1,4 @@
-"""The settings screen: seven pages, one of them with a page behind it. No decisions."""
+"""The settings screen: six pages, one of them with a page behind it. No decisions."""
 
 from PySide6.QtWidgets import (
     QLabel,
@@ -30,11 +30,11 @@ from ui.settings.protocols_page import ProtocolsPage
 from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.widgets.screen import Screen
 
-AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB, BACKUP_TAB = 2, 3, 4, 5
+PROTECTION_TAB, AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 1, 2, 3, 4
 
 
 class SettingsScreen(Screen):
-    """General, protection, audit, this computer, protocols (behind them names), backup, about."""
+    """General, protection with backups, audit, this computer, protocols with names, about."""
 
     name = "settings"
 
@@ -49,13 +49,13 @@ class SettingsScreen(Screen):
         self._backup = BackupPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
-        for page in (_scrolled(self._general), _scrolled(self._protection)):
+        protection = _below_each_other(self._protection, self._backup)
+        for page in (_scrolled(self._general), _scrolled(protection)):
             self._tabs.addTab(page, "")
         self._marks = QStackedWidget(self)
         self._marks.addWidget(self._protocols)
         self._marks.addWidget(self._names)
-        backup = _scrolled(self._backup)
-        for whole_page in (self._audit, self._computer, self._marks, backup, self._about):
+        for whole_page in (self._audit, self._computer, self._marks, self._about):
             self._tabs.addTab(whole_page, "")
         layout = QVBoxLayout(self)
         layout.addWidget(self._title)
@@ -126,7 +126,6 @@ class SettingsScreen(Screen):
             _("Audit log"),
             _("This computer"),
             _("Protocols"),
-            _("Backup"),
             _("About"),
         )
         for index, title in enumerate(titles):
@@ -145,7 +144,7 @@ class SettingsScreen(Screen):
             self._audit_presenter.enter()
         elif self._tabs.currentIndex() == PROTOCOLS_TAB:
             self._enter_marks()
-        elif self._tabs.currentIndex() == BACKUP_TAB:
+        elif self._tabs.currentIndex() == PROTECTION_TAB:
             self._backup_presenter.enter()
 
     def closed(self) -> None:
@@ -193,7 +192,7 @@ class SettingsScreen(Screen):
             self._audit_presenter.enter()
         elif index == PROTOCOLS_TAB:
             self._enter_marks()
-        elif index == BACKUP_TAB:
+        elif index == PROTECTION_TAB:
             self._backup_presenter.enter()
 
     def _enter_marks(self) -> None:
@@ -211,6 +210,17 @@ class SettingsScreen(Screen):
         self._marks.setCurrentWidget(self._protocols)
         self._protocols.setFocus()
         self._enter_marks()
+
+
+def _below_each_other(*parts: QWidget) -> QWidget:
+    """Return one page of several; a seventh tab has no room with large letters."""
+    page = QWidget()
+    column = QVBoxLayout(page)
+    column.setContentsMargins(0, 0, 0, 0)
+    for part in parts:
+        column.addWidget(part)
+    column.addStretch()
+    return page
 
 
 def _scrolled(page: QWidget) -> QScrollArea:
