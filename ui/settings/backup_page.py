@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QPlainTextEdit,
     QPushButton,
+    QSizePolicy,
     QSpinBox,
     QVBoxLayout,
     QWidget,
@@ -23,6 +24,7 @@ from adibas.texts import translate as _
 from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
 
 ENDING = "adibas-backup"
+RESULT_HEIGHT = 120
 FILTER = f"ADiBAS (*.{ENDING})"
 
 
@@ -40,6 +42,7 @@ class BackupPage(QWidget):
         self._state, self._folder = QLabel(self), QLabel(self)
         for label in (self._state, self._folder):
             label.setWordWrap(True)
+            label.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Minimum)
         self._choose, self._none = QPushButton(self), QPushButton(self)
         self._days, self._keep = QSpinBox(self), QSpinBox(self)
         self._days.setRange(1, MOST_BACKUP_DAYS)
@@ -50,9 +53,11 @@ class BackupPage(QWidget):
         self._make, self._check, self._restore = (QPushButton(self) for _ in range(3))
         self._result = QPlainTextEdit(self)
         self._result.setReadOnly(True)
-        self._result.setMaximumHeight(140)
+        self._result.setFixedHeight(RESULT_HEIGHT)
         self._result.hide()
         self._groups = [QGroupBox(self) for _ in range(2)]
+        for part in (self, *self._groups):  # the page is scrolled before anything is squeezed
+            part.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Minimum)
         self._where = ""
         self._lay_out()
         self._connect()
