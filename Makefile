@@ -2,7 +2,7 @@
 
 BIN := .venv/bin
 
-.PHONY: run test check translations train screenshots setup lock clean
+.PHONY: run test coverage check translations train screenshots setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
 run: setup
@@ -12,10 +12,17 @@ run: setup
 ## been open for a minute.
 test: setup
 	$(BIN)/python -m adibas.pipeline.warming
-	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --cov --cov-report=term \
+	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder \
+		--cov=adibas.geometry --cov=adibas.data --cov=adibas.errors --cov-report= \
 		--durations=15 $(PYTEST_ARGS)
 	$(BIN)/coverage report --skip-covered --fail-under=100 \
 		--include='adibas/geometry/*,adibas/data/*,adibas/errors.py'
+
+## Run all tests, and say which lines of the whole program none of them reaches.
+coverage: setup
+	$(BIN)/python -m adibas.pipeline.warming
+	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder \
+		--cov $(PYTEST_ARGS)
 
 ## Style, types, and who may import whom.
 check: setup
