@@ -9,8 +9,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
     QHBoxLayout,
-    QLabel,
-    QPushButton,
     QSplitter,
     QStackedWidget,
     QTabWidget,
@@ -39,6 +37,7 @@ from ui.behaviour.tools import KEYS, BehaviourTools, as_models, fill_stored
 from ui.behaviour.transport import LONG_STEP_S, Transport
 from ui.behaviour.video_view import VideoView
 from ui.theme import Theme
+from ui.widgets.first_step import FirstStep
 from ui.widgets.screen import Screen
 from ui.widgets.side_panel import SidePanel
 
@@ -63,7 +62,7 @@ class BehaviourScreen(Screen):
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._theme = theme
-        self._empty, self._open = QLabel(self), QPushButton(self)
+        self._first = FirstStep(self)
         self._chooser = QComboBox(self)
         self._stored: tuple[StoredChoice, ...] = ()
         self._is_bound = False
@@ -102,7 +101,8 @@ class BehaviourScreen(Screen):
         for splitter in (across, down):
             splitter.setChildrenCollapsible(False)
             splitter.setStretchFactor(0, 1)
-        for page in (self._empty_page(), self._work_page(down)):
+        self._first.add(self._chooser)
+        for page in (self._first, self._work_page(down)):
             self._pages.addWidget(page)
         outer = QHBoxLayout(self)
         outer.setContentsMargins(0, 0, 0, 0)
@@ -116,28 +116,13 @@ class BehaviourScreen(Screen):
         column.addWidget(parts, 1)
         return page
 
-    def _empty_page(self) -> QWidget:
-        page = QWidget(self)
-        self._empty.setWordWrap(True)
-        self._empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self._empty.setProperty("kind", "title")
-        self._open.setProperty("main", "true")
-        column = QVBoxLayout(page)
-        column.setSpacing(16)
-        column.addStretch()
-        column.addWidget(self._empty)
-        for widget in (self._open, self._chooser):
-            column.addWidget(widget, 0, Qt.AlignmentFlag.AlignHCenter)
-        column.addStretch()
-        return page
-
     def bind(self, presenter: BehaviourPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
         self._presenter = presenter
         self._is_bound = True
         coding = presenter.coding
         self._ticking.timeout.connect(presenter.tick)
-        self._open.clicked.connect(self._ask_recording)
+        self._first.button.clicked.connect(self._ask_recording)
         self._chooser.activated.connect(
             lambda index: self._on_stored(self._chooser.itemData(index))
         )
@@ -212,10 +197,10 @@ class BehaviourScreen(Screen):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        self._empty.setText(
-            _("Open a recording, or drop one here, to note what happens in it and when.")
+        self._first.say(
+            _("Open a recording, or drop one here, to note what happens in it and when."),
+            _("&Open a recording..."),
         )
-        self._open.setText(_("&Open a recording..."))
         self._chooser.setAccessibleName(_("Recordings of the session"))
         self._video.setAccessibleName(_("Video"))
         self._timeline.setAccessibleName(_("Timeline of events"))

@@ -7,7 +7,6 @@ from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
-    QPushButton,
     QSplitter,
     QStackedWidget,
     QTabWidget,
@@ -29,6 +28,7 @@ from ui.review.space_view import SpaceView
 from ui.review.tools import ReviewTools
 from ui.review.wording import READ_ONLY_HINT, SPACE_HINT, WAIT_HINT, mode_hint
 from ui.theme import Theme
+from ui.widgets.first_step import FirstStep
 from ui.widgets.image_view import WHEEL_STEP, ImageView
 from ui.widgets.screen import Screen
 
@@ -49,8 +49,7 @@ class ReviewScreen(Screen):
         self._nothing_sentence, self._wanted_screen = "", "patients"
         self._is_read_only = False
         self._tools = ReviewTools(theme, self)
-        self._hint, self._nothing = QLabel(self), QLabel(self)
-        self._go = QPushButton(self)
+        self._hint, self._first = QLabel(self), FirstStep(self)
         self._strip = CaptureStrip(self)
         self._image, self._space = ImageView(self), SpaceView(self)
         self._markers, self._notes = MarkersPanel(theme, self), NotesPanel(self)
@@ -90,25 +89,11 @@ class ReviewScreen(Screen):
         column.addWidget(self._tools)
         column.addWidget(self._hint)
         column.addLayout(row, 1)
-        for page in (self._nothing_page(), review):
+        for page in (self._first, review):
             self._pages.addWidget(page)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(0, 0, 0, 0)
         outer.addWidget(self._pages)
-
-    def _nothing_page(self) -> QWidget:
-        page = QWidget(self)
-        self._nothing.setWordWrap(True)
-        self._nothing.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self._nothing.setProperty("kind", "title")
-        self._go.setProperty("main", True)
-        column = QVBoxLayout(page)
-        column.setSpacing(16)
-        column.addStretch()
-        column.addWidget(self._nothing)
-        column.addWidget(self._go, 0, Qt.AlignmentFlag.AlignHCenter)
-        column.addStretch()
-        return page
 
     def bind(self, presenter: ReviewPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
@@ -116,7 +101,7 @@ class ReviewScreen(Screen):
         points = presenter.points
         self._strip.chosen.connect(presenter.choose_capture)
         self._notes.written.connect(presenter.change_notes)
-        self._go.clicked.connect(self._on_go)
+        self._first.button.clicked.connect(self._on_go)
         self._tools.mode_chosen.connect(points.choose_mode)
         self._tools.asked.connect(self._on_tool)
         self._tools.switched.connect(self._on_switch)
@@ -209,8 +194,8 @@ class ReviewScreen(Screen):
         self._show_center(SPACE_PAGE)
 
     def _word_nothing(self) -> None:
-        self._nothing.setText(_(self._nothing_sentence))
-        self._go.setText(_("Go to {screen}").format(screen=_(TITLES[self._wanted_screen])))
+        way = _("Go to {screen}").format(screen=_(TITLES[self._wanted_screen]))
+        self._first.say(_(self._nothing_sentence), way)
 
     def _hint_text(self, points: Points) -> str:
         if self._center.currentIndex() == SPACE_PAGE:
