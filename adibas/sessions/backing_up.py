@@ -18,6 +18,7 @@ from adibas.files import UNFINISHED, cannot_write, check_place, written_whole
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import (
+    ENDING,
     PIECE_BYTES,
     BackupWriter,
     new_header,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from adibas.sessions.merging import MergeSummary
     from adibas.sessions.verification import VerifyReport
 
-ENDING = ".adibas-backup"
 SECONDS_UNTIL_LITTER = 86_400.0
 """An unfinished file that is older than a day is written by nobody any more."""
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 from adibas.errors import AdibasError, FileError
 from adibas.files import cannot_read
-from adibas.sessions.backing_up import ENDING
-from adibas.sessions.backup_format import BackupReader
+from adibas.sessions.backup_format import ENDING, BackupReader
 
 SECONDS_A_DAY = 86_400.0
 PATTERN = f"adibas-*{ENDING}"
