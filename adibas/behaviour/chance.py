@@ -17,7 +17,6 @@ from adibas.arrays import FloatArray, check_shape
 from adibas.data.sentence import Sentence
 from adibas.texts import message
 
-N_ROUNDS = 200
 ENOUGH = 1e-12
 """Nearer to 1 than this, agreement by chance is complete."""
 
@@ -138,19 +137,24 @@ def event_kappa(table: FloatArray) -> Coefficient:
 def without_corner(shares: FloatArray) -> FloatArray:
     """Return the table with the margins of `shares`, independent but for an empty last corner.
 
-    By iterative proportional fitting.
+    What iterative proportional fitting tends to: cell (i, j) is proportional to its row's and its
+    column's margin, the corner is 0. What the sum holds beyond the margins of the last row and the
+    last column is for the cells that are in neither of them.
     """
-    fitted = np.ones_like(shares)
-    fitted[-1, -1] = 0.0
     rows, columns = shares.sum(axis=1), shares.sum(axis=0)
-    for _ in range(N_ROUNDS):
-        fitted *= _ratio(rows, fitted.sum(axis=1))[:, None]
-        fitted *= _ratio(columns, fitted.sum(axis=0))[None]
+    of_rows, of_columns = _parts(rows[:-1]), _parts(columns[:-1])
+    fitted = np.zeros_like(shares)
+    inner = max(float(rows.sum() - rows[-1] - columns[-1]), 0.0)
+    fitted[:-1, :-1] = inner * np.outer(of_rows, of_columns)
+    fitted[:-1, -1] = columns[-1] * of_rows
+    fitted[-1, :-1] = rows[-1] * of_columns
     return fitted
 
 
-def _ratio(wanted: FloatArray, found: FloatArray) -> FloatArray:
-    return np.asarray(np.where(found > 0, wanted / np.where(found > 0, found, 1.0), 0.0))
+def _parts(margin: FloatArray) -> FloatArray:
+    """Return what share of their sum each is; zeros where there is nothing."""
+    total = float(margin.sum())
+    return margin / total if total > 0 else np.zeros_like(margin)
 
 
 def _shares(table: FloatArray) -> tuple[FloatArray, float]:

@@ -109,6 +109,12 @@ def test_chance_without_a_corner_keeps_margins_and_independence(table):
     assert fitted[0, 0] * fitted[1, 2] == pytest.approx(fitted[0, 2] * fitted[1, 0])
 
 
+def test_observers_who_saw_no_event_alike_agree_as_by_chance_whoever_is_first():
+    table = np.array([[0.0, 1.0], [2.0, 0.0]])
+    for either in (table, table.T):
+        assert event_kappa(either).value == pytest.approx(0.0, abs=1e-12)
+
+
 def test_events_of_one_kind_cannot_have_a_kappa():
     assert event_kappa(np.array([[5.0, 0.0], [0.0, 0.0]])).value is None
 
