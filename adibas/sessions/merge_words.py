@@ -51,6 +51,15 @@ def _told(summary: "MergeSummary") -> tuple[str, ...]:
             n,
         )
         told.append(text.format(n=n, ids=" ".join(summary.both_kept)))
+    if n := len(summary.other_codings):
+        text = translate_plural(
+            "Something else was coded here in {n} recording, and stays: {ids} Restore the backup "
+            "into a folder of its own to see what it has.",
+            "Something else was coded here in {n} recordings, and stays: {ids} Restore the backup "
+            "into a folder of its own to see what it has.",
+            n,
+        )
+        told.append(text.format(n=n, ids=" ".join(summary.other_codings)))
     if summary.not_added:
         text = _(
             "These pseudonyms stand for somebody else here, and were not added: {ids} Restore the "

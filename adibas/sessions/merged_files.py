@@ -73,13 +73,14 @@ def restore_merged(
         try:
             _check_room(folder, path)
             kept = _Kept(database)
-            extract(backup, key, waiting, wanted=kept.lacks, progress=progress)
+            extract(backup, key, waiting, wanted=kept.wants, progress=progress)
             make_present(waiting, key)
             source = Database(waiting, key, is_read_only=True)
             try:
                 summary = merge(source, database, audit, making)
             finally:
                 source.close()
+            summary.other_codings += kept.other_codings(waiting)
         finally:
             finish_merge(database)
     return summary
@@ -129,6 +130,18 @@ class _Kept:
         if folder == CODINGS_FOLDER:
             return file_id[:ID_LENGTH] in self._sums[RECORDINGS_FOLDER]
         return file_id in self._sums[folder]
+
+    def wants(self, name: str) -> bool:
+        """Say whether a file is needed: what is lacking, and codings, which may be others."""
+        return name.startswith(f"{CODINGS_FOLDER}/") or self.lacks(name)
+
+    def other_codings(self, waiting: Path) -> list[str]:
+        """Return the recordings of which something else was coded here than in the backup."""
+        there = SealedFolder(waiting / CODINGS_FOLDER)
+        here = SealedFolder(self._folder / CODINGS_FOLDER)
+        both = [one for one in there.ids() if not self.lacks(f"{CODINGS_FOLDER}/{one}")]
+        others = (one for one in both if here.sha256(one) != there.sha256(one))
+        return sorted({one[:ID_LENGTH] for one in others})
 
     def lacks(self, name: str) -> bool:
         """Say whether the store lacks a file, or has it damaged."""

@@ -53,6 +53,8 @@ class MergeSummary:
         Ids of what was changed in both: the newer one is in force, the other one is kept.
     not_added : list of str
         Pseudonyms that stand for somebody else here; they are in the backup alone.
+    other_codings : list of str
+        Recordings of which something else was coded here; what was coded here stays.
     """
 
     n_patients: int = 0
@@ -63,6 +65,7 @@ class MergeSummary:
     newer_here: list[str] = field(default_factory=list)
     both_kept: list[str] = field(default_factory=list)
     not_added: list[str] = field(default_factory=list)
+    other_codings: list[str] = field(default_factory=list)
 
 
 def merge(source: Database, target: Database, audit: AuditLog, making: set[str]) -> MergeSummary:

@@ -196,3 +196,11 @@ def theme(qapp) -> Theme:
     theme = Theme(qapp)
     theme.use("light", 1.0)
     return theme
+
+
+@pytest.fixture
+def large_letters(theme) -> Iterator[None]:
+    """Letters of twice the size, until the test is over."""
+    theme.use("light", 2.0)
+    yield
+    theme.use("light", 1.0)

@@ -268,11 +268,11 @@ def test_a_limb_is_painted_with_the_mouse_and_kept_when_the_window_closes(editor
     assert labels[20, 25] == labels[41, 58] == HEAD
 
 
+@pytest.mark.usefixtures("large_letters")
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_the_editor_has_a_letter_for_each_control_and_room_for_large_ones(
-    qtbot, workspace, theme, language
+    qtbot, workspace, language
 ):
-    theme.use("light", 2.0)
     with speaking(language):
         dialog = LimbsDialog(workspace)
         qtbot.addWidget(dialog)
@@ -285,4 +285,3 @@ def test_the_editor_has_a_letter_for_each_control_and_room_for_large_ones(
         assert all(one.accessibleName() or hasattr(one, "text") for kind in named
                    for one in dialog.findChildren(kind))  # fmt: skip
         dialog.close()
-    theme.use("light", 1.0)

@@ -172,14 +172,6 @@ def test_every_control_can_be_named_aloud(screen):
         assert all(one.accessibleName() for one in screen.findChildren(kind))
 
 
-@pytest.fixture
-def large_letters(theme):
-    """Letters of twice the size, until the test is over."""
-    theme.use("light", 2.0)
-    yield
-    theme.use("light", 1.0)
-
-
 @pytest.mark.usefixtures("large_letters")
 @pytest.mark.parametrize("width_px", range(186, 220, 5))
 def test_a_line_beside_its_box_is_as_high_as_its_words_need(qtbot, width_px):

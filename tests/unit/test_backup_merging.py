@@ -339,3 +339,23 @@ def test_the_command_tells_what_came_of_it(folder, session, backup, tmp_path, mo
     assert NAME not in json.dumps(capsys.readouterr().out)
     assert folder.exists()
     assert session
+
+
+def test_what_was_coded_on_both_sides_stays_as_it_is_here_and_is_told(folder, session, tmp_path):
+    def code(content):
+        with open_sample(folder) as store:
+            (facts,) = store.recordings.of_session(session.session_id)
+            key = store.recordings.key(facts.recording_id)
+            store.recordings.codings.write(facts.recording_id + "-0a0b", key, content)
+            return facts.recording_id
+
+    code(b"coded before")
+    backup = back_up(folder, tmp_path / "a.adibas-backup")
+    assert restored(folder, backup).other_codings == []
+    recording_id = code(b"coded afterwards")
+    summary = restored(folder, backup)
+    assert summary.other_codings == [recording_id]
+    assert recording_id in merge_texts(summary)[-1]
+    with open_sample(folder) as store:
+        key = store.recordings.key(recording_id)
+        assert store.recordings.codings.read(recording_id + "-0a0b", key) == b"coded afterwards"
