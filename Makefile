@@ -2,7 +2,7 @@
 
 BIN := .venv/bin
 
-.PHONY: run test coverage check translations train screenshots setup lock clean
+.PHONY: run test compile coverage check translations train screenshots setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
 run: setup
@@ -10,17 +10,19 @@ run: setup
 
 ## Run all tests, without a display; what is compiled is compiled before, as in a window that has
 ## been open for a minute.
-test: setup
-	$(BIN)/python -m adibas.pipeline.warming
+test: compile
 	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder \
 		--cov=adibas.geometry --cov=adibas.data --cov=adibas.errors --cov-report= \
 		--durations=15 $(PYTEST_ARGS)
 	$(BIN)/coverage report --skip-covered --fail-under=100 \
 		--include='adibas/geometry/*,adibas/data/*,adibas/errors.py'
 
-## Run all tests, and say which lines of the whole program none of them reaches.
-coverage: setup
+## Compile the hot loops, unless that is done.
+compile: setup
 	$(BIN)/python -m adibas.pipeline.warming
+
+## Run all tests, and say which lines of the whole program none of them reaches.
+coverage: compile
 	QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder \
 		--cov $(PYTEST_ARGS)
 
