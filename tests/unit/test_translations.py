@@ -191,11 +191,12 @@ def test_every_error_about_the_world_has_a_constant_sentence():
     places = dict.fromkeys(error_names(), 1) | functions_with_message_id()
     for file in source_files():
         tree = parsed(file)
-        may_hand_on = handed_on(tree)
-        for name, call in calls(tree):
-            if name in places and not (len(call.args) >= places[name]):
+        named = [(name, call) for name, call in calls(tree) if name in places]
+        may_hand_on = handed_on(tree) if named else set()
+        for name, call in named:
+            if not (len(call.args) >= places[name]):
                 wrong.append(f"{file.name}:{call.lineno} says nothing")
-            elif name in places:
+            else:
                 sentence = call.args[places[name] - 1]
                 is_handed_on = id(call) in may_hand_on and isinstance(sentence, ast.Name)
                 is_of_other = ast.unparse(sentence) == "error.message_id"
