@@ -41,8 +41,6 @@ LOOKS = {
 }
 BOARD = PRINTED_BOARDS["A4"].board
 SEED = 11
-LARGEST_SIGHT_RAD = np.radians(78.0)
-"""A board tilted by 60 degrees beside the image's middle may turn its back to the camera."""
 EXACT = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
 HOLDINGS = {
     "": Holding(),
@@ -112,19 +110,20 @@ def _turned_alike(corners: FloatArray | None, truth: FloatArray) -> FloatArray |
 def pictures(
     board: Board, look: BoardLook, holding: Holding, n: int, seed: int
 ) -> Iterator[BoardPicture]:
-    """Render `n` boards held at different places, without those that nobody could see so."""
+    """Render `n` boards held at different places, without those seen from behind."""
     rng = np.random.default_rng(seed)
     poses = random_board_poses(rng, board, CAMERA, n, holding)
     for pose in poses:
-        if _sight_rad(board, pose) < LARGEST_SIGHT_RAD:
+        if _faces(pose):
             yield render_board(board, pose, CAMERA, rng, look)
 
 
-def _sight_rad(board: Board, camera_from_board: RigidTransform) -> float:
-    """Return the angle between the board's normal and the line from the camera to its middle."""
-    middle_m = camera_from_board.apply(board.points_m().mean(axis=0))
-    normal = camera_from_board.rotation[:, 2]
-    return float(np.arccos(normal @ middle_m / np.linalg.norm(middle_m)))
+def _faces(camera_from_board: RigidTransform) -> bool:
+    """Say whether the camera sees the front of a board's plane.
+
+    Tilted by 60 degrees and beside the image's middle, a board may turn its back.
+    """
+    return bool(camera_from_board.rotation[:, 2] @ camera_from_board.translation_m > 0.0)
 
 
 def measure(

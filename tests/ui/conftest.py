@@ -191,6 +191,14 @@ def workspace(store, inline_jobs, preferences) -> Workspace:
 
 
 @pytest.fixture
+def told(workspace) -> list[tuple[str, str]]:
+    """What the workspace says from now on: kind and sentence of each notice."""
+    notices: list[tuple[str, str]] = []
+    workspace.noticed.subscribe(lambda kind, sentence: notices.append((kind, sentence)))
+    return notices
+
+
+@pytest.fixture
 def theme(qapp) -> Theme:
     """The light theme."""
     theme = Theme(qapp)

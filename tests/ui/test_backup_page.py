@@ -30,13 +30,6 @@ def presenter(view, workspace):
     return BackupPresenter(view, workspace)
 
 
-@pytest.fixture
-def told(workspace):
-    notices = []
-    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
-    return notices
-
-
 def state(view):
     sentences = " ".join(view.show_state.call_args.args[0])
     return sentences, view.show_state.call_args.kwargs["is_urgent"]

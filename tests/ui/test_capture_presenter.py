@@ -92,13 +92,6 @@ def view(clock):
 
 
 @pytest.fixture
-def told(workspace):
-    sentences = []
-    workspace.noticed.subscribe(lambda kind, sentence: sentences.append((kind, sentence)))
-    return sentences
-
-
-@pytest.fixture
 def ana(store):
     return store.patients.add(Identity("Ana Ruiz"))
 

@@ -50,13 +50,6 @@ def presenter(view, workspace, video):
     presenter.close()
 
 
-@pytest.fixture
-def told(workspace):
-    notices = []
-    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
-    return notices
-
-
 def allowed(view):
     return view.show_allowed.call_args.args[0]
 

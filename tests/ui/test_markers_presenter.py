@@ -57,13 +57,6 @@ def learner(view, workspace, live):  # noqa: ARG001  (it is there)
     return learner
 
 
-@pytest.fixture
-def told(workspace):
-    sentences = []
-    workspace.noticed.subscribe(lambda kind, sentence: sentences.append((kind, sentence)))
-    return sentences
-
-
 def shown(view):
     return view.show_controls.call_args.args[0]
 

@@ -35,13 +35,6 @@ def presenter(view, workspace):
     return NamesPresenter(view, workspace)
 
 
-@pytest.fixture
-def told(workspace):
-    notices = []
-    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
-    return notices
-
-
 def shown(view):
     return view.show_names.call_args.args
 

@@ -28,13 +28,6 @@ def view():
 
 
 @pytest.fixture
-def told(workspace):
-    notices = []
-    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
-    return notices
-
-
-@pytest.fixture
 def presenter(view, workspace):
     return ProtocolsPresenter(view, workspace)
 

@@ -41,13 +41,6 @@ def presenter(view, workspace):
     presenter.close()
 
 
-@pytest.fixture
-def told(workspace):
-    notices = []
-    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
-    return notices
-
-
 def lines(view):
     return view.show_sessions.call_args.args[0]
 

@@ -44,13 +44,6 @@ def presenter(view, workspace):
     presenter.close()
 
 
-@pytest.fixture
-def told(workspace):
-    notices = []
-    workspace.noticed.subscribe(lambda *notice: notices.append(notice))
-    return notices
-
-
 @pytest.fixture(autouse=True)
 def one_finding(monkeypatch):
     """Look at no real sensors: that takes seconds."""

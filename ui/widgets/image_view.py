@@ -27,8 +27,6 @@ from ui.widgets.shown_picture import Coloring, ShownPicture
 
 GROUND = QColor("#11161B")
 WHEEL_STEP = 1.2
-MOST_FITTED = 3.0
-"""A fitted picture that is shown larger is a small one: Qt may paint it pixel by pixel."""
 DRAG_PX = 4
 """A press that moves less is a click."""
 LARGE_STEP_PX, SMALL_STEP_PX = 10.0, 0.1
@@ -162,7 +160,7 @@ class ImageView(QWidget):
 
     def _paint_picture(self, painter: QPainter, picture: ShownPicture) -> None:
         place = self._placement
-        if place.zoom == 1 and place.scale <= MOST_FITTED:
+        if place.zoom == 1:
             ratio = self.devicePixelRatioF()
             width, height = (max(1, round(ratio * place.scale * side)) for side in picture.size)
             image = picture.fitted((width, height), place.rotation_deg, ratio)
