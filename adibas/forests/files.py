@@ -1,4 +1,8 @@
-"""Forests in files: arrays and a JSON header in one ``.npz``, nothing that could run."""
+"""Forests in files: arrays and a JSON header in one ``.npz``, nothing that could run.
+
+Numbers that were rounded by `Forest.rounded` are kept as small integers, in half the space; others,
+and all those of version 1, as they are.
+"""
 
 import json
 import zipfile
@@ -12,9 +16,16 @@ from adibas.arrays import AnyArray
 from adibas.errors import FileError
 from adibas.files import cannot_read, written_whole
 from adibas.forests.forest import Forest
+from adibas.forests.packing import (
+    pack_child,
+    pack_leaves,
+    pack_nodes,
+    unpack_child,
+    unpack_leaves,
+    unpack_nodes,
+)
 
-FORMAT, VERSION = "adibas-forest", 1
-_ARRAYS = ("roots", "child", "nodes", "leaves")
+FORMAT, VERSION = "adibas-forest", 2
 
 
 def save_forest(forest: Forest, path: Path) -> None:
@@ -34,9 +45,17 @@ def save_forest(forest: Forest, path: Path) -> None:
         "provenance": forest.provenance,
     }
     text = np.frombuffer(json.dumps(header, indent=1).encode(), np.uint8)
-    arrays = {name: getattr(forest, name) for name in _ARRAYS}
     with written_whole(path) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, header=text, **arrays)
+        np.savez_compressed(file, header=text, roots=forest.roots, **_packed(forest))
+
+
+def _packed(forest: Forest) -> dict[str, AnyArray]:
+    arrays = pack_child(forest.child)
+    nodes = pack_nodes(forest.nodes, forest.child < 0)
+    arrays |= {"nodes": forest.nodes} if nodes is None else {"node_steps": nodes}
+    leaves = pack_leaves(forest.leaves)
+    arrays |= {"leaves": forest.leaves} if leaves is None else {"leaf_counts": leaves}
+    return arrays
 
 
 def load_forest(path: Path) -> Forest:
@@ -64,12 +83,17 @@ def load_forest(path: Path) -> Forest:
 def _forest_of(arrays: Mapping[str, AnyArray], path: Path) -> Forest:
     header = json.loads(arrays["header"].tobytes())
     _check_header(header, path)
+    child = arrays["child"].astype(np.int32) if "child" in arrays else unpack_child(arrays)
+    is_packed = "node_steps" in arrays
+    nodes = unpack_nodes(arrays["node_steps"], child < 0) if is_packed else arrays["nodes"]
+    has_counts = "leaf_counts" in arrays
+    leaves = unpack_leaves(arrays["leaf_counts"]) if has_counts else arrays["leaves"]
     return Forest(
         tuple(map(str, header["labels"])),
         arrays["roots"].astype(np.int32),
-        arrays["child"].astype(np.int32),
-        arrays["nodes"].astype(np.float32),
-        arrays["leaves"].astype(np.float32),
+        child,
+        nodes.astype(np.float32),
+        leaves.astype(np.float32),
         float(header["far_m"]),
         float(header["smoothing_px"]),
         header["provenance"],

@@ -12,13 +12,12 @@ import numpy as np
 from adibas.arrays import BoolArray, Float32Array, Int32Array, check_shape, read_only
 from adibas.forests.feature_kernels import KIND
 from adibas.forests.images import ForestImage, join_images, prepare_image
+from adibas.forests.packing import LEAF_STEPS, OFFSET_STEPS_PER_M, THRESHOLD_STEPS
 from adibas.forests.params import GRADIENT
 from adibas.forests.prediction_kernels import predict
 
 N_NODE_VALUES = 6
 LEAF = -1
-_OFFSET_STEPS_PER_M, _THRESHOLD_STEPS, _LEAF_STEPS = 1024, 8192, 512
-"""Powers of two: what is left out of a number is then zeros, which take no space in a file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,14 +87,14 @@ class Forest:
         return prepare_image(depth_m, mask, focal_px, self.far_m, smoothing_px)
 
     def rounded(self) -> "Forest":
-        """Return the forest with numbers of fewer digits: files are a third as large.
+        """Return the forest with numbers of fewer digits, which a file keeps in little space.
 
         Offsets to 1 mm, thresholds to 0.1 mm or 0.1 mrad, probabilities to 1 / 512.
         """
         nodes = self.nodes.copy()
-        nodes[:, KIND + 1 : -1] = _rounded(nodes[:, KIND + 1 : -1], _OFFSET_STEPS_PER_M)
-        nodes[:, -1] = _rounded(nodes[:, -1], _THRESHOLD_STEPS)
-        leaves = np.rint(self.leaves * _LEAF_STEPS) / np.float32(_LEAF_STEPS)
+        nodes[:, KIND + 1 : -1] = _rounded(nodes[:, KIND + 1 : -1], OFFSET_STEPS_PER_M)
+        nodes[:, -1] = _rounded(nodes[:, -1], THRESHOLD_STEPS)
+        leaves = np.rint(self.leaves * LEAF_STEPS) / np.float32(LEAF_STEPS)
         leaves /= np.maximum(leaves.sum(axis=1, keepdims=True), np.finfo(np.float32).tiny)
         return replace(self, nodes=nodes, leaves=leaves.astype(np.float32))
 

@@ -364,6 +364,43 @@ def test_a_forest_comes_back_from_its_file(forest, tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_rounded_forest_comes_back_to_the_last_bit_from_half_the_space(forest, tmp_path):
+    plain, small = tmp_path / "plain.npz", tmp_path / "small.npz"
+    rounded = forest.rounded()
+    arrays = {name: getattr(rounded, name) for name in ("roots", "child", "nodes", "leaves")}
+    np.savez_compressed(plain, **arrays)
+    save_forest(rounded, small)
+    back = load_forest(small)
+    assert same(back, rounded)
+    assert not same(back, forest)
+    with np.load(plain) as one, np.load(small) as other:
+        assert set(other) == {
+            *("header", "roots", "is_leaf", "split_links", "leaf_links"),
+            *("node_steps", "leaf_counts"),
+        }
+        assert sum(other[name].nbytes for name in other if name != "header") < (
+            sum(one[name].nbytes for name in one) / 2
+        )
+
+
+def test_numbers_too_large_for_small_integers_are_kept_as_they_are(forest, tmp_path):
+    nodes = forest.rounded().nodes.copy()
+    nodes[forest.child >= 0, -1] = 1000.0
+    far = replace(forest.rounded(), nodes=nodes)
+    save_forest(far, tmp_path / "far.npz")
+    assert same(load_forest(tmp_path / "far.npz"), far)
+
+
+def test_files_of_the_first_version_are_read(forest, tmp_path):
+    path = tmp_path / "model.npz"
+    save_forest(forest, path)
+    with np.load(path) as file:
+        header = file["header"].tobytes().replace(b'"version": 2', b'"version": 1')
+    arrays = {name: getattr(forest, name) for name in ("roots", "child", "nodes", "leaves")}
+    np.savez(path, header=np.frombuffer(header, np.uint8), **arrays)
+    assert same(load_forest(path), forest)
+
+
 def test_files_of_another_format_are_refused_in_words(tmp_path):
     path = tmp_path / "model.npz"
     for content in (b"", b"not a forest", b"PK\x03\x04 cut"):
@@ -385,10 +422,10 @@ def test_a_damaged_or_later_forest_is_refused_in_words(forest, tmp_path):
     save_forest(forest, path)
     with np.load(path) as file:
         arrays = dict(file)
-    np.savez(path, **{**arrays, "child": arrays["child"] + 10_000})
+    np.savez(path, **{**arrays, "split_links": arrays["split_links"] + 10_000})
     with pytest.raises(FileError, match="is no forest"):
         load_forest(path)
-    header = arrays["header"].tobytes().replace(b'"version": 1', b'"version": 9')
+    header = arrays["header"].tobytes().replace(b'"version": 2', b'"version": 9')
     np.savez(path, **{**arrays, "header": np.frombuffer(header, np.uint8)})
     with pytest.raises(FileError, match="later ADiBAS"):
         load_forest(path)
