@@ -84,9 +84,13 @@ class ShownPicture:
         if self._coloring is not None:
             return cv2.resize(self._pixels, size, interpolation=cv2.INTER_NEAREST)
         padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
-        is_smaller = size[0] < self.size[0]
-        way = cv2.INTER_LINEAR if is_smaller else cv2.INTER_NEAREST
-        return cv2.resize(padded, size, interpolation=way)
+        if size[0] >= self.size[0]:
+            return cv2.resize(padded, size, interpolation=cv2.INTER_NEAREST)
+        cv2.ipp.setUseIPP_NotExact(True)  # of this thread: a third faster, and wrong by one of 255
+        try:
+            return cv2.resize(padded, size, interpolation=cv2.INTER_LINEAR)
+        finally:
+            cv2.ipp.setUseIPP_NotExact(False)
 
     def _as_image(self, pixels: Any) -> QImage:
         """Return an image that borrows `pixels`: who holds it holds both."""
