@@ -49,8 +49,8 @@ def save_forest(forest: Forest, path: Path) -> None:
         np.savez_compressed(file, header=text, roots=forest.roots, **_packed(forest))
 
 
-def _packed(forest: Forest) -> dict[str, AnyArray]:
-    arrays = pack_child(forest.child)
+def _packed(forest: Forest) -> dict[str, Any]:
+    arrays: dict[str, Any] = {**pack_child(forest.child)}
     nodes = pack_nodes(forest.nodes, forest.child < 0)
     arrays |= {"nodes": forest.nodes} if nodes is None else {"node_steps": nodes}
     leaves = pack_leaves(forest.leaves)
