@@ -90,4 +90,4 @@ def _split(values: AnyArray) -> UInt8Array | None:
 
 def _joined(packed: UInt8Array) -> AnyArray:
     low, high = packed
-    return low.astype(np.int16) | high.astype(np.int16) << 8
+    return np.asarray(low.astype(np.int16) | high.astype(np.int16) << 8)
