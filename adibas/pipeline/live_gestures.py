@@ -7,7 +7,7 @@ from adibas.arrays import Float32Array
 from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
 from adibas.gestures.model import GestureModel
-from adibas.gestures.watching import GestureWatcher, Seen
+from adibas.gestures.watching import GestureWatcher, Seen, WatchParams
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 
@@ -33,6 +33,7 @@ class LiveGestures:
 
     def __init__(self, models: Sequence[GestureModel]) -> None:
         self._models = tuple(models)
+        self._params = WatchParams()
         self._calibration: RgbdCalibration | None = None
         self._estimator: PoseEstimator | None = None
         self._watchers: dict[int, GestureWatcher] = {}
@@ -48,11 +49,12 @@ class LiveGestures:
         depth_m : (H, W) float32 array
             Corrected, metres; NaN where not measured.
         timestamp_ns : int
-            A frame that is not later than the one before is left out.
+            A frame that is not later than the one before is left out; where the clock was set
+            back, as by a sensor that is opened anew, everybody is looked at anew.
         calibration : RgbdCalibration
             Of the sensor; with another one than before everybody is looked at anew.
         """
-        if calibration is not self._calibration:
+        if calibration is not self._calibration or self._is_set_back(timestamp_ns):
             self._begin(calibration)
         is_old = self._before_ns is not None and timestamp_ns <= self._before_ns
         if self._estimator is None or is_old:
@@ -60,13 +62,20 @@ class LiveGestures:
         self._before_ns = timestamp_ns
         found = []
         for one in self._estimator.look(depth_m, timestamp_ns / NS_PER_S).people:
-            watcher = self._watchers.pop(one.person, None) or GestureWatcher(self._models)
+            watcher = self._watchers.pop(one.person, None) or GestureWatcher(
+                self._models, self._params
+            )
             self._watchers[one.person] = watcher  # the last one in the dictionary: seen last
             seen = watcher.see(timestamp_ns, one.joints.joints_m)
             found += [LiveGesture(one.person, gesture) for gesture in seen]
         while len(self._watchers) > MOST_PEOPLE:
             del self._watchers[next(iter(self._watchers))]
         return found
+
+    def _is_set_back(self, timestamp_ns: int) -> bool:
+        if self._before_ns is None:
+            return False
+        return self._before_ns - timestamp_ns > self._params.anew_s * NS_PER_S
 
     def _begin(self, calibration: RgbdCalibration) -> None:
         self._calibration, self._estimator, self._before_ns = calibration, None, None

@@ -78,9 +78,10 @@ def test_who_shows_no_neck_is_not_judged(model, moves):
         assert watcher.see(int(time_ns), joints_m) == []
 
 
-def test_live_frames_are_watched_person_by_person(model, moves, monkeypatch):
-    """The chain from depth to joints is tested elsewhere; here its people are watched."""
-    track, events = moves
+@pytest.fixture
+def posed(moves, monkeypatch):
+    """Let the chain from depth to joints, which is tested elsewhere, give the joints of `moves`."""
+    track, _events = moves
     place = {int(time_ns): number for number, time_ns in enumerate(track.timestamps_ns)}
 
     class Estimator:
@@ -98,14 +99,31 @@ def test_live_frames_are_watched_person_by_person(model, moves, monkeypatch):
     monkeypatch.setattr("adibas.pipeline.live_gestures.PoseEstimator", Estimator)
     monkeypatch.setattr("adibas.pipeline.live_gestures.forest_segmenter", lambda *_told: None)
     monkeypatch.setattr("adibas.pipeline.live_gestures.shipped_model", lambda: None)
+    return track
+
+
+DEPTH_M = np.ones((4, 4), np.float32)
+CALIBRATION = RgbdCalibration(depth=CAMERA)
+
+
+def test_live_frames_are_watched_person_by_person(model, moves, posed):
     live = LiveGestures([model])
-    depth_m = np.ones((4, 4), np.float32)
-    assert live.look(depth_m, 5, RgbdCalibration()) == []
-    calibration = RgbdCalibration(depth=CAMERA)
+    assert live.look(DEPTH_M, 5, RgbdCalibration()) == []
     told = []
-    for time_ns in track.timestamps_ns.tolist()[:150]:
-        told += live.look(depth_m, time_ns, calibration)
-        assert live.look(depth_m, time_ns, calibration) == []
+    for time_ns in posed.timestamps_ns.tolist()[:150]:
+        told += live.look(DEPTH_M, time_ns, CALIBRATION)
+        assert live.look(DEPTH_M, time_ns, CALIBRATION) == []
     assert {one.person for one in told} == {1, 2}
-    assert {one.seen.label for one in told} == {events[0][0]}
+    assert {one.seen.label for one in told} == {moves[1][0][0]}
     assert len(live._watchers) == MOST_PEOPLE
+
+
+def test_a_sensor_that_is_opened_anew_is_watched_from_its_begin(model, posed):
+    live = LiveGestures([model])
+    times_ns = posed.timestamps_ns.tolist()[:120]
+    first, again = (
+        [one for time_ns in times_ns for one in live.look(DEPTH_M, time_ns, CALIBRATION)]
+        for _opened in range(2)
+    )
+    assert first
+    assert again == first
