@@ -1,9 +1,12 @@
-"""The gestures that this user taught the program: one model each, kept for every later day."""
+"""The gestures that this user taught the program: one model each, kept for every later day.
+
+And which models somebody means who wants those, or the program's own.
+"""
 
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import platformdirs
 
@@ -12,6 +15,8 @@ from adibas.errors import FileError
 if TYPE_CHECKING:  # the window lists them before anything is compiled
     from adibas.gestures.model import GestureModel
 
+GestureChoice: TypeAlias = Literal["none", "shipped", "own"]
+"""No gestures, those of the program, those that were learned on this computer."""
 ENDING = ".json"
 UNNAMED = "gesture"
 
@@ -31,6 +36,17 @@ def own_gestures() -> tuple[OwnGesture, ...]:
     except OSError:
         return ()
     return tuple(OwnGesture(path.stem, path) for path in paths)
+
+
+def models_of(choice: GestureChoice) -> tuple[Path, ...]:
+    """Return the models of the gestures that are to be found."""
+    if choice == "none":
+        return ()
+    if choice == "own":
+        return tuple(one.path for one in own_gestures())
+    from adibas.gestures.model_file import shipped_gestures
+
+    return (shipped_gestures(),)
 
 
 def keep_gesture(name: str, model: "GestureModel") -> OwnGesture:

@@ -14,7 +14,7 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
 from adibas.gestures.model_file import read_model
 from adibas.pipeline.behaviour import FoundJoints
-from adibas.pipeline.own_gestures import own_gestures
+from adibas.pipeline.own_gestures import models_of, own_gestures
 from adibas.texts import LANGUAGES, speaking
 from tests.ui.behaviour_scene import FRAME_MS, START_MS, InlineFeed, make_recording
 from tests.ui.conftest import NoSensor
@@ -25,7 +25,6 @@ from ui.behaviour.body_figure import BodyFigure
 from ui.behaviour.learn_dialog import LearnDialog
 from ui.behaviour.learning_presenter import LearningView
 from ui.behaviour.presenter import BehaviourPresenter, BehaviourView
-from ui.behaviour.tools import OWN, as_models
 from ui.workspace import Workspace
 
 Standard = QDialogButtonBox.StandardButton
@@ -117,7 +116,7 @@ def test_a_gesture_is_learned_kept_and_found_at_once(presenter, taught, asked, m
     view.finish.assert_called_once_with()
     (kept,) = own_gestures()
     assert read_model(kept.path).labels == ("hello there",)
-    assert as_models(OWN) == (kept.path,)
+    assert models_of("own") == (kept.path,)
     found = presenter.coding.draft.proposed
     assert [one.behaviour for one in found].count("hello there") == len(moves[1])
     assert len(asked) == 1, "joints are found once"

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from adibas.behaviour.editing import History
 from adibas.data.coding import MS_PER_S
@@ -29,9 +29,6 @@ from ui.behaviour.sources import (
     stored_sources,
 )
 from ui.workspace import Workspace
-
-if TYPE_CHECKING:
-    pass
 
 KEEP_EVERY_S = 2.0
 """So much of a state that lasts is lost in a crash at most."""

@@ -1,13 +1,12 @@
 """The row of buttons above the video: what is opened, sought, saved and taken back."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QComboBox, QInputDialog, QMenu, QPushButton, QVBoxLayout, QWidget
 
-from adibas.pipeline.own_gestures import own_gestures
+from adibas.pipeline.own_gestures import models_of, own_gestures
 from adibas.texts import translate as _
 from ui.behaviour.content import Desk
 from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter
@@ -26,7 +25,6 @@ SAVED_AS = (
     ("ELAN", "eaf"),
     ("BORIS", "tsv"),
 )
-NONE, SHIPPED, OWN = "none", "shipped", "own"
 
 
 class BehaviourTools(QWidget):
@@ -35,7 +33,7 @@ class BehaviourTools(QWidget):
     open_asked = Signal()
     stored_chosen = Signal(str)
     finding_asked = Signal(object)
-    """`NONE`, `SHIPPED`, `OWN`, or the `Path` of a model of gestures."""
+    """(models): a tuple of `Path`."""
     learning_asked = Signal()
     labelling_asked = Signal()
     """Limbs are to be labelled, for a model of one's own."""
@@ -88,9 +86,9 @@ class BehaviourTools(QWidget):
         for name, action in clicks.items():
             self.buttons[name].clicked.connect(lambda _on=False, action=action: action())
         chosen: dict[str, Callable[[], None]] = {
-            "shipped": lambda: self.finding_asked.emit(SHIPPED),
-            "plain": lambda: self.finding_asked.emit(NONE),
-            "own": lambda: self.finding_asked.emit(OWN),
+            "shipped": lambda: self.finding_asked.emit(models_of("shipped")),
+            "plain": lambda: self.finding_asked.emit(()),
+            "own": lambda: self.finding_asked.emit(models_of("own")),
             "model": self._ask_model,
             "learn": self.learning_asked.emit,
             "label": self.labelling_asked.emit,
@@ -170,7 +168,8 @@ class BehaviourTools(QWidget):
 
     def _ask_model(self) -> None:
         name_filter = _("Models of gestures") + " (*.json)"
-        ask_open(self, _("Model of gestures"), name_filter, self.finding_asked.emit)
+        title = _("Model of gestures")
+        ask_open(self, title, name_filter, lambda path: self.finding_asked.emit((path,)))
 
     def _ask_coding(self) -> None:
         ask_open(self, _("Open a coding"), coding_filter(), self.coding_opened.emit)
@@ -206,19 +205,6 @@ def fill_stored(chooser: QComboBox, choices: tuple[StoredChoice, ...]) -> None:
     if len(choices) > 1:
         chooser.addItem(_("All of them, one after another"), ALL)
     chooser.setVisible(bool(choices))
-
-
-def as_models(asked: str | Path) -> tuple[Path, ...]:
-    """Return the models that were asked for."""
-    if isinstance(asked, Path):
-        return (asked,)
-    if asked == OWN:
-        return tuple(one.path for one in own_gestures())
-    if asked == NONE:
-        return ()
-    from adibas.gestures.model_file import shipped_gestures
-
-    return (shipped_gestures(),)
 
 
 def _texts() -> dict[str, str]:

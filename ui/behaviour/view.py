@@ -33,7 +33,7 @@ from ui.behaviour.selected_panel import SelectedPanel
 from ui.behaviour.sources import StoredChoice
 from ui.behaviour.tables import TextTable
 from ui.behaviour.timeline import ZOOM_STEP, TimelineView
-from ui.behaviour.tools import KEYS, BehaviourTools, as_models, fill_stored
+from ui.behaviour.tools import KEYS, BehaviourTools, fill_stored
 from ui.behaviour.transport import LONG_STEP_S, Transport
 from ui.behaviour.video_view import VideoView
 from ui.theme import Theme
@@ -147,7 +147,7 @@ class BehaviourScreen(Screen):
         tools, coding, files = self._tools, presenter.coding, presenter.files
         tools.open_asked.connect(self._ask_recording)
         tools.stored_chosen.connect(self._on_stored)
-        tools.finding_asked.connect(lambda asked: presenter.finding.find(as_models(asked)))
+        tools.finding_asked.connect(presenter.finding.find)
         tools.learning_asked.connect(self._learn)
         tools.coding_opened.connect(files.open_coding)
         tools.coding_saved.connect(files.save_as)

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias, get_args
+from typing import TYPE_CHECKING, Protocol, get_args
 
 from adibas.errors import AdibasError
-from adibas.pipeline.own_gestures import own_gestures
+from adibas.pipeline.own_gestures import GestureChoice, models_of
 from adibas.texts import translate as _
 from ui.events import Event
 from ui.workspace import Workspace
@@ -13,9 +13,7 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.pipeline.live_frames import LiveFrame
 
-Choice: TypeAlias = Literal["none", "shipped", "own"]
-"""No gestures, those of the program, those that were learned on this computer."""
-CHOICES: tuple[Choice, ...] = get_args(Choice)
+CHOICES: tuple[GestureChoice, ...] = get_args(GestureChoice)
 SHOWN_MS = 4000
 
 
@@ -60,18 +58,18 @@ class GesturePresenter:
         self._view = view
         self._workspace = workspace
         self._watch = watch
-        self._choice: Choice = "none"
+        self._choice: GestureChoice = "none"
         self._n_told = 0
         self._is_seen = False
         watch.seen.subscribe(self._on_seen)
         watch.failed.subscribe(self._on_failed)
         self._end = workspace.live.frame_arrived.subscribe(self._on_frame)
 
-    def choose(self, choice: Choice) -> None:
+    def choose(self, choice: GestureChoice) -> None:
         """Look for these gestures from now on."""
         self._choice = choice
-        self._begin()
-        if choice == "own" and not own_gestures():
+        models = self._begin()
+        if choice == "own" and not models:
             self._workspace.tell(
                 "warning",
                 _("No gesture was learned on this computer yet. Learn one under Observe."),
@@ -97,9 +95,11 @@ class GesturePresenter:
         if self._is_seen and self._choice != "none":
             self._watch.put(frame)
 
-    def _begin(self) -> None:
-        self._watch.use(_models(self._choice))
+    def _begin(self) -> tuple[Path, ...]:
+        models = models_of(self._choice)
+        self._watch.use(models)
         self._view.show_gesture("")
+        return models
 
     def _on_seen(self, label: str) -> None:
         self._n_told += 1
@@ -114,13 +114,3 @@ class GesturePresenter:
 
     def _on_failed(self, error: AdibasError) -> None:
         self._workspace.report_problem(error)
-
-
-def _models(choice: Choice) -> tuple[Path, ...]:
-    if choice == "own":
-        return tuple(one.path for one in own_gestures())
-    if choice == "none":
-        return ()
-    from adibas.gestures.model_file import shipped_gestures
-
-    return (shipped_gestures(),)

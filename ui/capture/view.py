@@ -17,8 +17,9 @@ from PySide6.QtWidgets import (
 from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
+from adibas.pipeline.own_gestures import GestureChoice
 from adibas.texts import translate as _
-from ui.capture.gesture_presenter import Choice, GesturePresenter
+from ui.capture.gesture_presenter import GesturePresenter
 from ui.capture.live_overlays import overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
 from ui.capture.presenter import CapturePresenter
@@ -236,7 +237,7 @@ class CaptureScreen(Screen):
         if self._hints.text() != text:
             self._hints.setText(text)
 
-    def _on_gestures(self, choice: Choice) -> None:
+    def _on_gestures(self, choice: GestureChoice) -> None:
         self._gesture.setVisible(choice != "none")  # its line stays, so that the picture does
         if self._gestures is not None:
             self._gestures.choose(choice)
