@@ -5,24 +5,24 @@ import hashlib
 import shutil
 import time
 import uuid
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 from sqlalchemy import select
 
-from adibas.errors import PassphraseError
-from adibas.files import UNFINISHED, cannot_write, check_place, written_whole
+from adibas.errors import FileError, PassphraseError
+from adibas.files import UNFINISHED, cannot_read, cannot_write, check_place, written_whole
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import (
     ENDING,
     PIECE_BYTES,
+    BackupHeader,
     BackupWriter,
-    new_header,
-    with_facts,
+    new_salt,
 )
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.key_file import fingerprint_of, read_key_file
@@ -34,7 +34,6 @@ from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
 
 if TYPE_CHECKING:
-    from adibas.sessions.backup_format import BackupHeader
     from adibas.sessions.backup_schedule import BackupPlan, KeptBackup
     from adibas.sessions.merging import MergeSummary
     from adibas.sessions.verification import VerifyReport
@@ -153,17 +152,19 @@ class Backups:
             See `wrapped_key`.
         FileError
             The disk is full, or `path` cannot be written. What stood there is untouched.
+        StoreError
+            The database cannot be copied; no file is left either.
         """
         store_id, wrapped = self.wrapped_key(passphrase, params)
         check_place(path)
-        header = new_header(store_id, self._key, wrapped)
         with written_whole(path) as unfinished:
             _remove_litter(path.parent, unfinished)
             self._audit.append("backup", "store")
             with self._snapshot(unfinished) as members, unfinished.open("wb") as file:
                 n_bytes = sum(_size(member.path) for member in members)
                 _check_room(path, n_bytes)
-                header = with_facts(header, self._audit.now(), n_bytes)
+                print_of_key, now = fingerprint_of(self._key), self._audit.now()
+                header = BackupHeader(store_id, print_of_key, now, new_salt(), n_bytes, wrapped)
                 writer = BackupWriter(file, header, self._key)
                 summary = _write_all(writer, members, n_bytes, progress)
         return summary
@@ -285,39 +286,47 @@ class Backups:
 def _write_all(
     writer: BackupWriter, members: list[_Member], n_bytes: int, progress: Progress | None
 ) -> BackupSummary:
-    done, n_files, damaged = 0, 0, []
-    for member in members:
-        try:
-            file = member.path.open("rb")
-        except OSError:
-            damaged.append(member.name)
-            continue
-        with file:
-            writer.begin_file(member.name)
-            digest = hashlib.sha256()
-            for block in _blocks(file):
-                digest.update(block)
-                writer.write(block)
-                done += len(block)
-                if progress is not None:
-                    progress(min(done, n_bytes), n_bytes)
-        n_files += 1
-        if member.sha256 not in (None, digest.hexdigest()):
-            damaged.append(member.name)
+    def tell() -> None:
+        if progress is not None:
+            progress(min(writer.n_bytes, n_bytes), n_bytes)
+
+    damaged = [member.name for member in members if not _is_written(writer, member, tell)]
     writer.finish()
-    return BackupSummary(n_files, done, tuple(damaged))
+    return BackupSummary(writer.n_files, writer.n_bytes, tuple(damaged))
 
 
-def _blocks(file: BinaryIO) -> Iterator[bytes]:
-    """Give the content up to where the disk fails; the checksum tells that then."""
-    while True:
-        try:
-            block = file.read(PIECE_BYTES)
-        except OSError:
-            return
-        if not block:
-            return
-        yield block
+def _is_written(writer: BackupWriter, member: _Member, tell: Callable[[], None]) -> bool:
+    """Append a file, and say whether it is as it was saved."""
+    digest = hashlib.sha256()
+    try:
+        for number, block in enumerate(_blocks(member.path)):
+            if number == 0:
+                writer.begin_file(member.name)
+            digest.update(block)
+            writer.write(block)
+            tell()
+    except FileError:
+        if member.name == DATABASE_FILE:  # without it there is nothing to restore
+            raise
+        return False
+    return member.sha256 in (None, digest.hexdigest())
+
+
+def _blocks(path: Path) -> Iterator[bytes]:
+    """Give the content in one block at least.
+
+    Raises
+    ------
+    FileError
+        It cannot be opened, or not be read up to its end.
+    """
+    try:
+        with path.open("rb") as file:
+            yield file.read(PIECE_BYTES)
+            while block := file.read(PIECE_BYTES):
+                yield block
+    except OSError as error:
+        raise cannot_read(path, error) from error
 
 
 def _size(path: Path) -> int:
@@ -333,8 +342,11 @@ def _check_room(path: Path, n_bytes: int) -> None:
 
 
 def _remove_litter(folder: Path, mine: Path) -> None:
-    """Remove what backups that were killed left in `folder`."""
+    """Remove what backups that were killed left in `folder`, as far as it can be removed."""
     for path in folder.iterdir():
         is_ours = UNFINISHED.fullmatch(path.name) and path.suffix.startswith((ENDING, ".db"))
-        if is_ours and path != mine and time.time() - path.stat().st_mtime > SECONDS_UNTIL_LITTER:
-            path.unlink(missing_ok=True)
+        if not is_ours or path == mine:
+            continue
+        with suppress(OSError):  # another backup may just end, or its owner be somebody else
+            if time.time() - path.stat().st_mtime > SECONDS_UNTIL_LITTER:
+                path.unlink()

@@ -8,9 +8,9 @@ import json
 import secrets
 import struct
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import Any, BinaryIO, Self
 
 from adibas.errors import PassphraseError, StoreError
@@ -28,6 +28,7 @@ LENGTH = struct.Struct("<I")
 PIECE_BYTES = 1 << 20
 LONGEST_PIECE = PIECE_BYTES + 1 + NONCE_SIZE + TAG_SIZE
 LONGEST_HEADER = 1 << 16
+SALT_BYTES = 16
 FILE, DATA, END = b"F", b"D", b"E"
 """A file begins (its name), more of its content, the whole is complete (number of files)."""
 
@@ -58,34 +59,40 @@ class BackupHeader:
     wrapped: Mapping[str, object]
 
 
-def new_header(store_id: str, key: bytes, wrapped: Mapping[str, object]) -> BackupHeader:
-    """Return the header of a backup to be; time and size are still to be told."""
-    salt = secrets.token_hex(ID_LENGTH // 2)
-    return BackupHeader(store_id, fingerprint_of(key), "", salt, 0, wrapped)
+def new_salt() -> str:
+    """Return what makes the key of one backup its own."""
+    return secrets.token_hex(SALT_BYTES)
 
 
 class BackupWriter:
-    """Appends files to a backup; memory holds one piece of 1 MiB."""
+    """Appends files to a backup; memory holds one piece of 1 MiB.
+
+    Attributes
+    ----------
+    n_files, n_bytes : int
+        Begun, and of content, up to now.
+    """
 
     def __init__(self, file: BinaryIO, header: BackupHeader, key: bytes) -> None:
         line = json.dumps({"format": FORMAT, "version": VERSION, **asdict(header)}).encode()
         self._file = file
         self._seal = _seal(line, header, key)
-        self._n_pieces = self._n_files = 0
+        self._n_pieces = self.n_files = self.n_bytes = 0
         file.write(MAGIC + LENGTH.pack(len(line)) + line)
 
     def begin_file(self, name: str) -> None:
         """Say whose content follows."""
-        self._n_files += 1
+        self.n_files += 1
         self._write(FILE + name.encode())
 
     def write(self, block: bytes) -> None:
         """Append `PIECE_BYTES` of content at most."""
         self._write(DATA + block)
+        self.n_bytes += len(block)
 
     def finish(self) -> None:
         """Mark the end, so that a cut is seen."""
-        self._write(END + str(self._n_files).encode())
+        self._write(END + str(self.n_files).encode())
 
     def _write(self, plain: bytes) -> None:
         sealed = self._seal.seal(str(self._n_pieces), plain)
@@ -110,12 +117,11 @@ class BackupReader:
             self._file: BinaryIO = path.open("rb")
         except OSError as error:
             raise cannot_read(path, error) from error
-        try:
+        with ExitStack() as if_that_fails:
+            if_that_fails.callback(self._file.close)
             self._line = self._read_header()
             self.header = self._parsed(self._line)
-        except BaseException:
-            self._file.close()
-            raise
+            if_that_fails.pop_all()
 
     def key(self, passphrase: str | None) -> bytes:
         """Return the key of the store that was backed up.
@@ -179,12 +185,7 @@ class BackupReader:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self.close()
 
     def _sealed_piece(self) -> bytes:
@@ -244,11 +245,6 @@ class BackupReader:
             "backup, or copy this one anew from where it came.",
             file=self._path.name,
         )
-
-
-def with_facts(header: BackupHeader, created_utc: str, n_bytes: int) -> BackupHeader:
-    """Return the header with what is known when writing begins."""
-    return replace(header, created_utc=created_utc, n_bytes=n_bytes)
 
 
 def _header_of(document: Mapping[str, Any]) -> BackupHeader | None:

@@ -3,7 +3,7 @@
 import shutil
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import sqlcipher3.dbapi2 as sqlcipher
@@ -112,15 +112,24 @@ class Database:
                 connection.close()
 
     def copy_to(self, path: Path, key: bytes) -> None:
-        """Write a copy, encrypted with the same key."""
-        with self._alone():
+        """Write a copy, encrypted with the same key; all of it is in that one file.
+
+        Raises
+        ------
+        StoreError
+            The disk of the copy is full, or fails; or the database is damaged.
+        """
+        with self._alone(), ExitStack() as at_the_end:
             source = self._engine.raw_connection()
-            target = _connect(path, key)
+            at_the_end.callback(source.close)
             try:
+                target = _connect(path, key)
+                at_the_end.callback(target.close)
                 source.driver_connection.backup(target)  # type: ignore[union-attr]
-            finally:
-                target.close()
-                source.close()
+                # Closing would do that, too, but say nothing where it fails.
+                target.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+            except sqlcipher.DatabaseError as error:
+                raise _explained(error, path.parent) from error
 
     def close(self) -> None:
         """Let go of the file; closing twice does no harm."""
@@ -151,7 +160,7 @@ class Database:
             except IntegrityError:
                 raise  # a bug, or an attempt to rewrite the audit log
             except DatabaseError as error:
-                raise _explained(error, self.path.parent) from error
+                raise _explained(error.orig, self.path.parent) from error
             except UnicodeEncodeError:
                 raise _no_text() from None  # the error holds the text, which may be a name
             finally:
@@ -206,9 +215,9 @@ def _no_text() -> StoreError:
     )
 
 
-def _explained(error: DatabaseError, folder: Path) -> StoreError:
-    """Say in words what the database says; its own words may hold what was being written."""
-    reason = str(error.orig).lower()
+def _explained(error: BaseException | None, folder: Path) -> StoreError:
+    """Say in words what the driver says; its own words may hold what was being written."""
+    reason = str(error).lower()
     if "full" in reason or (_cannot_open(reason) and _is_full(folder)):
         return StoreError(
             "The disk is full, and nothing of this was saved. Free some space and try again."
@@ -228,5 +237,5 @@ def _explained(error: DatabaseError, folder: Path) -> StoreError:
         "{file} of the patient store cannot be used ({reason}), and nothing of this was saved. "
         "Check the disk and try again.",
         file=DATABASE_FILE,
-        reason=type(error.orig).__name__,
+        reason=type(error).__name__,
     )

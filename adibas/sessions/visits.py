@@ -4,7 +4,7 @@ import uuid
 from collections.abc import Callable
 from datetime import datetime
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import StoreError
@@ -83,6 +83,12 @@ class Sessions:
         with self._database.reading() as transaction:
             found = transaction.execute(newest).all()
             return tuple(_session(transaction, row) for row in found)
+
+    def n_following(self, protocol: str) -> int:
+        """Return how many sessions name a protocol, hidden ones too: they can be restored."""
+        named = func.json_extract(SESSIONS.c.setup, "$.protocol") == protocol
+        with self._database.reading() as transaction:
+            return transaction.scalar(select(func.count()).where(named)) or 0
 
     def change(
         self, session_id: str, *, notes: str | None = None, setup: SessionSetup | None = None

@@ -1,9 +1,11 @@
 """A backup is one file that gives back everything, or says in words why it does not."""
 
+import errno
 import io
 import itertools
 import json
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -15,6 +17,8 @@ from adibas.cli import main
 from adibas.errors import FileError, PassphraseError, StoreError
 from adibas.sessions import open_store
 from adibas.sessions.backup_format import LENGTH, MAGIC, BackupReader
+from adibas.sessions.database import Database
+from adibas.sessions.keys import load_key
 from adibas.sessions.restoring import restore_into, verify_backup
 from tests.unit.recorded_frames import assert_same_frame, make_frames
 from tests.unit.store_samples import (
@@ -267,6 +271,74 @@ def test_a_damaged_file_of_the_store_is_told_and_the_rest_is_kept(folder, backup
         ("changed", changed.stem),
         ("missing", missing.stem),
     }
+
+
+class FailingFile(io.BytesIO):
+    """A file on a disk that fails after the first block."""
+
+    def read(self, n_bytes=-1):
+        if self.tell():
+            raise OSError(errno.EIO, "Input/output error")
+        return super().read(min(n_bytes, 10))
+
+
+@pytest.fixture
+def fail_reading(monkeypatch):
+    """Let files of some name fail in the middle."""
+    really_open = Path.open
+
+    def fail(ending):
+        def opened(path, mode="r", *words, **more):
+            file = really_open(path, mode, *words, **more)
+            if mode != "rb" or not str(path).endswith(ending):
+                return file
+            with file:
+                return FailingFile(file.read())
+
+        monkeypatch.setattr(Path, "open", opened)
+
+    return fail
+
+
+def test_a_file_that_fails_in_the_middle_is_told_also_without_a_checksum(
+    folder, backup, fail_reading
+):
+    (coding,) = (folder / "codings").rglob("*.sealed")
+    fail_reading(coding.name)
+    with open_sample(folder) as store:
+        assert store.backups.write(backup).damaged == (f"codings/{coding.stem}",)
+
+
+def test_there_is_no_backup_without_the_database(folder, backup, fail_reading):
+    old = backup.read_bytes()
+    fail_reading(".db")
+    with open_sample(folder) as store, pytest.raises(FileError, match="cannot be read"):
+        store.backups.write(backup)
+    assert backup.read_bytes() == old
+    assert names_in(backup.parent) == [backup.name]
+
+
+def test_a_disk_without_room_for_the_database_is_told_in_a_sentence(folder, session, tmp_path):
+    assert session
+    key = load_key(folder, PASSPHRASE)
+    database = Database(folder, key, is_read_only=True)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, hard))
+    try:
+        with pytest.raises(StoreError):
+            database.copy_to(tmp_path / "copy.db", key)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        database.close()
+
+
+def test_litter_that_cannot_be_removed_stops_no_backup(folder, backup):
+    litter = backup.parent / f".{'a' * 32}.db"
+    litter.mkdir()
+    os.utime(litter, (time.time() - 2e5,) * 2)
+    with open_sample(folder) as store:
+        store.backups.write(backup)
+    assert litter.exists()
 
 
 def test_a_store_of_the_keyring_needs_a_passphrase_for_its_backup(folder, tmp_path, monkeypatch):
