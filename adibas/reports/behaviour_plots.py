@@ -1,6 +1,6 @@
 """The timeline of a session: who did what when, and how much was moved."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,8 +11,9 @@ from adibas.behaviour.activity import per_bin
 from adibas.behaviour.budget import bin_spans
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.pipeline.behaviour import BehaviourAnalysis
-from adibas.pipeline.behaviour_activity import PersonActivity
-from adibas.reports.behaviour_texts import behaviour_text, condition_text, subject_text
+from adibas.pipeline.behaviour_activity import PersonActivity, subject_of
+from adibas.reports.behaviour_lines import S_PER_MINUTE, EventLine, event_lines, time_axis
+from adibas.reports.behaviour_texts import condition_text, subject_text
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.vector_figures import new_figure
 from adibas.texts import translate as _
@@ -21,18 +22,17 @@ COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#00
 INK, FAINT, SHADE = "#16212B", "#C3CCD4", "#EEF1F4"
 FONT_PT, TITLE_PT = 6.0, 7.0
 N_CURVE_BINS = 300
-MOST_MINUTES_IN_SECONDS = 5
 LINE_HEIGHT = 0.8
 
 
 def timeline_figure(analysis: BehaviourAnalysis, width_pt: float, height_pt: float) -> Figure:
     """Draw a row for each behaviour that occurs, and below it the speed of each person."""
     figure = new_figure(width_pt, height_pt)
-    rows = list(_rows(analysis))
+    rows = list(event_lines((analysis.observed, analysis.detected), COLORS))
     upper, lower = figure.subplots(
         2, 1, sharex=True, height_ratios=[max(len(rows), 2), 4.0], squeeze=True
     )
-    scale_s, unit = _scale(analysis.detected)
+    scale_s, unit = time_axis(analysis.detected.duration_ms / MS_PER_S)
     _draw_rows(upper, analysis.detected, rows, scale_s)
     for place, person in enumerate(analysis.people):
         _draw_speed(lower, analysis.detected, person, scale_s, COLORS[place % len(COLORS)])
@@ -54,27 +54,7 @@ def timeline_picture(analysis: BehaviourAnalysis, width_pt: float, height_pt: fl
     return picture_of(timeline_figure(analysis, width_pt, height_pt))
 
 
-Row = tuple[str, str, list[tuple[float, float]], bool]
-"""Label, colour, spans in seconds, and whether they last."""
-
-
-def _rows(analysis: BehaviourAnalysis) -> Iterator[Row]:
-    """Yield what occurs: the observer's first."""
-    for coding in (analysis.observed, analysis.detected):
-        if coding is None:
-            continue
-        for subject in coding.subjects:
-            for place, behaviour in enumerate(coding.ethogram.behaviours):
-                seen = coding.of(behaviour.name, subject)
-                if seen:
-                    who = subject_text(subject)
-                    label = f"{behaviour_text(behaviour.name)} ({who}, {coding.observer})"
-                    color = behaviour.color or COLORS[place % len(COLORS)]
-                    spans = [(one.begin_ms / MS_PER_S, one.end_ms / MS_PER_S) for one in seen]
-                    yield label, color, spans, behaviour.kind == "state"
-
-
-def _draw_rows(axes: Axes, coding: Coding, rows: Sequence[Row], scale_s: float) -> None:
+def _draw_rows(axes: Axes, coding: Coding, rows: Sequence[EventLine], scale_s: float) -> None:
     for section in coding.sections:
         begin, end = (time / MS_PER_S / scale_s for time in (section.begin_ms, section.end_ms))
         axes.axvspan(begin, end, color=SHADE, zorder=0)
@@ -82,16 +62,16 @@ def _draw_rows(axes: Axes, coding: Coding, rows: Sequence[Row], scale_s: float) 
             begin, -0.75, condition_text(section.name), fontsize=FONT_PT, color=INK, va="center",
             clip_on=True, parse_math=False,
         )  # fmt: skip
-    for place, (_label, color, spans, is_state) in enumerate(rows):
-        if is_state:
-            bars = [(begin / scale_s, (end - begin) / scale_s) for begin, end in spans]
-            axes.broken_barh(bars, (place - LINE_HEIGHT / 2, LINE_HEIGHT), color=color)
+    unit_ms = MS_PER_S * scale_s
+    for place, row in enumerate(rows):
+        low, high = place - LINE_HEIGHT / 2, place + LINE_HEIGHT / 2
+        if row.is_state:
+            bars = [(begin / unit_ms, (end - begin) / unit_ms) for begin, end in row.spans_ms]
+            axes.broken_barh(bars, (low, LINE_HEIGHT), color=row.color)
         else:
-            times = [begin / scale_s for begin, _end in spans]
-            axes.vlines(
-                times, place - LINE_HEIGHT / 2, place + LINE_HEIGHT / 2, color=color, linewidth=0.8
-            )
-    axes.set_yticks(range(len(rows)), [row[0] for row in rows], parse_math=False)
+            times = [begin / unit_ms for begin, _end in row.spans_ms]
+            axes.vlines(times, low, high, color=row.color, linewidth=0.8)
+    axes.set_yticks(range(len(rows)), [row.label for row in rows], parse_math=False)
     axes.set_ylim(max(len(rows), 1) - 0.5, -1.0 if coding.sections else -0.5)
     limits = (coding.begin_ms / MS_PER_S / scale_s, coding.end_ms / MS_PER_S / scale_s)
     if limits[0] < limits[1]:
@@ -112,14 +92,7 @@ def _draw_speed(
         speed = np.where(seen_s > 0, path_m / seen_s, np.nan)
         known = np.isfinite(speed).any(axis=1)
         per_minute = np.full(len(spans), np.nan)
-        per_minute[known] = 60.0 * speed.shape[1] * np.nanmean(speed[known], axis=1)
+        per_minute[known] = S_PER_MINUTE * speed.shape[1] * np.nanmean(speed[known], axis=1)
     middles = [0.5 * (begin + end) / scale_s for begin, end in spans]
-    label = subject_text(f"person {person.person}")
+    label = subject_text(subject_of(person.person))
     axes.plot(middles, per_minute, color=color, linewidth=0.7, label=label)
-
-
-def _scale(coding: Coding) -> tuple[float, str]:
-    """Return the seconds of one unit of the axis, and its title."""
-    if coding.duration_ms > MOST_MINUTES_IN_SECONDS * 60 * MS_PER_S:
-        return 60.0, _("Time [min]")
-    return 1.0, _("Time [s]")

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QApplication
 
 from adibas.behaviour.editing import with_section
@@ -84,10 +86,20 @@ def test_the_raster_shows_what_was_coded_and_below_it_what_was_seen(analysis):
     assert found.rows[:2] == ("nods (nobody in particular, AB)", "fidgets (child, AB)")
     assert any(name.startswith("posture change (Person 1") for name in found.rows)
     (bar,) = [one for one in found.bars if one[0] == 1]
-    assert bar[1:3] == (pytest.approx(10 / 60), pytest.approx(20 / 60))
-    assert found.sections == (("game", 0.0, 0.5),)
-    assert found.end_min == 1.0
+    assert bar[1:3] == (10.0, 20.0)
+    assert found.sections == (("game", 0.0, 30.0),)
+    assert found.duration_s == 60.0
     assert raster(OBSERVED, None).rows == found.rows[:2]
+
+
+def test_what_the_program_saw_stands_at_the_time_of_the_session(analysis):
+    """Joints begin when somebody comes into view, which may be later than the session."""
+    changes = [one for one in analysis.detected.occurrences if one.behaviour == "posture change"]
+    late = replace(analysis.detected, begin_ms=20_000, occurrences=tuple(changes))
+    n_coded = len(raster(OBSERVED, None).rows)
+    found = [bar[1] for bar in raster(OBSERVED, late).bars if bar[0] >= n_coded]
+    assert found == [one.begin_ms / 1000 for one in changes]
+    assert found
 
 
 def with_section_of(observed):
@@ -119,8 +131,25 @@ def test_plots_are_drawn_and_said_in_words(plot, analysis):
     assert "Person 1: Left hand:" in plot.accessibleDescription()
     assert picture(plot) != first
     unseen = np.full((1, 2), np.nan)
-    plot.show_content(HeatMap(("Head",), unseen, (), 1.0))
-    assert plot.accessibleDescription() == "Head: 0.00 m/min"
+    plot.show_content(HeatMap(("Head",), unseen, 30.0, (), 60.0))
+    assert plot.accessibleDescription() == "Head: not seen"
+
+
+def test_a_bin_is_drawn_where_it_is_also_if_the_last_one_is_cut_off(plot, analysis):
+    plot.show_content(heat_map(analysis, OBSERVED, 40_000))
+    (image,) = [one for one in plot._widget.getPlotItem().items if hasattr(one, "getColorMap")]
+    box = image.mapRectToParent(image.boundingRect())
+    assert (box.left(), box.width()) == (0.0, 80.0)
+    across, _up = plot._widget.viewRange()
+    assert across == [0.0, 60.0]
+
+
+def test_arrow_keys_are_left_to_the_video(plot, analysis):
+    plot.show_content(raster(OBSERVED, analysis.detected))
+    event = QKeyEvent(QKeyEvent.Type.KeyPress, Qt.Key.Key_Right, Qt.KeyboardModifier.NoModifier)
+    plot.keyPressEvent(event)
+    assert not event.isAccepted()
+    assert plot.chosen == -1
 
 
 def test_the_page_shows_tables_plots_and_what_lacks(qtbot, theme, analysis):

@@ -1,6 +1,5 @@
 """What the program measured in a recording, as tables and as content of plots. Without Qt."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
@@ -8,12 +7,14 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.behaviour.activity import per_bin
-from adibas.behaviour.budget import bin_spans
-from adibas.data.coding import MS_PER_S, Coding, Section
+from adibas.behaviour.budget import Span, bin_spans
+from adibas.data.coding import MS_PER_S, Coding
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.landmark_texts import landmark_text
+from adibas.pipeline.behaviour_activity import subject_of
 from adibas.reports import behaviour_tables as tables
-from adibas.reports.behaviour_texts import behaviour_text, subject_text
+from adibas.reports.behaviour_lines import S_PER_MINUTE, event_lines
+from adibas.reports.behaviour_texts import subject_text
 from adibas.texts import translate as _
 from ui.behaviour.rows import COLORS
 from ui.behaviour.tables import TextTable, text_table
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 MeasuredKind: TypeAlias = Literal["joints", "paths", "bands", "detected"]
 MEASURED: tuple[MeasuredKind, ...] = get_args(MeasuredKind)
-S_PER_MINUTE = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +34,16 @@ class Raster:
     ----------
     rows : tuple of str
     bars : tuple of (row, begin, end, colour)
-        Minutes since the session's begin; a point event ends where it begins.
+        Seconds since the coded session's begin; a point event ends where it begins.
     sections : tuple of (name, begin, end)
         The same.
-    end_min : float
+    duration_s : float
     """
 
     rows: tuple[str, ...]
     bars: tuple[tuple[int, float, float, str], ...]
     sections: tuple[tuple[str, float, float], ...]
-    end_min: float
+    duration_s: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,15 +55,18 @@ class HeatMap:
     rows : tuple of str
     values : (rows, bins) array
         Metres a minute seen; NaN where the joint was not seen.
+    bin_s : float
+        Length of a bin; of the last one there may be less.
     sections : tuple of (name, begin, end)
-        Minutes since the session's begin.
-    end_min : float
+        Seconds since the coded session's begin.
+    duration_s : float
     """
 
     rows: tuple[str, ...]
     values: FloatArray = field(repr=False)
+    bin_s: float
     sections: tuple[tuple[str, float, float], ...]
-    end_min: float
+    duration_s: float
 
 
 def measured_table(kind: MeasuredKind, analysis: "BehaviourAnalysis") -> TextTable:
@@ -92,13 +95,14 @@ def _bands(analysis: "BehaviourAnalysis") -> TextTable:
 
 def raster(coding: Coding, detected: Coding | None) -> Raster:
     """Return what an observer coded, and below it what the program saw."""
-    rows: list[str] = []
-    bars: list[tuple[int, float, float, str]] = []
-    for one in (coding, detected):
-        for row, (label, color, spans) in enumerate(_events(one), len(rows)):
-            rows.append(label)
-            bars += [(row, begin, end, color) for begin, end in spans]
-    return Raster(tuple(rows), tuple(bars), _sections(coding), _minutes(coding, coding.end_ms))
+    lines = list(event_lines((coding, detected), COLORS))
+    bars = tuple(
+        (row, *_seconds(span_ms, coding.begin_ms), line.color)
+        for row, line in enumerate(lines)
+        for span_ms in line.spans_ms
+    )
+    duration_s = coding.duration_ms / MS_PER_S
+    return Raster(tuple(line.label for line in lines), bars, _sections(coding), duration_s)
 
 
 def heat_map(analysis: "BehaviourAnalysis", coding: Coding, bin_ms: int) -> HeatMap:
@@ -113,35 +117,23 @@ def heat_map(analysis: "BehaviourAnalysis", coding: Coding, bin_ms: int) -> Heat
         path_m, _active_s, seen_s = per_bin(person.steps, spans)
         seen = np.where(seen_s > 0, seen_s, np.nan)
         values.append((S_PER_MINUTE * path_m / seen).T)
-        who = subject_text(f"person {person.person}")
+        who = subject_text(subject_of(person.person))
         is_alone = len(analysis.people) == 1
         joints = [landmark_text(name) for name in JOINT_NAMES]
         rows += joints if is_alone else [f"{who}: {joint}" for joint in joints]
-    end_min = _minutes(coding, coding.end_ms)
-    return HeatMap(tuple(rows), np.concatenate(values), _sections(coding), end_min)
-
-
-def _events(coding: Coding | None) -> Iterator[tuple[str, str, list[tuple[float, float]]]]:
-    if coding is None:
-        return
-    for subject in coding.subjects:
-        for place, behaviour in enumerate(coding.ethogram.behaviours):
-            spans = [
-                (_minutes(coding, one.begin_ms), _minutes(coding, one.end_ms))
-                for one in coding.of(behaviour.name, subject)
-            ]
-            if spans:
-                who = ", ".join(part for part in (subject_text(subject), coding.observer) if part)
-                label = f"{behaviour_text(behaviour.name)} ({who})"
-                yield label, behaviour.color or COLORS[place % len(COLORS)], spans
+    duration_s = coding.duration_ms / MS_PER_S
+    return HeatMap(
+        tuple(rows), np.concatenate(values), bin_ms / MS_PER_S, _sections(coding), duration_s
+    )
 
 
 def _sections(coding: Coding) -> tuple[tuple[str, float, float], ...]:
-    def told(one: Section) -> tuple[str, float, float]:
-        return one.name, _minutes(coding, one.begin_ms), _minutes(coding, one.end_ms)
+    begin_ms = coding.begin_ms
+    return tuple(
+        (one.name, *_seconds((one.begin_ms, one.end_ms), begin_ms)) for one in coding.sections
+    )
 
-    return tuple(map(told, coding.sections))
 
-
-def _minutes(coding: Coding, time_ms: int) -> float:
-    return (time_ms - coding.begin_ms) / MS_PER_S / S_PER_MINUTE
+def _seconds(span_ms: Span, since_ms: int) -> tuple[float, float]:
+    begin_ms, end_ms = span_ms
+    return (begin_ms - since_ms) / MS_PER_S, (end_ms - since_ms) / MS_PER_S

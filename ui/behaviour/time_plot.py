@@ -7,9 +7,11 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
+from adibas.arrays import FloatArray
+from adibas.reports.behaviour_lines import time_axis
 from adibas.texts import decimal_text
 from adibas.texts import translate as _
-from ui.behaviour.measured import S_PER_MINUTE, HeatMap, Raster
+from ui.behaviour.measured import HeatMap, Raster
 from ui.theme import Theme
 from ui.widgets.plot import Plot
 
@@ -23,7 +25,6 @@ LEAST_LETTERS, LEAST_LINES = 20, 10
 NAMES_SHARE, LINES_BELOW = 0.45, 4
 """Of the width, for the longest name; for the axis below, with air."""
 COLOR_MAP = "viridis"
-MOST_MINUTES_IN_SECONDS = 5.0
 
 
 class TimePlot(Plot):
@@ -40,8 +41,8 @@ class TimePlot(Plot):
         return QSize(LEAST_LETTERS * letters.averageCharWidth(), LEAST_LINES * letters.height())
 
     @property
-    def n_points(self) -> int:
-        return 0 if self._content is None else len(self._content.rows)
+    def is_drawn(self) -> bool:
+        return self._content is not None and bool(self._content.rows)
 
     def show_content(self, content: Raster | HeatMap | None) -> None:
         """Show events or activity; None for nothing."""
@@ -53,16 +54,16 @@ class TimePlot(Plot):
         content = self._content
         if content is None:
             return
-        scale, unit = _scale(content)
-        for _name, begin, end in content.sections:
-            self._add_section(plot, scale * begin, scale * end)
+        unit_s, title = time_axis(content.duration_s)
+        for _name, begin_s, end_s in content.sections:
+            self._add_section(plot, begin_s / unit_s, end_s / unit_s)
         if isinstance(content, Raster):
-            self._add_bars(plot, content)
+            self._add_bars(plot, content, unit_s)
         else:
-            self._add_map(plot, content)
+            self._add_map(plot, content, unit_s)
         n_rows = len(content.rows)
         plot.getViewBox().invertY(True)
-        plot.setXRange(0.0, max(scale * content.end_min, 1e-6), padding=0.0)
+        plot.setXRange(0.0, max(content.duration_s / unit_s, 1e-6), padding=0.0)
         plot.setYRange(-0.5, n_rows - 0.5, padding=0.0)
         letters, room_px = self.fontMetrics(), round(NAMES_SHARE * self.width())
         n_lines = max(self.height() // letters.height() - LINES_BELOW, 1)
@@ -75,7 +76,7 @@ class TimePlot(Plot):
         widest_px = max(letters.horizontalAdvance(name) for _row, name in names)
         plot.getAxis("left").setTicks([names, []])
         plot.getAxis("left").setWidth(widest_px + 2 * letters.averageCharWidth())
-        self.name_axes(plot, unit, "")
+        self.name_axes(plot, title, "")
         self.setToolTip(_brightest(content))
 
     def _add_section(self, plot: "PlotWidget", begin: float, end: float) -> None:
@@ -88,14 +89,13 @@ class TimePlot(Plot):
         part.setZValue(-20)
         plot.addItem(part)
 
-    def _add_bars(self, plot: "PlotWidget", content: Raster) -> None:
+    def _add_bars(self, plot: "PlotWidget", content: Raster, unit_s: float) -> None:
         import pyqtgraph
 
-        scale, _unit = _scale(content)
-        least = POINT_SHARE * scale * content.end_min
+        least_s = POINT_SHARE * content.duration_s
         bars = pyqtgraph.BarGraphItem(
-            x0=[scale * begin for _row, begin, _end, _color in content.bars],
-            width=[max(scale * (end - begin), least) for _row, begin, end, _color in content.bars],
+            x0=[begin / unit_s for _row, begin, _end, _color in content.bars],
+            width=[max(end - begin, least_s) / unit_s for _row, begin, end, _color in content.bars],
             y=[row for row, _begin, _end, _color in content.bars],
             height=BAR_HEIGHT,
             brushes=[QColor(color) for _row, _begin, _end, color in content.bars],
@@ -103,7 +103,7 @@ class TimePlot(Plot):
         )
         plot.addItem(bars)
 
-    def _add_map(self, plot: "PlotWidget", content: HeatMap) -> None:
+    def _add_map(self, plot: "PlotWidget", content: HeatMap, unit_s: float) -> None:
         import pyqtgraph
 
         if not np.isfinite(content.values).any():
@@ -111,17 +111,9 @@ class TimePlot(Plot):
         image = pyqtgraph.ImageItem(content.values, axisOrder="row-major")
         image.setLevels((0.0, max(float(np.nanmax(content.values)), 1e-9)))
         image.setColorMap(pyqtgraph.colormap.get(COLOR_MAP))
-        n_rows = len(content.rows)
-        scale, _unit = _scale(content)
-        image.setRect(QRectF(0.0, -0.5, max(scale * content.end_min, 1e-6), n_rows))
+        n_rows, n_bins = content.values.shape  # the last bin may reach beyond the end
+        image.setRect(QRectF(0.0, -0.5, n_bins * content.bin_s / unit_s, n_rows))
         plot.addItem(image)
-
-
-def _scale(content: Raster | HeatMap) -> tuple[float, str]:
-    """Return the units of the axis in a minute, and its title: a short session in seconds."""
-    if content.end_min > MOST_MINUTES_IN_SECONDS:
-        return 1.0, _("Time [min]")
-    return S_PER_MINUTE, _("Time [s]")
 
 
 def _brightest(content: Raster | HeatMap) -> str:
@@ -136,11 +128,11 @@ def _told(content: Raster | HeatMap) -> list[str]:
     if isinstance(content, Raster):
         counts = np.bincount([bar[0] for bar in content.bars], minlength=len(content.rows))
         return [f"{name}: {count}" for name, count in zip(content.rows, counts, strict=True)]
-    means = [
-        float(np.mean(row[np.isfinite(row)])) if np.isfinite(row).any() else 0.0
-        for row in content.values
-    ]
     return [
-        f"{name}: {decimal_text(mean, 2)} m/min"
-        for name, mean in zip(content.rows, means, strict=True)
+        f"{name}: {_speed(row)}" for name, row in zip(content.rows, content.values, strict=True)
     ]
+
+
+def _speed(per_minute_m: FloatArray) -> str:
+    seen = per_minute_m[np.isfinite(per_minute_m)]
+    return f"{decimal_text(float(np.mean(seen)), 2)} m/min" if seen.size else _("not seen")

@@ -68,12 +68,17 @@ class Plot(QFrame):
         return 0
 
     @property
+    def is_drawn(self) -> bool:
+        """Whether there is anything to draw."""
+        return self.n_points > 0
+
+    @property
     def chosen(self) -> int:
         """Index of the chosen point; -1 for none."""
         return self._chosen
 
     def draw(self, plot: "PlotWidget") -> None:
-        """Draw everything onto an empty plot; without points there is nothing to draw."""
+        """Draw everything onto an empty plot; called only where something is to be drawn."""
 
     def choose(self, index: int) -> None:
         """Mark a point."""
@@ -83,7 +88,7 @@ class Plot(QFrame):
 
     def redraw(self) -> None:
         """Draw anew, in the theme, the letters and the language in use."""
-        if not self.n_points:
+        if not self.is_drawn:
             if self._widget is not None:
                 self._widget.clear()
             return
@@ -206,9 +211,9 @@ class Plot(QFrame):
             self.redraw()
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
-        """Write as much under the axis as there is room for."""
+        """Write as much beside the axes as there is room for."""
         super().resizeEvent(event)
-        if event.size().width() != event.oldSize().width() and self._widget is not None:
+        if self._widget is not None:
             self.redraw()
 
     def _half_label_px(self) -> int:
