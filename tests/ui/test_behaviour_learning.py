@@ -150,6 +150,39 @@ def test_a_gesture_is_forgotten(taught):
     assert view.show_own.call_args.args == ((),)
 
 
+def test_the_gesture_that_is_shown_is_forgotten_whatever_was_learned_elsewhere(presenter, taught):
+    _view, learning = taught
+    learning.learn("hello")
+    learning.keep("hello")
+    view = create_autospec(LearningView, instance=True)
+    shown = presenter.learn_from_marks(view)
+    learning.keep("again")
+    shown.forget(0)
+    assert [one.name for one in own_gestures()] == ["again"]
+    assert view.show_own.call_args.args == (("again",),)
+
+
+def test_what_is_learned_of_another_behaviour_is_left(taught, presenter, monkeypatch):
+    view, learning = taught
+    started = []
+
+    class Jobs:
+        def start(self, _label, _work, done, **_more):
+            started.append(done)
+            self.is_running = True
+            return self
+
+        def cancel(self):
+            started.clear()
+
+    monkeypatch.setattr(presenter._workspace, "jobs", Jobs())
+    learning.learn("hello")
+    assert started
+    learning.choose("nods")
+    assert not started
+    assert view.show_result.call_args.args == ("", {})
+
+
 def test_who_codes_blind_teaches_nothing(presenter):
     presenter.files.begin_blind("XY")
     assert presenter.learn_from_marks(create_autospec(LearningView, instance=True)) is None

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.data.coding import MS_PER_S, Occurrence
-from adibas.pipeline.own_gestures import forget_gesture, keep_gesture, own_gestures
+from adibas.pipeline.own_gestures import OwnGesture, forget_gesture, keep_gesture, own_gestures
 from adibas.reports.behaviour_texts import behaviour_text, subject_text
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
@@ -80,11 +80,13 @@ class LearningPresenter:
         self._behaviour = ""
         self._job: Job | None = None
         self._trained: Trained | None = None
+        self._own: tuple[OwnGesture, ...] = ()
         self._show_marked()
-        view.show_own(tuple(one.name for one in own_gestures()))
+        self._show_own()
 
     def choose(self, behaviour: str) -> None:
-        """Learn from the events of this behaviour."""
+        """Learn from the events of this behaviour; what is learned from another one is left."""
+        self.close()
         self._behaviour = behaviour
         self._forget_result()
         since_ms = 0 if self._coding.draft is None else self._coding.draft.coding.begin_ms
@@ -133,18 +135,19 @@ class LearningPresenter:
         def keep() -> None:
             self._note_export()
             kept = keep_gesture(name, replace(trained.model, labels=(name,)))
+            self._show_own()
             self._view.finish()
             self._finding.find((kept.path,))
 
         self._workspace.attempt(keep)
 
     def forget(self, index: int) -> None:
-        """Remove one of the gestures that were learned up to now."""
-        self._workspace.attempt(lambda: forget_gesture(own_gestures()[index]))
-        self._view.show_own(tuple(one.name for one in own_gestures()))
+        """Remove one of the gestures that are shown."""
+        self._workspace.attempt(lambda: forget_gesture(self._own[index]))
+        self._show_own()
 
     def close(self) -> None:
-        """Learn no more: nobody would see what comes of it."""
+        """Learn no more: nobody waits for what comes of it."""
         if self._job is not None and self._job.is_running:
             self._job.cancel()
 
@@ -161,6 +164,10 @@ class LearningPresenter:
         chosen = marked[0].behaviour if marked else ""
         self._view.show_marked(marked, chosen)
         self.choose(chosen)
+
+    def _show_own(self) -> None:
+        self._own = own_gestures()
+        self._view.show_own(tuple(one.name for one in self._own))
 
     def _forget_result(self) -> None:
         self._trained = None
