@@ -8,9 +8,9 @@ from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 
-from adibas.data.coding import MS_PER_S, Coding, Occurrence
+from adibas.data.coding import MS_PER_S, Coding, Occurrence, Section
 
 MS_PER_MINUTE = 60 * MS_PER_S
 UNTAGGED = ""
@@ -139,24 +139,28 @@ def bin_spans(begin_ms: int, end_ms: int, length_ms: int) -> list[Span]:
     return [(start, min(start + length_ms, end_ms)) for start in starts]
 
 
+def condition_spans(sections: Iterable[Section], session_ms: Span) -> dict[str, list[Span]]:
+    """Return when each condition was: tagged sections of one name together, then what is left.
+
+    What is left is `UNTAGGED`. Nothing where no section is tagged.
+    """
+    spans: dict[str, list[Span]] = {}
+    for section in sections:
+        spans.setdefault(section.name, []).append((section.begin_ms, section.end_ms))
+    rest = gaps(chain.from_iterable(spans.values()), session_ms) if spans else []
+    if rest:
+        spans.setdefault(UNTAGGED, []).extend(rest)
+    return {name: sorted(some) for name, some in spans.items()}
+
+
 def conditions(coding: Coding) -> tuple[Condition, ...]:
-    """Return the tagged sections of each name together, and what is left as `UNTAGGED`.
+    """Return what was in the sections of each name together, and in what is left as `UNTAGGED`.
 
     Nothing where no section is tagged.
     """
-    if not coding.sections:
-        return ()
-    spans: dict[str, list[Span]] = {}
-    for section in coding.sections:
-        spans.setdefault(section.name, []).append((section.begin_ms, section.end_ms))
-    rest = gaps(
-        [(section.begin_ms, section.end_ms) for section in coding.sections],
-        (coding.begin_ms, coding.end_ms),
-    )
-    if rest:
-        spans.setdefault(UNTAGGED, []).extend(rest)
+    spans = condition_spans(coding.sections, (coding.begin_ms, coding.end_ms))
     return tuple(
-        Condition(name, sum(end - begin for begin, end in some), budgets(coding, sorted(some)))
+        Condition(name, sum(end - begin for begin, end in some), budgets(coding, some))
         for name, some in spans.items()
     )
 

@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 
 from adibas.behaviour.activity import ActivityParams, JointActivity, Steps, activity, steps_of
 from adibas.behaviour.bands import BandPower, band_power
-from adibas.behaviour.budget import Span, gaps
+from adibas.behaviour.budget import Span, condition_spans
 from adibas.data.coding import MS_PER_S, Section
 from adibas.data.skeleton_track import SkeletonTrack
 
@@ -58,15 +57,7 @@ def under_conditions(
 def _by_condition(
     steps: Steps, sections: Sequence[Section], session_ms: Span
 ) -> tuple[tuple[str, tuple[JointActivity, ...]], ...]:
-    spans: dict[str, list[Span]] = {}
-    for section in sections:
-        spans.setdefault(section.name, []).append((section.begin_ms, section.end_ms))
-    if sections:
-        tagged = list(chain.from_iterable(spans.values()))
-        rest = gaps(tagged, session_ms)
-        if rest:
-            spans.setdefault("", []).extend(rest)
     return tuple(
         (name, activity(steps, [(begin / MS_PER_S, end / MS_PER_S) for begin, end in some]))
-        for name, some in spans.items()
+        for name, some in condition_spans(sections, session_ms).items()
     )
