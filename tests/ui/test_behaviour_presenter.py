@@ -14,7 +14,7 @@ from adibas.data.patients import Identity
 from adibas.data.sentence import Sentence
 from adibas.data.sessions import SessionSetup
 from adibas.errors import LimbError, RecordingError
-from adibas.pipeline.behaviour import ESTIMATED, BehaviourAnalysis
+from adibas.pipeline.behaviour import ESTIMATED, BehaviourAnalysis, FoundJoints
 from adibas.pipeline.coding_drafts import BesideRecording, read_draft
 from adibas.pipeline.draft_history import note_blind, write_history
 from adibas.recordings import create_recording
@@ -977,10 +977,15 @@ def test_a_recording_of_another_session_is_left(stored_scene):
     scene.presenter.open_stored(writer.recording_id)
     scene.workspace.choose_session(session)
     scene.coding.press("seated")
-    assert scene.presenter.source is not None
+    source, finding = scene.presenter.source, scene.presenter.finding
+    assert source is not None
+    finding.keep_joints(source, FoundJoints(()))
+    assert finding.joints is not None
     scene.workspace.choose_session(later)
     assert scene.presenter.source is None
     assert scene.coding.draft is None
+    finding.keep_joints(source, FoundJoints(()))
+    assert finding.joints is None, "what was found of one who was left is of no use for the next"
     scene.view.show_source.assert_called_with("", "")
     scene.workspace.choose_session(None)
     scene.open()

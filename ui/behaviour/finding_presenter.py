@@ -50,11 +50,19 @@ class FindingPresenter:
         self.joints: FoundJoints | None = None
         self.found: Event[[]] = Event()
 
-    def use(self, source: Source) -> None:
-        """Look at this recording from now on; what is still sought in another one is not told."""
+    def use(self, source: Source | None) -> None:
+        """Look at this recording, or at none, from now on.
+
+        What is still sought in another one is not told.
+        """
         if self._job is not None:
             self._job.cancel()
         self._source, self.analysis, self.joints = source, None, None
+
+    def keep_joints(self, source: Source, joints: "FoundJoints") -> None:
+        """Keep joints that were found elsewhere, unless that recording was left."""
+        if source is self._source:
+            self.joints = joints
 
     def find(self, models: tuple[Path, ...]) -> None:
         """Look for posture changes, times out of view and the gestures of models.

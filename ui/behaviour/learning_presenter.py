@@ -176,7 +176,7 @@ class LearningPresenter:
     def _on_learned(self, joints: "FoundJoints", trained: "Trained") -> None:
         from adibas.gestures.descriptor import DESCRIBED_JOINTS
 
-        self._finding.joints = joints
+        self._finding.keep_joints(self._source, joints)
         self._trained = trained
         (row,) = trained.weights
         shares = dict(zip(DESCRIBED_JOINTS, map(float, row), strict=True))

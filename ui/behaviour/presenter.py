@@ -322,6 +322,7 @@ class BehaviourPresenter:
     def _leave_recording(self) -> None:
         self.stop()
         self.coding.close()
+        self.finding.use(None)
         self.counts.forget()
         self._feed.show(None)
         self._source, self._times_ms, self._asked = None, (), None
