@@ -122,6 +122,24 @@ def cannot_write(path: Path, error: OSError) -> FileError:
     )
 
 
+def remove_file(path: Path) -> None:
+    """Remove a file; one that is gone already is no mistake.
+
+    Raises
+    ------
+    FileError
+        It cannot be removed.
+    """
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise FileError(
+            "{file} cannot be removed: {reason}. Close the program that uses it.",
+            file=path.name,
+            reason=error.strerror or str(error),
+        ) from error
+
+
 def flush_folder(folder: Path) -> None:
     """Wait until the names in `folder` are on the disk; Windows keeps them in its journal."""
     if os.name == "nt":

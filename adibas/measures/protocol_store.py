@@ -8,7 +8,7 @@ import platformdirs
 
 from adibas.data.protocols import Protocol, Wording
 from adibas.errors import ProtocolError
-from adibas.files import written_whole
+from adibas.files import remove_file, written_whole
 from adibas.measures.protocol_file import load_protocol, read_protocol
 from adibas.resources import resource_path
 
@@ -122,7 +122,7 @@ def save_own_protocol(text: str, opened: str = "") -> Path:
             "another id.",
             name=name,
         )
-    path = own_folder() / f"{name}{ENDING}"
+    path = _own_path(name)
     if name != opened and path.exists():
         raise ProtocolError(
             "There is a protocol named {name} among yours. Open it to change it, or give this one "
@@ -132,3 +132,23 @@ def save_own_protocol(text: str, opened: str = "") -> Path:
     with written_whole(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
     return path
+
+
+def is_own_protocol(name: str) -> bool:
+    """Say whether a protocol of that name is among this user's, and not one of the program."""
+    return protocol_files().get(name) == _own_path(name)
+
+
+def delete_own_protocol(name: str) -> None:
+    """Remove a protocol of this user's; one that is gone already is no mistake.
+
+    Raises
+    ------
+    FileError
+        The file cannot be removed.
+    """
+    remove_file(_own_path(name))
+
+
+def _own_path(name: str) -> Path:
+    return own_folder() / f"{name}{ENDING}"

@@ -15,7 +15,8 @@ import platformdirs
 
 from adibas.data.protocols import Protocol, same_label
 from adibas.data.views import VIEWS
-from adibas.errors import AdibasError, FileError
+from adibas.errors import AdibasError
+from adibas.files import remove_file
 from adibas.pipeline.skeleton_examples import LandmarkSet
 from adibas.pipeline.skeleton_labelling import shipped_knows, shipped_namer
 from adibas.skeleton.model import SkeletonModel
@@ -78,15 +79,7 @@ def forget_own_model(which: LandmarkSet) -> None:
     FileError
         The file cannot be removed.
     """
-    path = own_model_path(which)
-    try:
-        path.unlink(missing_ok=True)
-    except OSError as error:
-        raise FileError(
-            "{file} cannot be removed: {reason}. Check that the disk can be written.",
-            file=path.name,
-            reason=error.strerror or str(error),
-        ) from error
+    remove_file(own_model_path(which))
 
 
 def own_models() -> tuple[OwnNames, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import platformdirs
 
-from adibas.errors import FileError
+from adibas.files import remove_file
 
 if TYPE_CHECKING:  # the window lists them before anything is compiled
     from adibas.gestures.model import GestureModel
@@ -73,14 +73,7 @@ def forget_gesture(gesture: OwnGesture) -> None:
     FileError
         It cannot be removed.
     """
-    try:
-        gesture.path.unlink(missing_ok=True)
-    except OSError as error:
-        raise FileError(
-            "{file} cannot be removed: {reason}. Close the program that uses it.",
-            file=gesture.path.name,
-            reason=error.strerror or str(error),
-        ) from error
+    remove_file(gesture.path)
 
 
 def _folder() -> Path:

@@ -11,6 +11,7 @@ from adibas.data.patients import Consent, Identity
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
+from adibas.measures import protocol_store
 from adibas.sessions import NewCapture
 from ui.patients.content import (
     ConsentEntry,
@@ -285,6 +286,22 @@ def test_a_protocol_that_is_gone_is_not_followed(screen, ana):
     assert screen.history.show_protocols.call_args.args[1] == ""
     screen.sessions.start()
     assert screen.workspace.session.setup.protocol == ""
+
+
+def test_a_protocol_that_was_made_or_deleted_on_another_screen_is_known(
+    screen, ana, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(protocol_store, "own_folder", lambda: tmp_path)
+    text = protocol_store.protocol_text("sapo-1").replace('"sapo-1"', '"mine"', 1)
+    screen.patients.choose(ana.pseudonym)
+    (tmp_path / "mine.json").write_text(text, "utf-8")
+    screen.sessions.enter()
+    assert "mine" in dict(screen.history.show_protocols.call_args.args[0])
+    screen.sessions.choose_protocol("mine")
+    (tmp_path / "mine.json").unlink()
+    screen.sessions.enter()
+    assert "mine" not in dict(screen.history.show_protocols.call_args.args[0])
+    assert screen.workspace.preferences.now.protocol == ""
 
 
 def test_sessions_are_compared_until_the_one_that_is_chosen(screen, store, ana):

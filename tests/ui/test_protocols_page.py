@@ -1,15 +1,24 @@
 """The page of protocols: opened, changed, checked line by line, saved as one's own."""
 
 import json
+from dataclasses import replace
 from unittest.mock import create_autospec
 
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QComboBox, QListWidget, QPlainTextEdit, QPushButton, QTabWidget
+from PySide6.QtWidgets import (
+    QComboBox,
+    QListWidget,
+    QMessageBox,
+    QPlainTextEdit,
+    QPushButton,
+    QTabWidget,
+)
 
 from adibas.measures import protocol_store
 from adibas.measures.protocol_store import find_protocol, protocol_text, protocol_titles
+from tests.unit.store_samples import add_session
 from ui.settings.protocols_presenter import Mistake, ProtocolsPresenter, ProtocolsView
 from ui.settings.screen import build_settings_screen
 from ui.settings.view import PROTOCOLS_TAB
@@ -71,7 +80,7 @@ def test_an_own_protocol_is_saved_under_its_id(presenter, view, told, own_folder
 def test_a_new_protocol_begins_without_a_mistake_under_a_free_id(presenter, view, told):
     presenter.begin()
     text = view.show_text.call_args.args[0]
-    assert view.show_check.call_args.args == ((), "No mistake: 2 landmarks, 1 measures.")
+    assert view.show_check.call_args.args == ((), "No mistake: 2 landmarks, 1 measure.")
     assert view.show_names.call_args.args[1] == ""
     presenter.save(text)
     assert told == [("good", "Written: mine.json")]
@@ -106,6 +115,63 @@ def test_what_is_wrong_or_shipped_is_not_saved(presenter, told, own_folder):
     assert "comes with the program" in told[0][1]
     assert "line" in told[1][1]
     assert not own_folder.exists()
+
+
+def test_a_protocol_that_cannot_be_read_does_not_show_the_text_of_another(
+    presenter, view, own_folder
+):
+    presenter.open("sapo-1")
+    own_folder.mkdir(parents=True)
+    (own_folder / "broken.json").write_bytes(b"\xff\xfe{")
+    presenter.open("broken")
+    assert view.show_text.call_args.args == ("",)
+    view.show_own.assert_called_with(is_own=True)
+
+
+def test_an_own_protocol_is_deleted_after_a_question_and_saving_its_text_brings_it_back(
+    presenter, view, told, own_folder
+):
+    presenter.save(mine())
+    presenter.open("mine")
+    view.show_own.assert_called_with(is_own=True)
+    presenter.ask_delete(mine())
+    question, _consent, act = view.confirm.call_args.args
+    assert "Delete the protocol mine?" in question
+    assert (own_folder / "mine.json").is_file()
+    act()
+    assert not (own_folder / "mine.json").exists()
+    assert told[-1] == ("good", "mine was deleted.")
+    assert view.show_names.call_args.args[:2] == (("joints-15", "sapo-1", "upper-quadrant"), "")
+    view.show_own.assert_called_with(is_own=False)
+    view.show_changed.assert_called_once_with(mine())
+    presenter.save(mine())
+    assert (own_folder / "mine.json").is_file()
+
+
+def test_a_protocol_that_sessions_follow_is_not_deleted_and_they_are_counted(
+    presenter, view, told, workspace, own_folder
+):
+    presenter.save(mine())
+    sessions = [add_session(workspace.store) for _ in range(3)]
+    for one in sessions[:2]:
+        setup = replace(one.setup, protocol="mine")
+        workspace.store.sessions.change(one.session_id, setup=setup)
+    workspace.store.sessions.delete(sessions[1].session_id)
+    presenter.ask_delete(mine())
+    view.confirm.assert_not_called()
+    assert told[-1][0] == "warning"
+    assert told[-1][1].startswith("2 sessions follow the protocol mine")
+    assert (own_folder / "mine.json").is_file()
+
+
+def test_what_comes_with_the_program_or_has_no_file_is_not_deleted(presenter, view):
+    for name in ("sapo-1", "gone"):
+        presenter.open(name)
+        view.show_own.assert_called_with(is_own=False)
+        presenter.ask_delete("")
+    presenter.begin()
+    presenter.ask_delete("")
+    view.confirm.assert_not_called()
 
 
 def test_a_protocol_that_is_gone_or_no_text_is_told(presenter, told, own_folder):
@@ -148,6 +214,27 @@ def test_what_is_typed_is_checked_after_a_pause_and_saved_with_a_button(
     QTest.mouseClick(save, Qt.MouseButton.LeftButton)
     assert (own_folder / "mine.json").is_file()
     assert screen.draft() == ""
+    screen.closed()
+
+
+def test_the_button_asks_before_it_deletes(workspace, qtbot, own_folder):
+    screen = build_settings_screen(workspace)
+    qtbot.addWidget(screen)
+    screen.findChild(QTabWidget).setCurrentIndex(PROTOCOLS_TAB)
+    page = screen.protocols
+    (delete,) = [one for one in page.findChildren(QPushButton) if one.text() == "Delete"]
+    assert not delete.isEnabled()
+    page.saved.emit(mine())
+    assert delete.isEnabled()
+    delete.click()
+    box = page.findChild(QMessageBox)
+    assert "Delete the protocol mine?" in box.text()
+    assert box.defaultButton().text() == "Cancel"
+    (yes,) = [one for one in box.buttons() if one.text() == "Delete"]
+    yes.click()
+    assert not (own_folder / "mine.json").exists()
+    assert not delete.isEnabled()
+    assert screen.draft() == "\n" + mine()
     screen.closed()
 
 

@@ -6,7 +6,7 @@ import os
 import pytest
 
 from adibas.errors import FileError
-from adibas.files import remove_unfinished, written_whole
+from adibas.files import remove_file, remove_unfinished, written_whole
 
 
 def test_a_written_file_appears_under_its_name_alone(tmp_path):
@@ -69,3 +69,13 @@ def test_a_new_file_may_be_read_by_whom_the_user_lets(tmp_path):
     with written_whole(tmp_path / "ours") as unfinished:
         unfinished.write_text("")
     assert (tmp_path / "ours").stat().st_mode == ordinary.stat().st_mode
+
+
+def test_what_cannot_be_removed_is_told_and_what_is_gone_is_no_mistake(tmp_path):
+    (tmp_path / "old.json").write_text("")
+    for _ in range(2):
+        remove_file(tmp_path / "old.json")
+    assert not (tmp_path / "old.json").exists()
+    (tmp_path / "folder.json").mkdir()
+    with pytest.raises(FileError, match=r"folder\.json cannot be removed: .*\. Close the program"):
+        remove_file(tmp_path / "folder.json")

@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
     QLabel,
-    QMessageBox,
     QProgressBar,
     QPushButton,
     QStackedWidget,
@@ -33,6 +32,7 @@ from ui.calibration.presenter import CalibrationPresenter
 from ui.calibration.result_page import ResultPage
 from ui.widgets.image_view import ImageView
 from ui.widgets.overlays import Overlay, Text
+from ui.widgets.question import ask
 from ui.widgets.screen import Screen
 from ui.widgets.side_panel import SidePanel
 
@@ -198,16 +198,7 @@ class CalibrationScreen(Screen):
         self._show_buttons()
 
     def confirm(self, question: str, consent: str, act: Callable[[], None]) -> None:
-        box = QMessageBox(self)
-        box.setIcon(QMessageBox.Icon.Question)
-        box.setWindowTitle(consent)
-        box.setText(question)
-        yes = box.addButton(consent, QMessageBox.ButtonRole.DestructiveRole)
-        yes.setProperty("danger", "true")
-        box.setDefaultButton(box.addButton(_("Cancel"), QMessageBox.ButtonRole.RejectRole))
-        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        yes.clicked.connect(act)
-        box.open()
+        ask(self, question, consent, act)
 
     def beep(self) -> None:
         QApplication.beep()

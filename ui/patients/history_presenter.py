@@ -68,6 +68,7 @@ class HistoryPresenter:
     def enter(self) -> None:
         """Show the store as it is now, and follow what other screens do."""
         self._is_seen = True
+        self._has_read_protocols = False  # others may have been made or deleted meanwhile
         self.refresh()
 
     def leave(self) -> None:

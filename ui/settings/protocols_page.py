@@ -1,5 +1,7 @@
 """The page of protocols: a text, what is wrong with it, and a button."""
 
+from collections.abc import Callable
+
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QFontDatabase, QTextCursor
 from PySide6.QtWidgets import (
@@ -16,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from ui.settings.protocols_presenter import Mistake
+from ui.widgets.question import ask
 
 PAUSE_MS = 400
 """Without a key, until the text is checked."""
@@ -30,6 +33,8 @@ class ProtocolsPage(QWidget):
     """A new protocol."""
     typed = Signal(str)
     saved = Signal(str)
+    delete_asked = Signal(str)
+    """The chosen one; the text that stands there."""
     names_asked = Signal()
     """Who gives markers the names of landmarks is asked for."""
 
@@ -41,6 +46,8 @@ class ProtocolsPage(QWidget):
         self._text, self._mistakes = QPlainTextEdit(self), QListWidget(self)
         self._summary, self._hint, self._save = QLabel(self), QLabel(self), QPushButton(self)
         self._new, self._to_names = QPushButton(self), QPushButton(self)
+        self._delete = QPushButton(self)
+        self._delete.setEnabled(False)
         self._new.clicked.connect(self.begun)
         self._to_names.clicked.connect(self.names_asked)
         self.setFocusProxy(self._names)
@@ -54,6 +61,7 @@ class ProtocolsPage(QWidget):
         self._mistakes.itemActivated.connect(self._on_mistake)
         self._mistakes.itemClicked.connect(self._on_mistake)
         self._save.clicked.connect(lambda: self.saved.emit(self._text.toPlainText()))
+        self._delete.clicked.connect(lambda: self.delete_asked.emit(self._text.toPlainText()))
 
     def _lay_out(self) -> None:
         self._text.setTabChangesFocus(True)
@@ -67,6 +75,7 @@ class ProtocolsPage(QWidget):
         above.addWidget(self._names_label)
         above.addWidget(self._names)
         above.addWidget(self._new)
+        above.addWidget(self._delete)
         above.addStretch()
         above.addWidget(self._to_names)
         column = QVBoxLayout(self)
@@ -84,6 +93,8 @@ class ProtocolsPage(QWidget):
         self._mistakes.setAccessibleName(_("Mistakes; Enter leads to the line"))
         self._save.setText(_("&Save as my own"))
         self._new.setText(_("Ne&w protocol"))
+        self._delete.setText(_("Delete"))
+        self._delete.setToolTip(_("Delete this protocol of your own; no session may follow it"))
         self._to_names.setText(_("Who &names the markers"))
         self._word_hint()
 
@@ -93,6 +104,12 @@ class ProtocolsPage(QWidget):
         self._names.addItems(list(names))
         self._names.setCurrentIndex(names.index(chosen) if chosen in names else -1)
         self._word_hint()
+
+    def show_own(self, *, is_own: bool) -> None:
+        self._delete.setEnabled(is_own)
+
+    def confirm(self, question: str, consent: str, act: Callable[[], None]) -> None:
+        ask(self, question, consent, act)
 
     @property
     def changed_text(self) -> str:

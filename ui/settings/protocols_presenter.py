@@ -1,5 +1,6 @@
 """Protocols as they are written: to read, to change, to save as one's own. Knows no Qt."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -7,13 +8,15 @@ from adibas.errors import AdibasError
 from adibas.measures.protocol_file import CheckedProtocol, read_protocol
 from adibas.measures.protocol_store import (
     UNSAVED,
+    delete_own_protocol,
+    is_own_protocol,
     new_protocol_text,
     own_folder,
     protocol_files,
     protocol_text,
     save_own_protocol,
 )
-from adibas.texts import describe
+from adibas.texts import describe, translate_plural
 from adibas.texts import translate as _
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
@@ -33,6 +36,9 @@ class ProtocolsView(Protocol):
     def show_names(self, names: tuple[str, ...], chosen: str, folder: str) -> None:
         """Offer protocols; `folder` is where own ones lie."""
 
+    def show_own(self, *, is_own: bool) -> None:
+        """Show whether the chosen protocol is this user's own: those alone can be deleted."""
+
     def show_text(self, text: str) -> None:
         """Show a protocol as it is written."""
 
@@ -41,6 +47,9 @@ class ProtocolsView(Protocol):
 
     def show_check(self, mistakes: tuple[Mistake, ...], summary: str) -> None:
         """Show what is wrong, or else what the protocol holds."""
+
+    def confirm(self, question: str, consent: str, act: Callable[[], None]) -> None:
+        """Ask, and act when the answer is yes."""
 
 
 class ProtocolsPresenter:
@@ -61,12 +70,12 @@ class ProtocolsPresenter:
 
     def enter(self) -> None:
         """Offer the protocols; the first time one is opened."""
-        names = tuple(sorted(protocol_files()))
+        names = self._names()
         if self._has_text or not names:
-            self._view.show_names(names, self._chosen, str(own_folder()))
-            return
-        self._view.show_names(names, names[0], str(own_folder()))
-        self.open(names[0])
+            self._show_names()
+        else:
+            self.open(names[0])
+            self._show_names()
 
     def take_back(self, chosen: str, text: str) -> None:
         """Show what was typed into a protocol before the window was locked."""
@@ -78,22 +87,16 @@ class ProtocolsPresenter:
     def open(self, name: str) -> None:
         """Show the text of a protocol."""
         self._chosen, self._has_text = name, True
+        self._view.show_own(is_own=is_own_protocol(name))
 
-        def show() -> None:
-            text = protocol_text(name)
-            self._view.show_text(text)
-            self.check(text)
-
-        self._workspace.attempt(show)
+        if not self._workspace.attempt(lambda: self._show_text(protocol_text(name))):
+            self._show_text("")  # and not that of the one before under this name
 
     def begin(self) -> None:
         """Show a small protocol to begin a new one with."""
         self._chosen, self._has_text = "", True
-        names = tuple(sorted(protocol_files()))
-        self._view.show_names(names, "", str(own_folder()))
-        text = new_protocol_text()
-        self._view.show_text(text)
-        self.check(text)
+        self._show_names()
+        self._show_text(new_protocol_text())
 
     def check(self, text: str) -> None:
         """Tell every mistake of a text, the newest text first."""
@@ -112,10 +115,54 @@ class ProtocolsPresenter:
         except AdibasError as error:
             self._workspace.report_problem(error)
             return
-        self._chosen = path.stem
+        self._chosen, self._has_text = path.stem, True
         self._view.show_text(text)
-        self.enter()
+        self._show_names()
         self._workspace.tell("good", _("Written: {names}").format(names=path.name))
+
+    def ask_delete(self, text: str) -> None:
+        """Ask whether the chosen protocol of one's own is to go; one that sessions follow stays.
+
+        Parameters
+        ----------
+        text : str
+            What stands on the page: it stays there, so that saving it brings the protocol back.
+        """
+        name = self._chosen
+        if not is_own_protocol(name):
+            return
+        n = self._workspace.store.sessions.n_following(name)
+        if n:
+            told = translate_plural(
+                "{n} session follows the protocol {name}, and would lose its measures. It stays.",
+                "{n} sessions follow the protocol {name}, and would lose their measures. It stays.",
+                n,
+            )
+            self._workspace.tell("warning", told.format(n=n, name=name))
+            return
+        question = _(
+            "Delete the protocol {name}? Its text stays on the page until you leave it: saved, it "
+            "is back."
+        )
+        self._view.confirm(
+            question.format(name=name), _("Delete"), lambda: self._delete(name, text)
+        )
+
+    def _delete(self, name: str, text: str) -> None:
+        if self._workspace.attempt(lambda: delete_own_protocol(name)):
+            self.take_back("", text)
+            self._workspace.tell("good", _("{name} was deleted.").format(name=name))
+
+    def _show_text(self, text: str) -> None:
+        self._view.show_text(text)
+        self.check(text)
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(sorted(protocol_files()))
+
+    def _show_names(self) -> None:
+        self._view.show_names(self._names(), self._chosen, str(own_folder()))
+        self._view.show_own(is_own=is_own_protocol(self._chosen))
 
     def _show(self, checked: CheckedProtocol) -> None:
         mistakes = tuple(
@@ -124,8 +171,13 @@ class ProtocolsPresenter:
         )
         summary = ""
         if checked.protocol is not None:
-            summary = _("No mistake: {n_landmarks} landmarks, {n_measures} measures.").format(
-                n_landmarks=len(checked.protocol.landmarks),
-                n_measures=len(checked.protocol.measures),
-            )
+            summary = _no_mistake(len(checked.protocol.landmarks), len(checked.protocol.measures))
         self._view.show_check(mistakes, summary)
+
+
+def _no_mistake(n_landmarks: int, n_measures: int) -> str:
+    landmarks = translate_plural("{n} landmark", "{n} landmarks", n_landmarks)
+    measures = translate_plural("{n} measure", "{n} measures", n_measures)
+    return _("No mistake: {landmarks}, {measures}.").format(
+        landmarks=landmarks.format(n=n_landmarks), measures=measures.format(n=n_measures)
+    )

@@ -104,6 +104,7 @@ class SettingsScreen(Screen):
         self._protocols.begun.connect(protocols.begin)
         self._protocols.typed.connect(protocols.check)
         self._protocols.saved.connect(protocols.save)
+        self._protocols.delete_asked.connect(protocols.ask_delete)
         self._protocols.names_asked.connect(self._show_names)
         self._names.closed.connect(self._show_protocols)
         self._names.learned.connect(names.learn)
