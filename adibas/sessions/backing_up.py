@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import shutil
+import threading
 import time
 import uuid
 from collections.abc import Callable, Iterator
@@ -97,6 +98,7 @@ class Backups:
         self._folders = folders
         self._making = making
         self._folder = database.path.parent
+        self._one_restore = threading.Lock()
 
     def wrapped_key(
         self, passphrase: str | None, params: Argon2Params | None = None
@@ -240,7 +242,8 @@ class Backups:
         from adibas.sessions.merged_files import restore_merged
 
         store = (self._database, self._audit, self._key)
-        return restore_merged(path, passphrase, store, self._making, progress)
+        with self._one_restore:
+            return restore_merged(path, passphrase, store, self._making, progress)
 
     def verify(
         self, path: Path, passphrase: str | None = None, progress: Progress | None = None

@@ -5,12 +5,11 @@ it; those get their places afterwards, and what a crash leaves waiting is dealt 
 at the next opening.
 """
 
-import errno
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sqlalchemy import select
+from sqlalchemy import select, true
 
 from adibas.errors import StoreError
 from adibas.files import flush_folder
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
 
 WAITING = "restoring"
 """In the store's folder; there during a restore only."""
+FOLDERS = (PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER)
 
 
 def restore_merged(
@@ -62,17 +62,18 @@ def restore_merged(
         The backup cannot be read.
     """
     from adibas.sessions.merging import merge
-    from adibas.sessions.restoring import extract, make_present
+    from adibas.sessions.restoring import check_room, extract, make_present
 
     database, audit, own_key = store
     with BackupReader(path) as backup:
         key = own_key if backup.is_of(own_key) else backup.key(passphrase)
         database.check_writable()
-        folder = database.path.parent
-        waiting = _new_folder(folder / WAITING)
+        finish_merge(database)  # what an earlier one left may be all that there is of something
+        kept = _Kept(database)
+        n_bytes = backup.header.n_bytes - (kept.n_bytes() if backup.is_of(own_key) else 0)
+        check_room(database.path.parent, n_bytes)
+        waiting = _new_folder(database.path.parent / WAITING)
         try:
-            _check_room(folder, path)
-            kept = _Kept(database)
             extract(backup, key, waiting, wanted=kept.wants, progress=progress)
             make_present(waiting, key)
             source = Database(waiting, key, is_read_only=True)
@@ -100,10 +101,10 @@ def finish_merge(database: Database) -> None:
         return
     kept = _Kept(database)
     try:
-        for name in (PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER):
+        for name in FOLDERS:
             there, here = SealedFolder(waiting / name), SealedFolder(folder / name)
             for file_id in there.ids():
-                if kept.knows(name, file_id) and kept.lacks(f"{name}/{file_id}"):
+                if kept.has_use_for(waiting, f"{name}/{file_id}"):
                     _move(there.path_of(file_id), here.path_of(file_id))
         shutil.rmtree(waiting)
     except OSError as error:
@@ -111,72 +112,82 @@ def finish_merge(database: Database) -> None:
 
 
 class _Kept:
-    """Which files the store has as they were saved."""
+    """Which files the store has as they were saved; they are named as in a backup."""
 
     def __init__(self, database: Database) -> None:
         self._folder = database.path.parent
+        self._sums: dict[str, str | None] = {}
         with database.reading() as transaction:
-            files = transaction.execute(select(FILES.c.file_id, FILES.c.sha256)).all()
-            recordings = transaction.execute(
-                select(RECORDINGS.c.recording_id, RECORDINGS.c.sha256).where(RECORDINGS.c.is_closed)
-            ).all()
-        self._sums = {
-            PICTURES_FOLDER: {row.file_id: row.sha256 for row in files},
-            RECORDINGS_FOLDER: {row.recording_id: row.sha256 for row in recordings},
-        }
+            for name, columns, kept in (
+                (PICTURES_FOLDER, (FILES.c.file_id, FILES.c.sha256), true()),
+                (
+                    RECORDINGS_FOLDER,
+                    (RECORDINGS.c.recording_id, RECORDINGS.c.sha256),
+                    RECORDINGS.c.is_closed,
+                ),
+            ):
+                for file_id, sha256 in transaction.execute(select(*columns).where(kept)):
+                    self._sums[f"{name}/{file_id}"] = sha256
 
-    def knows(self, folder: str, file_id: str) -> bool:
-        """Say whether a file belongs to something in the database."""
-        if folder == CODINGS_FOLDER:
-            return file_id[:ID_LENGTH] in self._sums[RECORDINGS_FOLDER]
-        return file_id in self._sums[folder]
+    def n_bytes(self) -> int:
+        """Return what all files take."""
+        folders = [SealedFolder(self._folder / name) for name in FOLDERS]
+        return sum(folder.size(file_id) for folder in folders for file_id in folder.ids())
 
     def wants(self, name: str) -> bool:
         """Say whether a file is needed: what is lacking, and codings, which may be others."""
         return name.startswith(f"{CODINGS_FOLDER}/") or self.lacks(name)
 
-    def other_codings(self, waiting: Path) -> list[str]:
-        """Return the recordings of which something else was coded here than in the backup."""
-        there = SealedFolder(waiting / CODINGS_FOLDER)
-        here = SealedFolder(self._folder / CODINGS_FOLDER)
-        both = [one for one in there.ids() if not self.lacks(f"{CODINGS_FOLDER}/{one}")]
-        others = (one for one in both if here.sha256(one) != there.sha256(one))
-        return sorted({one[:ID_LENGTH] for one in others})
-
     def lacks(self, name: str) -> bool:
         """Say whether the store lacks a file, or has it damaged."""
         if name == DATABASE_FILE:
             return True
-        folder, _, file_id = name.partition("/")
-        sealed = SealedFolder(self._folder / folder)
+        sealed, file_id = _place_of(self._folder, name)
         try:
             if not sealed.path_of(file_id).exists():
                 return True
-            sums = self._sums.get(folder)
-            return sums is not None and sealed.sha256(file_id) != sums.get(file_id)
+            has_sum = sealed.folder.name != CODINGS_FOLDER
+            return has_sum and sealed.sha256(file_id) != self._sums.get(name)
         except StoreError:  # it cannot be read any more
             return True
+
+    def has_use_for(self, waiting: Path, name: str) -> bool:
+        """Say whether the database knows a waiting file, and it is better than what is here."""
+        folder, _, file_id = name.partition("/")
+        owner = f"{RECORDINGS_FOLDER}/{file_id[:ID_LENGTH]}" if folder == CODINGS_FOLDER else name
+        if owner not in self._sums or not self.lacks(name):
+            return False
+        sealed, file_id = _place_of(self._folder, name)
+        if not sealed.path_of(file_id).exists():
+            return True
+        there, file_id = _place_of(waiting, name)
+        return there.sha256(file_id) == self._sums[name]  # of two damaged ones this one stays
+
+    def other_codings(self, waiting: Path) -> list[str]:
+        """Return the recordings of which something else was coded here than in the backup."""
+        there = SealedFolder(waiting / CODINGS_FOLDER)
+        here = SealedFolder(self._folder / CODINGS_FOLDER)
+        others = (one for one in there.ids() & here.ids() if here.sha256(one) != there.sha256(one))
+        return sorted({one[:ID_LENGTH] for one in others})
+
+
+def _place_of(root: Path, name: str) -> tuple[SealedFolder, str]:
+    folder, _, file_id = name.partition("/")
+    return SealedFolder(root / folder), file_id
 
 
 def _new_folder(waiting: Path) -> Path:
     try:
-        shutil.rmtree(waiting, ignore_errors=True)
         waiting.mkdir(mode=0o700)
     except OSError as error:
         raise cannot_save(error) from error
     return waiting
 
 
-def _check_room(folder: Path, backup: Path) -> None:
-    try:
-        is_short = shutil.disk_usage(folder).free < backup.stat().st_size
-    except OSError as error:
-        raise cannot_save(error) from error
-    if is_short:
-        raise cannot_save(OSError(errno.ENOSPC, ""))
-
-
 def _move(there: Path, here: Path) -> None:
+    is_new_folder = not here.parent.exists()
     here.parent.mkdir(parents=True, exist_ok=True)
     there.replace(here)
     flush_folder(here.parent)
+    if is_new_folder:
+        flush_folder(here.parent.parent)

@@ -32,6 +32,7 @@ from adibas.sessions.verification import Verification, VerifyReport
 
 _NAME = re.compile(r"(pictures|recordings|codings)/([0-9a-f]{2}[0-9a-f-]{6,62})")
 IN_THE_MAKING = ".restoring-"
+UNFINISHED = ".part"
 
 Wanted = Callable[[str], bool]
 
@@ -61,13 +62,12 @@ def restore_into(
     with BackupReader(path) as backup:
         key = backup.key(passphrase)
         _check_empty(folder)
-        making = folder.absolute().parent / f"{IN_THE_MAKING}{folder.name}"
-        with _making_of(making):
+        with _making_of(folder.resolve()) as making:
+            check_room(making, backup.header.n_bytes)
             extract(backup, key, making, progress=progress)
             write_key_file(making, _key_file(backup.header))
             make_present(making, key)
-            (making / LOCK_FILE).unlink(missing_ok=True)
-            _give_name(making, folder)
+            _give_name(making, folder.resolve())
         return backup.header
 
 
@@ -103,6 +103,7 @@ def verify_backup(
         except OSError as error:
             raise cannot_save(error) from error
         folder = Path(named)
+        check_room(folder, backup.header.n_bytes)
         extract(backup, key, folder, progress=progress)
         return backup.header, _verified(folder, key, progress)
 
@@ -117,6 +118,8 @@ def extract(
 ) -> None:
     """Write the files of a backup below `folder`, each of them on the disk when this returns.
 
+    A file is under its name when it is whole, also after a kill.
+
     Parameters
     ----------
     wanted : callable, optional
@@ -128,76 +131,66 @@ def extract(
         The backup is damaged, or the disk is full.
     """
     done, n_bytes = 0, backup.header.n_bytes
-    with _Files(folder) as files:
-        files.check_room(n_bytes if wanted is None else 0)
+    with ExitStack() as after_a_file:
+        file: BinaryIO | None = None
         for kind, content in backup.pieces(key):
             if kind == FILE:
+                after_a_file.close()
                 name = content.decode()
-                files.begin(name if wanted is None or wanted(name) else None)
+                is_wanted = wanted is None or wanted(name)
+                path = _path_of(folder, name)
+                file = after_a_file.enter_context(_saved(path)) if is_wanted else None
             elif kind == DATA:
-                files.write(content)
+                if file is not None:
+                    file.write(content)
                 done += len(content)
                 if progress is not None:
                     progress(min(done, n_bytes), n_bytes)
 
 
-class _Files:
-    """Writes one file after the other."""
+def check_room(folder: Path, n_bytes: int) -> None:
+    """See, before long work, that `n_bytes` can be written into a folder.
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._file: BinaryIO | None = None
+    Raises
+    ------
+    StoreError
+        The disk is full, or cannot be asked.
+    """
+    try:
+        is_short = shutil.disk_usage(folder).free < n_bytes
+    except OSError as error:
+        raise cannot_save(error) from error
+    if is_short:
+        raise cannot_save(OSError(errno.ENOSPC, ""))
 
-    def check_room(self, n_bytes: int) -> None:
-        if shutil.disk_usage(self._folder).free < n_bytes:
-            raise cannot_save(OSError(errno.ENOSPC, ""))
 
-    def begin(self, name: str | None) -> None:
-        """Go on with another file; None: with none."""
-        self._end()
-        if name is None:
-            return
-        path = self._folder / DATABASE_FILE
-        if name != DATABASE_FILE:
-            part = _NAME.fullmatch(name)
-            if part is None:
-                raise ValueError(f"no name of a file in a store: {name!r}")
-            path = SealedFolder(self._folder / part[1]).path_of(part[2])
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = path.open("xb")
-        except OSError as error:
-            raise cannot_save(error) from error
+def _path_of(folder: Path, name: str) -> Path:
+    """Return where a file of a backup belongs; nothing else is written."""
+    if name == DATABASE_FILE:
+        return folder / name
+    part = _NAME.fullmatch(name)
+    if part is None:
+        raise ValueError(f"no name of a file in a store: {name!r}")
+    return SealedFolder(folder / part[1]).path_of(part[2])
 
-    def write(self, block: bytes) -> None:
-        if self._file is None:
-            return
-        try:
-            self._file.write(block)
-        except OSError as error:
-            raise cannot_save(error) from error
 
-    def _end(self) -> None:
-        file, self._file = self._file, None
-        if file is None:
-            return
-        try:
-            with file:
-                file.flush()
-                os.fsync(file.fileno())
-            flush_folder(Path(file.name).parent)
-        except OSError as error:
-            raise cannot_save(error) from error
-
-    def __enter__(self) -> "_Files":
-        return self
-
-    def __exit__(self, kind: object, *_error: object) -> None:
-        if kind is None:
-            self._end()
-        elif self._file is not None:
-            with suppress(OSError):  # the first error is the one to tell
-                self._file.close()
+@contextmanager
+def _saved(path: Path) -> Iterator[BinaryIO]:
+    """Give a file that gets its name when all of it is on the disk."""
+    unfinished = path.with_suffix(UNFINISHED)
+    try:
+        is_new_folder = not path.parent.exists()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with unfinished.open("xb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        unfinished.replace(path)
+        flush_folder(path.parent)
+        if is_new_folder:
+            flush_folder(path.parent.parent)
+    except OSError as error:
+        raise cannot_save(error) from error
 
 
 def _verified(folder: Path, key: bytes, progress: Progress | None) -> VerifyReport:
@@ -251,36 +244,37 @@ def _check_empty(folder: Path) -> None:
 
 
 @contextmanager
-def _making_of(making: Path) -> Iterator[None]:
-    """Give an empty folder, after what a killed restore left is gone; nothing of it stays."""
+def _making_of(folder: Path) -> Iterator[Path]:
+    """Give an empty folder, after what a killed restore left is gone; nothing of it stays.
+
+    The lock lies beside it: who waits for the lock finds it free only when all is over, and a
+    folder with an open file cannot be renamed everywhere.
+    """
+    room = folder.parent / f"{IN_THE_MAKING}{folder.name}"
+    making = room / "store"
     try:
-        making.mkdir(mode=0o700, parents=True, exist_ok=True)
+        room.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
-        raise cannot_use(making.parent, error) from error
-    lock = StoreLock(making)
-    try:
-        if not lock.is_held:
-            raise StoreError(
-                "Another program is just restoring into that folder. Wait until it is done."
-            )
-        try:
-            _empty(making)
-        except OSError as error:
-            raise cannot_use(making, error) from error
-        yield
-    finally:
-        was_held = lock.is_held
+        raise cannot_use(room.parent, error) from error
+    lock = StoreLock(room)
+    if not lock.is_held:
         lock.release()
-        if was_held:
-            shutil.rmtree(making, ignore_errors=True)
-
-
-def _empty(making: Path) -> None:
-    for path in making.iterdir():
-        if path.is_dir():
-            shutil.rmtree(path)
-        elif path.name != LOCK_FILE:
-            path.unlink()
+        raise StoreError(
+            "Another program is just restoring into that folder. Wait until it is done."
+        )
+    try:
+        if making.exists():
+            shutil.rmtree(making)
+        making.mkdir(mode=0o700)
+        yield making
+    except OSError as error:
+        raise cannot_use(room, error) from error
+    finally:
+        shutil.rmtree(making, ignore_errors=True)
+        lock.release()
+        with suppress(OSError):  # the next one has taken it already
+            (room / LOCK_FILE).unlink(missing_ok=True)
+            room.rmdir()
 
 
 def _give_name(making: Path, folder: Path) -> None:
@@ -290,6 +284,6 @@ def _give_name(making: Path, folder: Path) -> None:
         with suppress(FileNotFoundError):
             folder.rmdir()
         making.rename(folder)
-        flush_folder(folder.absolute().parent)
+        flush_folder(folder.parent)
     except OSError as error:
         raise cannot_use(folder, error) from error

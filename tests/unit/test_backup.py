@@ -187,6 +187,26 @@ def test_nothing_is_restored_over_something(backup, folder, tmp_path):
     open_sample(tmp_path / "empty").close()
 
 
+def test_a_restore_through_a_link_goes_where_it_leads(backup, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "empty")
+    restore_into(backup, tmp_path / "link", PASSPHRASE)
+    open_sample(tmp_path / "empty").close()
+    assert names_in(tmp_path) == ["empty", "kept", "link", "store"]
+
+
+def test_only_one_restores_into_a_folder(backup, tmp_path):
+    new = tmp_path / "new"
+
+    def try_too(_done, _total):
+        with pytest.raises(StoreError, match="Another program"):
+            restore_into(backup, new, PASSPHRASE)
+
+    restore_into(backup, new, PASSPHRASE, try_too)
+    open_sample(new).close()
+    assert names_in(tmp_path) == ["kept", "new", "store"]
+
+
 @pytest.mark.parametrize("work", ["backup", "restore"])
 def test_who_stops_it_finds_nothing_half_done(folder, backup, tmp_path, work):
     counted = itertools.count()

@@ -1,6 +1,7 @@
 """A backup in a used store: missing things come back, purged ones do not, nothing is lost."""
 
 import json
+import shutil
 from dataclasses import replace
 from datetime import timedelta
 
@@ -11,6 +12,7 @@ from adibas.data.corrections import MarkerCorrection
 from adibas.data.patients import Consent, Identity
 from adibas.errors import PassphraseError, StoreError
 from adibas.sessions import open_store
+from adibas.sessions.backup_format import BackupReader
 from adibas.sessions.merge_words import merge_texts
 from adibas.sessions.restoring import restore_into
 from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames
@@ -270,6 +272,75 @@ def test_a_crash_after_the_change_puts_the_files_in_their_places_later(
         assert store.verify().is_sound
         assert store.captures.of_session(session.session_id)
     assert not (new / "restoring").exists()
+
+
+def test_a_second_restore_loses_no_file_that_the_first_one_left_waiting(
+    session, backup, tmp_path, monkeypatch
+):
+    with open_sample(tmp_path / "third", clock=minutes_clock(LATER)) as store:
+        filled(store)
+    other = back_up(tmp_path / "third", tmp_path / "c.adibas-backup")
+    with open_sample(tmp_path / "other") as store:
+        monkeypatch.setattr("adibas.sessions.merged_files.finish_merge", lambda _database: None)
+        store.backups.restore(backup, PASSPHRASE)
+        monkeypatch.undo()
+        store.backups.restore(other, PASSPHRASE)
+        assert store.verify().is_sound
+        assert store.captures.of_session(session.session_id)
+
+
+def test_a_file_that_a_kill_cut_while_it_was_restored_is_not_taken(folder, session, tmp_path):
+    with open_sample(folder) as store:
+        (facts,) = store.recordings.of_session(session.session_id)
+        key, name = store.recordings.key(facts.recording_id), facts.recording_id + "-0a0b"
+        store.recordings.codings.write(name, key, b"x" * 3_000_000)
+        backup = tmp_path / "a.adibas-backup"
+        store.backups.write(backup)
+        store.recordings.codings.delete(name)
+        path = folder / "restoring"
+
+        def kill(done, _total):
+            if list(path.rglob(f"{name}*")) and done > 2_000_000:
+                shutil.copytree(path, tmp_path / "as-it-was", dirs_exist_ok=True)
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            store.backups.restore(backup, progress=kill)
+    shutil.copytree(tmp_path / "as-it-was", path)
+    with open_sample(folder) as store:
+        assert not store.recordings.codings.path_of(name).exists()
+        store.backups.restore(backup)
+        assert store.recordings.codings.read(name, key) == b"x" * 3_000_000
+
+
+def test_of_two_damaged_files_the_one_that_is_here_stays(folder, session, tmp_path):
+    (recording,) = (folder / "recordings").rglob("*.sealed")
+    whole = recording.read_bytes()
+    recording.write_bytes(b"damaged before")
+    backup = back_up(folder, tmp_path / "a.adibas-backup")
+    recording.write_bytes(whole[:-1])
+    with open_sample(folder) as store:
+        store.backups.restore(backup)
+    assert recording.read_bytes() == whole[:-1]
+    assert session
+
+
+def test_one_file_comes_back_also_where_there_is_no_room_for_all(folder, backup, monkeypatch):
+    (recording,) = (folder / "recordings").rglob("*.sealed")
+    whole = recording.read_bytes()
+    recording.unlink()
+    with BackupReader(backup) as reader:
+        n_bytes = reader.header.n_bytes
+    for n_short, is_told in ((1, False), (n_bytes - 1000, True)):
+        usage = type("Usage", (), {"free": n_bytes - n_short})
+        monkeypatch.setattr("shutil.disk_usage", lambda _path, usage=usage: usage)
+        with open_sample(folder) as store:
+            if is_told:
+                with pytest.raises(StoreError, match="disk is full"):
+                    store.backups.restore(backup)
+            else:
+                store.backups.restore(backup)
+                assert recording.read_bytes() == whole
 
 
 def test_a_stop_or_damage_before_the_change_leaves_the_store_as_it_was(session, backup, tmp_path):
