@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
@@ -82,9 +83,10 @@ class JoinedRecording(RecordingReader):
         )
 
     def close(self) -> None:
-        """Let go of all files."""
-        for part in self._parts:
-            part.close()
+        """Let go of all files, also where one of them fails."""
+        with ExitStack() as parts:
+            for part in self._parts:
+                parts.callback(part.close)
 
 
 def begins_ns_of(reader: RecordingReader) -> tuple[int, ...]:
@@ -105,9 +107,7 @@ def _shifts_ns(parts: Sequence[RecordingReader]) -> list[int]:
 def _check(part: RecordingReader, name: str, first: SourceInfo) -> None:
     if not len(part):
         raise RecordingError("{file} has no frames. Choose another recording.", file=name)
-    info = part.info
-    is_same = (info.depth_unit_m, info.sensor_serial) == (first.depth_unit_m, first.sensor_serial)
-    if not is_same or _depth_camera(info) != _depth_camera(first):
+    if _camera(part.info) != _camera(first):
         raise RecordingError(
             "{file} is of another camera than the recording before it, or was calibrated anew: "
             "they cannot be watched as one. Open it by itself.",
@@ -115,5 +115,7 @@ def _check(part: RecordingReader, name: str, first: SourceInfo) -> None:
         )
 
 
-def _depth_camera(info: SourceInfo) -> object:
-    return None if info.calibration is None else info.calibration.depth
+def _camera(info: SourceInfo) -> tuple[object, ...]:
+    """Return what depth means: where its pixels look, and how far its counts reach."""
+    depth = None if info.calibration is None else info.calibration.depth
+    return info.sensor_serial, info.depth_unit_m, info.is_depth_registered, depth

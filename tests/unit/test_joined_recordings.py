@@ -84,12 +84,24 @@ def test_what_was_lost_of_each_part_is_told(joined, parts):
     [
         (replace(INFO, sensor_serial="other"), 2, "another camera"),
         (replace(INFO, calibration=RgbdCalibration(depth=CAMERA)), 2, "another camera"),
+        (replace(INFO, is_depth_registered=not INFO.is_depth_registered), 2, "another camera"),
         (INFO, 0, "no frames"),
     ],
 )
 def test_parts_that_do_not_belong_together_are_told(info, n_frames, words):
     with pytest.raises(RecordingError, match=f"b .*{words}"):
         JoinedRecording([Part(2), Part(n_frames, info)], ["a", "b"])
+
+
+def test_every_part_is_closed_also_where_one_fails(parts, monkeypatch):
+    def fail():
+        raise RecordingError("{file} is gone.", file="b")
+
+    joined = JoinedRecording(parts, ["a", "b", "c"])
+    monkeypatch.setattr(parts[1], "close", fail)
+    with pytest.raises(RecordingError, match="b is gone"):
+        joined.close()
+    assert [part.is_closed for part in parts] == [True, False, True]
 
 
 def test_files_are_reached_as_one_and_closed_where_one_is_missing(tmp_path):
