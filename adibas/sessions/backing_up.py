@@ -21,12 +21,11 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import (
     ENDING,
     PIECE_BYTES,
-    BackupHeader,
     BackupWriter,
-    new_salt,
+    header_of,
 )
 from adibas.sessions.database import DATABASE_FILE, Database
-from adibas.sessions.key_file import fingerprint_of, read_key_file
+from adibas.sessions.key_file import KeyFile, fingerprint_of, read_key_file
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import behind_passphrase
 from adibas.sessions.places import ID_LENGTH
@@ -35,6 +34,7 @@ from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
 
 if TYPE_CHECKING:
+    from adibas.sessions.backup_format import BackupHeader
     from adibas.sessions.backup_schedule import BackupPlan, KeptBackup
     from adibas.sessions.merging import MergeSummary
     from adibas.sessions.verification import VerifyReport
@@ -100,36 +100,6 @@ class Backups:
         self._folder = database.path.parent
         self._one_restore = threading.Lock()
 
-    def wrapped_key(
-        self, passphrase: str | None, params: Argon2Params | None = None
-    ) -> tuple[str, dict[str, object]]:
-        """Return the store's number, and its key behind a passphrase.
-
-        Parameters
-        ----------
-        passphrase : str or None
-            None: the one that opens the store.
-
-        Raises
-        ------
-        PassphraseError
-            The store has none, or the given one is too short.
-        """
-        file = read_key_file(self._folder)
-        if file is None or fingerprint_of(self._key) != file.fingerprint:
-            raise PassphraseError(
-                "The patient store has lost its key.json. Restore that file from a backup."
-            )
-        if passphrase is None and file.place == "passphrase":
-            return file.store_id, dict(file.wrapped)
-        if passphrase is None:
-            raise PassphraseError(
-                "The key of this patient store is in the desktop's keyring, which a backup does "
-                "not have. Choose a passphrase for the backup, and keep it safe."
-            )
-        own = behind_passphrase(file.store_id, self._key, passphrase, params or Argon2Params())
-        return file.store_id, dict(own.wrapped)
-
     def write(
         self,
         path: Path,
@@ -151,13 +121,13 @@ class Backups:
         Raises
         ------
         PassphraseError
-            See `wrapped_key`.
+            The store has none, or the given one is too short.
         FileError
             The disk is full, or `path` cannot be written. What stood there is untouched.
         StoreError
             The database cannot be copied; no file is left either.
         """
-        store_id, wrapped = self.wrapped_key(passphrase, params)
+        key_file = self._key_behind(passphrase, params)
         check_place(path)
         with written_whole(path) as unfinished:
             _remove_litter(path.parent, unfinished)
@@ -165,8 +135,7 @@ class Backups:
             with self._snapshot(unfinished) as members, unfinished.open("wb") as file:
                 n_bytes = sum(_size(member.path) for member in members)
                 _check_room(path, n_bytes)
-                print_of_key, now = fingerprint_of(self._key), self._audit.now()
-                header = BackupHeader(store_id, print_of_key, now, new_salt(), n_bytes, wrapped)
+                header = header_of(key_file, self._audit.now(), n_bytes)
                 writer = BackupWriter(file, header, self._key)
                 summary = _write_all(writer, members, n_bytes, progress)
         return summary
@@ -182,7 +151,7 @@ class Backups:
         from adibas.sessions.backup_schedule import backups_in
 
         file = read_key_file(self._folder)
-        return () if file is None else backups_in(folder, file.store_id)
+        return () if file is None else backups_in(folder, file.store_id, self._audit.now_utc())
 
     def days_since(self, folder: Path) -> float | None:
         """Return how old the newest backup in a folder is; None without any."""
@@ -200,6 +169,8 @@ class Backups:
     ) -> "tuple[Path, BackupSummary] | None":
         """Make a backup where one is due, and remove older ones than the plan keeps.
 
+        None is removed while the store lacks files: an older one may be the last that has them.
+
         Returns
         -------
         made : (Path, BackupSummary) or None
@@ -215,9 +186,10 @@ class Backups:
         now_utc = self._audit.now_utc()
         if not is_due(self.kept(plan.folder), now_utc, plan.every_days):
             return None
-        path = plan.folder / name_at(now_utc)
+        path = plan.folder / name_at(now_utc, self._own_key_file().store_id)
         summary = self.write(path, passphrase, params=params, progress=progress)
-        remove_older(self.kept(plan.folder), plan.keep)
+        if not summary.damaged:
+            remove_older(self.kept(plan.folder), plan.keep)
         return path, summary
 
     def restore(
@@ -252,6 +224,27 @@ class Backups:
         from adibas.sessions.restoring import verify_backup
 
         return verify_backup(path, passphrase, progress, key=self._key)
+
+    def _own_key_file(self) -> KeyFile:
+        file = read_key_file(self._folder)
+        if file is None or fingerprint_of(self._key) != file.fingerprint:
+            raise PassphraseError(
+                "The patient store has lost its key.json. Restore that file from a backup."
+            )
+        return file
+
+    def _key_behind(self, passphrase: str | None, params: Argon2Params | None) -> KeyFile:
+        """Return the store's key behind a passphrase; None: the one that opens the store."""
+        file = self._own_key_file()
+        if passphrase is not None:
+            params = params or Argon2Params()
+            return behind_passphrase(file.store_id, self._key, passphrase, params)
+        if file.place != "passphrase":
+            raise PassphraseError(
+                "The key of this patient store is in the desktop's keyring, which a backup does "
+                "not have. Choose a passphrase for the backup, and keep it safe."
+            )
+        return file
 
     @contextmanager
     def _snapshot(self, beside: Path) -> Iterator[list[_Member]]:

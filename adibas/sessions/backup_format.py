@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Self
 from adibas.errors import PassphraseError, StoreError
 from adibas.files import cannot_read
 from adibas.recordings.seal import SealError
-from adibas.sessions.key_file import ID_LENGTH, fingerprint_of
+from adibas.sessions.key_file import ID_LENGTH, KeyFile, fingerprint_of
 from adibas.sessions.key_wrapping import unwrap_key
 from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal, key_for
 
@@ -59,9 +59,11 @@ class BackupHeader:
     wrapped: Mapping[str, object]
 
 
-def new_salt() -> str:
-    """Return what makes the key of one backup its own."""
-    return secrets.token_hex(SALT_BYTES)
+def header_of(file: KeyFile, created_utc: str, n_bytes: int) -> BackupHeader:
+    """Return the header of a backup to be, with a salt of its own."""
+    salt = secrets.token_hex(SALT_BYTES)
+    wrapped = dict(file.wrapped)
+    return BackupHeader(file.store_id, file.fingerprint, created_utc, salt, n_bytes, wrapped)
 
 
 class BackupWriter:
@@ -228,7 +230,7 @@ class BackupReader:
             raise self._damaged()
         if document.pop("version", None) != VERSION:
             raise self._of_later_version()
-        header = _header_of(document)
+        header = _header_in(document)
         if header is None:
             raise self._damaged()
         return header
@@ -247,7 +249,7 @@ class BackupReader:
         )
 
 
-def _header_of(document: Mapping[str, Any]) -> BackupHeader | None:
+def _header_in(document: Mapping[str, Any]) -> BackupHeader | None:
     texts = ("store_id", "fingerprint", "created_utc", "salt")
     is_whole = (
         all(isinstance(document.get(name), str) for name in texts)

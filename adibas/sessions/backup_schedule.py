@@ -1,18 +1,24 @@
 """Backups that are made every few days into one folder, of which the last ones are kept.
 
 When a backup is due is read from the backups that are there: a folder that somebody emptied, or a
-disk that was changed, counts as one without any.
+disk that was changed, counts as one without any. So does one whose backups are all of the future: a
+clock was wrong, and nothing says how old they are.
 """
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 
 from adibas.errors import AdibasError, FileError
 from adibas.files import cannot_read
 from adibas.sessions.backup_format import ENDING, BackupReader
 
-SECONDS_A_DAY = 86_400.0
+A_DAY = timedelta(days=1)
+AHEAD = A_DAY
+"""So far a clock may have been put back; a backup that is still later has a wrong time."""
+SLACK = timedelta(hours=1)
+"""A daily timer starts a little earlier than the day before finished."""
+N_ID_DIGITS = 8
 PATTERN = f"adibas-*{ENDING}"
 
 
@@ -47,8 +53,10 @@ class KeptBackup:
     created_utc: datetime
 
 
-def backups_in(folder: Path, store_id: str) -> tuple[KeptBackup, ...]:
-    """Return the backups of one store in a folder, newest first; damaged ones are none.
+def backups_in(folder: Path, store_id: str, now_utc: datetime) -> tuple[KeptBackup, ...]:
+    """Return the backups of one store in a folder, newest first; cut and damaged ones are none.
+
+    Those of the future are last.
 
     Raises
     ------
@@ -60,25 +68,27 @@ def backups_in(folder: Path, store_id: str) -> tuple[KeptBackup, ...]:
     except OSError as error:
         raise cannot_read(folder, error) from error
     found = [kept for path in paths if (kept := _kept(path, store_id)) is not None]
-    return tuple(sorted(found, key=lambda one: one.created_utc, reverse=True))
+    latest = now_utc + AHEAD
+    order = sorted(found, key=lambda one: (one.created_utc <= latest, one.created_utc))
+    return tuple(reversed(order))
 
 
 def days_since(kept: tuple[KeptBackup, ...], now_utc: datetime) -> float | None:
-    """Return how old the newest backup is, days; None without any."""
-    if not kept:
+    """Return how old the newest backup is, days; None without any that tells."""
+    if not kept or kept[0].created_utc > now_utc + AHEAD:
         return None
-    return max(0.0, (now_utc - kept[0].created_utc).total_seconds() / SECONDS_A_DAY)
+    return max(0.0, (now_utc - kept[0].created_utc) / A_DAY)
 
 
 def is_due(kept: tuple[KeptBackup, ...], now_utc: datetime, every_days: int) -> bool:
     """Say whether it is time for a backup."""
     days = days_since(kept, now_utc)
-    return days is None or days >= every_days
+    return days is None or days >= every_days - SLACK / A_DAY
 
 
-def name_at(now_utc: datetime) -> str:
-    """Return the name of a backup that is made now."""
-    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}{ENDING}"
+def name_at(now_utc: datetime, store_id: str) -> str:
+    """Return the name of a backup that is made now; timers of two stores strike in one second."""
+    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}-{store_id[:N_ID_DIGITS]}{ENDING}"
 
 
 def remove_older(kept: tuple[KeptBackup, ...], keep: int) -> tuple[Path, ...]:
@@ -108,6 +118,7 @@ def _kept(path: Path, store_id: str) -> KeptBackup | None:
         with BackupReader(path) as backup:
             created = datetime.fromisoformat(backup.header.created_utc)
             is_ours = backup.header.store_id == store_id and created.tzinfo is not None
-    except (AdibasError, ValueError):  # it protects nobody, and so it does not count
+            is_cut = path.stat().st_size < backup.header.n_bytes
+    except (AdibasError, ValueError, OSError):  # it protects nobody, and so it does not count
         return None
-    return KeptBackup(path, created) if is_ours else None
+    return KeptBackup(path, created) if is_ours and not is_cut else None

@@ -9,7 +9,15 @@ import pytest
 from adibas.cli import main
 from adibas.errors import FileError
 from adibas.sessions.backup_schedule import BackupPlan, backups_in, days_since, is_due
-from tests.unit.store_samples import IDENTITY, PASSPHRASE, START, minutes_clock, open_sample
+from tests.unit.store_samples import (
+    IDENTITY,
+    PASSPHRASE,
+    START,
+    add_capture,
+    add_session,
+    minutes_clock,
+    open_sample,
+)
 
 
 @pytest.fixture
@@ -55,6 +63,55 @@ def test_damaged_and_foreign_backups_neither_count_nor_go(folder, plan, tmp_path
     assert len(list(plan.folder.iterdir())) == 4
 
 
+def test_a_backup_of_the_future_neither_stops_others_nor_drives_them_out(folder, plan):
+    plan = BackupPlan(plan.folder, every_days=7, keep=1)
+    assert on_day(folder, plan, 3650)[1] == ["2036-11-18"]
+    assert on_day(folder, plan, 0)[1] == ["2026-11-21"]
+    assert on_day(folder, plan, 6) == (None, ["2026-11-21"])
+    assert on_day(folder, plan, 7)[1] == ["2026-11-28"]
+
+
+def test_a_clock_that_is_put_back_a_little_makes_no_second_backup(folder, plan):
+    assert on_day(folder, plan, 10)[0] is not None
+    assert on_day(folder, plan, 9.5)[0] is None
+    with open_sample(folder, clock=minutes_clock(START + timedelta(days=9.5))) as store:
+        assert store.backups.days_since(plan.folder) == 0.0
+
+
+def test_a_timer_strikes_a_little_early_and_still_makes_one_every_day(folder, plan):
+    daily = BackupPlan(plan.folder, every_days=1, keep=9)
+    for day in range(3):
+        assert on_day(folder, daily, day * (1 - 1e-4))[0] is not None
+
+
+def test_a_backup_that_was_cut_does_not_count(folder, plan):
+    (path, _), _ = on_day(folder, plan, 0)
+    path.write_bytes(path.read_bytes()[:-20_000])
+    assert on_day(folder, plan, 1)[0] is not None
+
+
+def test_no_older_backup_goes_while_the_store_lacks_files(folder, plan):
+    with open_sample(folder) as store:
+        add_capture(store, add_session(store))
+    plan = BackupPlan(plan.folder, every_days=1, keep=1)
+    on_day(folder, plan, 0)
+    (one, *_) = sorted((folder / "pictures").rglob("*.sealed"))
+    whole = one.read_bytes()
+    one.unlink()
+    (_, summary), kept = on_day(folder, plan, 2)
+    assert len(summary.damaged) == 1
+    assert len(kept) == 2
+    one.write_bytes(whole)
+    assert len(on_day(folder, plan, 4)[1]) == 1
+
+
+def test_two_stores_that_are_backed_up_in_one_second_keep_both(folder, plan, tmp_path):
+    open_sample(tmp_path / "other").close()
+    first, second = (on_day(one, plan, 0)[0][0] for one in (folder, tmp_path / "other"))
+    assert first != second
+    assert first.exists()
+
+
 def test_a_backup_that_fails_removes_no_older_one(folder, plan, monkeypatch):
     on_day(folder, BackupPlan(plan.folder, 1, 1), 0)
     monkeypatch.setattr("shutil.disk_usage", lambda _path: type("Usage", (), {"free": 10}))
@@ -68,7 +125,7 @@ def test_an_old_backup_that_cannot_be_removed_is_told(folder, plan, monkeypatch)
         raise PermissionError(13, "Permission denied")
 
     on_day(folder, BackupPlan(plan.folder, 1, 1), 0)
-    kept = backups_in(plan.folder, "ab" * 16)
+    kept = backups_in(plan.folder, "ab" * 16, START)
     assert kept == ()
     with open_sample(folder) as store:
         kept = store.backups.kept(plan.folder)
@@ -80,7 +137,7 @@ def test_an_old_backup_that_cannot_be_removed_is_told(folder, plan, monkeypatch)
 
 
 def test_no_backup_is_older_than_any(tmp_path):
-    assert backups_in(tmp_path / "nowhere", "ab" * 16) == ()
+    assert backups_in(tmp_path / "nowhere", "ab" * 16, START) == ()
     assert days_since((), START) is None
     assert is_due((), START, 7)
 
