@@ -1,6 +1,6 @@
 """The loops of blobs: which pixels hang together, and how much of a core each pixel near it holds.
 
-A group is told by its pixels in raster order; `starts` says where in the lists of rows and columns
+A group is told by its pixels; `starts` says where in the lists of rows and columns
 each group begins, and where the last one ends.
 """
 
@@ -56,6 +56,74 @@ def _places(labels: Int32Array, n_labels: int, taken: BoolArray) -> tuple[IntArr
     starts[1:] = np.cumsum(sizes[is_free])
     place[is_free] = starts[:-1]
     return starts, place
+
+
+@compiled
+def join_groups(
+    groups: tuple[IntArray, IntArray, IntArray], n_speck_px: int, reach: int
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Make one group of specks (fewer pixels than `n_speck_px`) within `reach` rows and columns.
+
+    Groups come and stay in the order of their first rows.
+    """
+    rows, columns, starts = groups
+    n_groups = len(starts) - 1
+    root = np.arange(n_groups)
+    for i in range(n_groups):
+        if starts[i + 1] - starts[i] >= n_speck_px:
+            continue
+        last_row = rows[starts[i] : starts[i + 1]].max() + reach
+        for j in range(i + 1, n_groups):
+            if rows[starts[j]] > last_row:
+                break
+            if starts[j + 1] - starts[j] < n_speck_px and _are_near(
+                rows, columns, (starts[i], starts[i + 1], starts[j], starts[j + 1]), reach
+            ):
+                _unite(root, i, j)
+    return _gathered(rows, columns, starts, root)
+
+
+@compiled
+def _are_near(
+    rows: IntArray, columns: IntArray, ends: tuple[int, int, int, int], reach: int
+) -> bool:
+    for one in range(ends[0], ends[1]):
+        for other in range(ends[2], ends[3]):
+            away = max(abs(rows[one] - rows[other]), abs(columns[one] - columns[other]))
+            if away <= reach:
+                return True
+    return False
+
+
+@compiled
+def _unite(root: IntArray, one: int, other: int) -> None:
+    """Give both and all that hang on them the first of their groups as root."""
+    first, second = min(root[one], root[other]), max(root[one], root[other])
+    for i in range(len(root)):
+        if root[i] == second:
+            root[i] = first
+
+
+@compiled
+def _gathered(
+    rows: IntArray, columns: IntArray, starts: IntArray, root: IntArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the groups by their roots."""
+    sizes = np.zeros(len(root), np.int64)
+    for i in range(len(root)):
+        sizes[root[i]] += starts[i + 1] - starts[i]
+    is_left = sizes > 0
+    new_starts = np.zeros(is_left.sum() + 1, np.int64)
+    new_starts[1:] = np.cumsum(sizes[is_left])
+    place = np.zeros(len(root), np.int64)
+    place[is_left] = new_starts[:-1]
+    new_rows, new_columns = np.empty_like(rows), np.empty_like(columns)
+    for i in range(len(root)):
+        for pixel in range(starts[i], starts[i + 1]):
+            at = place[root[i]]
+            new_rows[at], new_columns[at] = rows[pixel], columns[pixel]
+            place[root[i]] += 1
+    return new_rows, new_columns, new_starts
 
 
 @compiled

@@ -19,6 +19,7 @@ from adibas.markers.blobs import (
     Blob,
     BlobParams,
     connected_groups,
+    joined_specks,
     judge,
     measure_blobs,
     pixels_of,
@@ -119,7 +120,7 @@ def find_color_markers(
     taken = np.zeros(inside.shape, np.bool_)
     for width_px in _odd_widths(params.surround_px, color_rgb.shape[1]):
         seeds = _stands_out(distance, inside, width_px, limit, params)
-        groups = connected_groups(seeds, taken)
+        groups = joined_specks(connected_groups(seeds, taken))
         for index, blob in enumerate(measure_blobs(lab, distance, groups)):
             found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
             if isinstance(found, Blob):

@@ -9,13 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import ndimage
+from scipy.sparse.csgraph import connected_components
 
 from adibas.markers.blob_kernels import _widened
 from adibas.markers.blobs import (
+    LEAST_TOLD_PX,
+    SPECK_REACH_PX,
     Blob,
     BlobParams,
     connected_groups,
     depth_near,
+    joined_specks,
     judge,
     measure_blobs,
     pixels_of,
@@ -56,6 +60,33 @@ def test_groups_are_scipys_components_without_those_that_touch_a_taken_pixel(see
         if not (taken & (labels == label)).any()
     }
     assert found == wanted
+
+
+def pixel_sets(groups):
+    return [
+        frozenset(zip(*(axis.tolist() for axis in pixels_of(groups, index)), strict=True))
+        for index in range(len(groups[2]) - 1)
+    ]
+
+
+@given(masks)
+def test_specks_near_to_one_another_are_one_group_and_larger_groups_stay(seeds):
+    apart = connected_groups(seeds, np.zeros(seeds.shape, bool))
+    specks = [group for group in pixel_sets(apart) if len(group) < LEAST_TOLD_PX]
+    away = [
+        [min(max(abs(a - c), abs(b - d)) for a, b in one for c, d in other) for other in specks]
+        for one in specks
+    ]
+    are_near = np.array(away).reshape(len(specks), len(specks)) <= SPECK_REACH_PX
+    n_joined, label = connected_components(are_near, directed=False)
+    wanted = {
+        frozenset().union(*(specks[i] for i in np.flatnonzero(label == one)))
+        for one in range(n_joined)
+    }
+    wanted |= set(pixel_sets(apart)) - set(specks)
+    joined = pixel_sets(joined_specks(apart))
+    assert set(joined) == wanted
+    assert len(joined) == len(wanted)
 
 
 @given(masks, st.integers(1, 6))
