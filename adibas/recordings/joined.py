@@ -117,5 +117,6 @@ def _check(part: RecordingReader, name: str, first: SourceInfo) -> None:
 
 def _camera(info: SourceInfo) -> tuple[object, ...]:
     """Return what depth means: where its pixels look, and how far its counts reach."""
-    depth = None if info.calibration is None else info.calibration.depth
+    known = info.calibration
+    depth = None if known is None else (known.depth, known.depth_bias)
     return info.sensor_serial, info.depth_unit_m, info.is_depth_registered, depth

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.errors import RecordingError
 from adibas.geometry.pinhole import Intrinsics
 from adibas.pipeline.joined_access import access_to, joined_access, joined_key
@@ -91,6 +91,16 @@ def test_what_was_lost_of_each_part_is_told(joined, parts):
 def test_parts_that_do_not_belong_together_are_told(info, n_frames, words):
     with pytest.raises(RecordingError, match=f"b .*{words}"):
         JoinedRecording([Part(2), Part(n_frames, info)], ["a", "b"])
+
+
+def test_another_correction_of_depth_is_another_camera():
+    biased = RgbdCalibration(depth=CAMERA, depth_bias=DepthBias(a=0.01))
+    parts = [
+        Part(2, replace(INFO, calibration=one)) for one in (RgbdCalibration(depth=CAMERA), biased)
+    ]
+    with pytest.raises(RecordingError, match="calibrated anew"):
+        JoinedRecording(parts, ["a", "b"])
+    assert len(JoinedRecording([parts[1], parts[1]], ["a", "b"])) == 4
 
 
 def test_every_part_is_closed_also_where_one_fails(parts, monkeypatch):
