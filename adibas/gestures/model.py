@@ -7,7 +7,8 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
-from adibas.gestures.descriptor import DescribedTrack, DescriptorParams
+from adibas.data.skeleton_track import SkeletonTrack
+from adibas.gestures.descriptor import DescribedTrack, DescriptorParams, describe
 from adibas.gestures.hidden_markov import HiddenMarkov
 from adibas.gestures.likeness import Likeness
 from adibas.gestures.proposals import ClassAligner, ProposalParams
@@ -121,6 +122,14 @@ class GestureModel:
             _with(one, int(label), float(cost[label]))
             for one, label, cost in zip(proposals, best, costs, strict=True)
         ]
+
+
+def described_for(
+    models: Sequence[GestureModel], track: SkeletonTrack
+) -> list[tuple[GestureModel, DescribedTrack]]:
+    """Return each model with the track as it wants it described; alike ones share one."""
+    described = {one: describe(track, one) for one in {model.descriptor for model in models}}
+    return [(model, described[model.descriptor]) for model in models]
 
 
 def _with(segment: Segment, label: int, cost: float) -> Segment:

@@ -13,8 +13,8 @@ import numpy as np
 from adibas.arrays import FloatArray
 from adibas.clock import NS_PER_S
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.gestures.descriptor import NECK, describe
-from adibas.gestures.model import GestureModel
+from adibas.gestures.descriptor import NECK
+from adibas.gestures.model import GestureModel, described_for
 
 FEWEST = 8
 """Frames from which on anything is looked for."""
@@ -108,8 +108,7 @@ class GestureWatcher:
         if not track.seen[:, NECK].any():
             return []
         found = []
-        for number, model in enumerate(self._models):
-            described = describe(track, model.descriptor)
+        for number, (model, described) in enumerate(described_for(self._models, track)):
             for one in model.detect(described):
                 begin_s, end_s = described.time_s(one.begin), described.time_s(one.end)
                 is_new = begin_s >= self._told_until_s[number]

@@ -317,8 +317,7 @@ def _occurrences(
     subject = subject_of(track.person)
     found: list[Occurrence] = []
     if models and track.seen[:, NECK].any():
-        events = [one for model in models for one in detected_events(name, track, model)]
-        found += gesture_occurrences(events, subject)
+        found += gesture_occurrences(detected_events(name, track, models), subject)
     session_s = (session_ms[0] / MS_PER_S, session_ms[1] / MS_PER_S)
     for begin, end in hidden_spans_s(track, session_s, request.posture):
         found.append(Occurrence(OUT_OF_VIEW, *_ms((begin, end)), subject))

@@ -1,6 +1,7 @@
 """What `adibas gestures` does: train on a folder, detect in a recording, evaluate."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,9 +11,9 @@ from adibas.data.events import TimedEvent
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import GestureError
-from adibas.gestures.descriptor import DescriptorParams, describe
+from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.evaluation import Evaluation, compare, leave_one_out
-from adibas.gestures.model import GestureModel
+from adibas.gestures.model import GestureModel, described_for
 from adibas.gestures.model_file import read_model
 from adibas.gestures.training import TrainingParams, check_examples, train
 from adibas.pipeline.gesture_examples import EVENTS_FILE, read_examples, unseen_joints
@@ -74,15 +75,14 @@ def detect_in_file(path: Path, model_path: Path) -> Detected:
     events: list[TimedEvent] = []
     for track in read.tracks:
         notices += _gaps(path, track, model.descriptor)
-        events += detected_events(recording_name(path), track, model)
+        events += detected_events(recording_name(path), track, [model])
     return Detected(tuple(sorted(events, key=lambda event: event.begin_s)), tuple(notices))
 
 
 def detected_events(
-    recording: str, track: SkeletonTrack, model: GestureModel
+    recording: str, track: SkeletonTrack, models: Sequence[GestureModel]
 ) -> tuple[TimedEvent, ...]:
-    """Return what a model finds in a track."""
-    described = describe(track, model.descriptor)
+    """Return what models find in a track, one model after the other."""
     return tuple(
         TimedEvent(
             recording,
@@ -92,6 +92,7 @@ def detected_events(
             person=track.person,
             cost=found.cost,
         )
+        for model, described in described_for(models, track)
         for found in model.detect(described)
     )
 

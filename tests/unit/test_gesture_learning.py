@@ -74,7 +74,7 @@ def test_the_joints_that_move_tell_the_gesture(waving):
 
 def test_what_was_learned_finds_the_gesture_in_somebody_else(waving):
     track, events = recording(8, ("bend", "wave", "bend", "wave"), size=1.2)
-    found = detected_events("other", track, waving.model)
+    found = detected_events("other", track, [waving.model])
     waves = [(begin, end) for name, begin, end in events if name == "wave"]
     assert len(found) == len(waves)
     for one, (begin, end) in zip(found, waves, strict=True):

@@ -1,5 +1,6 @@
 """Gestures are recognised while somebody is watched: each once, soon after its end."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.geometry.pinhole import Intrinsics
 from adibas.gestures.descriptor import DescriptorParams
+from adibas.gestures.model import described_for
 from adibas.gestures.training import TrainingParams, train
 from adibas.gestures.watching import GestureWatcher, WatchParams
 from adibas.pipeline.gesture_examples import examples_of
@@ -76,6 +78,15 @@ def test_who_shows_no_neck_is_not_judged(model, moves):
     hidden_m[:, JOINT_NAMES.index("neck")] = np.nan
     for time_ns, joints_m in zip(track.timestamps_ns, hidden_m, strict=True):
         assert watcher.see(int(time_ns), joints_m) == []
+
+
+def test_what_is_watched_for_several_gestures_is_described_once(model, moves):
+    other = replace(model, descriptor=DescriptorParams(velocity_s=0.0))
+    found = described_for([model, other, model], moves[0])
+    assert [one for one, _described in found] == [model, other, model]
+    first, second, third = (described for _one, described in found)
+    assert first is third
+    assert first.frames.shape[1] == 2 * second.frames.shape[1]
 
 
 @pytest.fixture
