@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence, Set
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from adibas.data.markers import Marker
 from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
 from adibas.skeleton.namer import Namer
+
+Names: TypeAlias = tuple[str | None, ...]
 
 UP = np.array([0.0, -1.0, 0.0])
 OPPOSITE = 1e-6
@@ -43,18 +46,30 @@ def with_names(
     turn = upright_turn(vertical_of(calibration).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
     found = namer.label(positions_m @ turn.T, view).names
-    names = _given(placed, found, named_by_hand)
     flat = tuple(marker for marker in markers if marker.position_m is None)
+    more: Names = (None,) * len(flat)
     if flat and calibration.color is not None:
         places_m = np.vstack([positions_m, _as_far_away(flat, positions_m, calibration.color)])
-        more = namer.label(places_m @ turn.T, view).names[len(placed) :]
-        names |= _given(flat, more, named_by_hand | set(names.values()))
+        found, more = _agreed(found, namer.label(places_m @ turn.T, view).names)
+    names = _given(placed, found, named_by_hand)
+    names |= _given(flat, more, named_by_hand | set(names.values()))
     return tuple(replace(marker, label=names.get(marker.label, marker.label)) for marker in markers)
 
 
-def _given(
-    markers: Sequence[Marker], found: Sequence[str | None], taken: Set[str]
-) -> dict[str, str]:
+def _agreed(alone: Names, together: Names) -> tuple[Names, Names]:
+    """Return the names of the placed markers and those of the others, told once without these.
+
+    Where the two contradict each other about a placed marker, the points can be read in two ways:
+    it gets no name, and neither do those whose places are guessed.
+    """
+    again, more = together[: len(alone)], together[len(alone) :]
+    both = list(zip(alone, again, strict=True))
+    agreed = tuple(one if other in (None, one) else None for one, other in both)
+    is_doubtful = any(one is not None and other not in (None, one) for one, other in both)
+    return agreed, (None,) * len(more) if is_doubtful else more
+
+
+def _given(markers: Sequence[Marker], found: Names, taken: Set[str]) -> dict[str, str]:
     """Return the new name of each marker that gets one, by its label."""
     return {
         marker.label: name

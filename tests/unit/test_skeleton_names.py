@@ -106,6 +106,24 @@ def test_a_name_by_hand_is_not_given_to_a_marker_without_a_position(seen_flat):
     assert [marker.label for marker in named].count("left_foot") == 1
 
 
+def test_markers_that_can_be_read_in_two_ways_get_no_name(seen_flat):
+    markers, calibration = seen_flat("left_foot", "head")
+    n_placed = len(JOINT_NAMES) - 2
+    alone = ("left_hand", None, *(None,) * (n_placed - 2))
+    together = ("right_hand", "left_knee", *(None,) * (n_placed - 2), "left_foot", "head")
+    says = {n_placed: alone, len(markers): together}
+    namer = SimpleNamespace(
+        label=lambda points_m, _view: SimpleNamespace(names=says[len(points_m)])
+    )
+    labels = [marker.label for marker in markers]
+    named = with_names(namer, markers, "anterior", calibration)
+    assert [marker.label for marker in named] == labels
+    says[n_placed] = ("right_hand", *alone[1:])
+    named = with_names(namer, markers, "anterior", calibration)
+    given = {marker.label for marker in named} - set(labels)
+    assert given == {"right_hand", "left_foot", "head"}
+
+
 def test_a_marker_without_a_position_keeps_its_label_where_no_other_has_one(tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
