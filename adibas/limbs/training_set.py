@@ -16,7 +16,7 @@ import numpy as np
 from adibas.arrays import AnyArray, Float32Array, IntArray, UInt8Array, UInt16Array
 from adibas.data.joints import mirror_order
 from adibas.errors import LimbError
-from adibas.files import cannot_write, written_whole
+from adibas.files import written_whole
 from adibas.forests.training import TrainingImages
 
 HEADER = "labels.json"
@@ -109,14 +109,9 @@ def write_image(folder: Path, name: str, depth: UInt16Array, labels: UInt8Array)
         The folder cannot be written.
     """
     for ending, image in ((DEPTH, depth), (LABELS, labels)):
-        path = folder / f"{name}{ending}"
         payload: AnyArray = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1]
-        try:
-            unfinished = path.with_suffix(".part")
+        with written_whole(folder / f"{name}{ending}") as unfinished:
             unfinished.write_bytes(payload.tobytes())
-            unfinished.replace(path)
-        except OSError as error:
-            raise cannot_write(path, error) from error
 
 
 class LimbFolder:

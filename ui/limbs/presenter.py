@@ -1,6 +1,7 @@
 """The editor of labelled images: what a tool does, what is kept, what comes next. Without Qt."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -57,15 +58,13 @@ class LimbsPresenter:
             from adibas.recordings import open_recording
 
             folder = recording.with_name(f"{recording.stem}{FOLDER_ENDING}")
-            reader = open_recording(recording)
-            try:
+            with ExitStack() as undo:
+                reader = undo.enter_context(open_recording(recording))
                 desk = LabellingDesk(reader, recording.name, folder)
-                index = desk.progress.next_open(-1) or 0
-                frame = desk.frame(index)
-            except BaseException:
-                reader.close()
-                raise
-            return desk, frame, _kept(desk, frame)
+                frame = desk.frame(desk.progress.next_open(-1) or 0)
+                labels = _kept(desk, frame)
+                undo.pop_all()
+            return desk, frame, labels
 
         def done(found: "tuple[LabellingDesk, FrameToLabel, UInt8Array]") -> None:
             self._show_desk(found[0])
