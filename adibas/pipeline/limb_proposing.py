@@ -80,7 +80,7 @@ def propose_recording(request: ProposingRequest, progress: Progress) -> Proposed
             request.calibration,
             LABEL_SETS[request.labels],
         )
-        known = desk.progress
+        known = desk.files.progress
         open_frames = [index for index in wanted if index not in known.done | known.begun]
         for number, index in enumerate(open_frames, 1):
             frame = desk.frame(index)
@@ -89,7 +89,7 @@ def propose_recording(request: ProposingRequest, progress: Progress) -> Proposed
             except LimbError as error:
                 said[describe(error)] += 1
             else:
-                desk.keep(frame, labels, is_done=request.is_done)
+                desk.files.keep(index, frame.depth_raw, labels, is_done=request.is_done)
                 n_proposed += 1
             progress(number, len(open_frames))
     notices = tuple(said.most_common())

@@ -9,7 +9,8 @@ from adibas.cli import main
 from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.errors import LimbError
 from adibas.limbs.training_set import LimbFolder, read_header, write_header
-from adibas.pipeline.limb_labelling import LabellingDesk, LabellingProgress
+from adibas.pipeline.limb_label_files import LabellingProgress
+from adibas.pipeline.limb_labelling import LabellingDesk
 from adibas.pipeline.limb_names import limb_text, painting_colors
 from adibas.recordings import create_recording, open_recording
 from adibas.simulation.scenes import open_scene
@@ -43,16 +44,16 @@ def test_proposals_are_nearly_right_and_wait_for_somebody_to_look(video, scene, 
         LimbFolder(out)
     with open_recording(video) as recording:
         desk = LabellingDesk(recording, video.name, out)
-        assert desk.progress == LabellingProgress(2, frozenset(), frozenset({0}))
+        assert desk.files.progress == LabellingProgress(2, frozenset(), frozenset({0}))
         frame, after = desk.frame(0), desk.frame(1)
-        labels = desk.kept_labels(0)
+        labels = desk.files.kept(0)
         truths = [scene.frame(index).truth.labels for index in (40, 42)]
         assert share_right(labels, frame, truths[0]) > 0.9
         carried = desk.carried(frame, labels, after)
         assert share_right(carried, after, truths[1]) > share_right(labels, after, truths[1])
-        desk.keep(frame, labels, is_done=True)
-        assert desk.progress.done == {0}
-        assert desk.progress.next_open(0) == 1
+        desk.files.keep(0, frame.depth_raw, labels, is_done=True)
+        assert desk.files.progress.done == {0}
+        assert desk.files.progress.next_open(0) == 1
     assert main([*command, "--done"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert (told["n_labelled_before"], told["n_proposed"]) == (1, 1)
@@ -76,16 +77,16 @@ def test_the_seven_labels_are_the_fifteen_merged_and_others_cannot_be_proposed(v
             )
             assert same.all()
         assert ((full > 0) == (upper > 0)).all()
-        desks[0].keep(frame, full, is_done=False)
-        header = read_header(desks[0].folder)
-        write_header(desks[0].folder, type(header)(("paw", "tail"), *_optics(header)))
-        desk = LabellingDesk(recording, video.name, desks[0].folder)
-        assert desk.labels.names == ("paw", "tail")
+        desks[0].files.keep(0, frame.depth_raw, full, is_done=False)
+        header = read_header(desks[0].files.folder)
+        write_header(desks[0].files.folder, type(header)(("paw", "tail"), *_optics(header)))
+        desk = LabellingDesk(recording, video.name, desks[0].files.folder)
+        assert desk.files.labels.names == ("paw", "tail")
         with pytest.raises(LimbError, match="not those of a body"):
             desk.proposed(frame)
-        write_header(desks[0].folder, type(header)(header.labels, 0.001, 1.0, 1.0, 0.0, 0.0))
+        write_header(desks[0].files.folder, type(header)(header.labels, 0.001, 1.0, 1.0, 0.0, 0.0))
         with pytest.raises(LimbError, match="another camera"):
-            LabellingDesk(recording, video.name, desks[0].folder)
+            LabellingDesk(recording, video.name, desks[0].files.folder)
 
 
 def _optics(header):

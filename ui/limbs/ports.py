@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 from adibas.arrays import BoolArray, UInt8Array
 
 if TYPE_CHECKING:
-    from adibas.pipeline.limb_labelling import LabellingProgress
+    from adibas.pipeline.limb_label_files import LabellingProgress
 
 Tool = Literal["brush", "fill", "polygon"]
 Corners = tuple[tuple[float, float], ...]

@@ -25,16 +25,17 @@ from PySide6.QtWidgets import (
 
 from adibas.arrays import BoolArray, UInt8Array
 from adibas.texts import translate as _
+from ui.limbs.drawing import USUAL_RADIUS_PX
 from ui.limbs.paint_view import PaintView
 from ui.limbs.ports import Allowed, Corners, Tool
-from ui.limbs.presenter import USUAL_RADIUS_PX, LimbsPresenter
+from ui.limbs.presenter import LimbsPresenter
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.flow import in_a_flow
 from ui.widgets.overlays import Curve, Dot, Overlay, Region
 from ui.widgets.side_panel import SidePanel
 
 if TYPE_CHECKING:
-    from adibas.pipeline.limb_labelling import LabellingProgress
+    from adibas.pipeline.limb_label_files import LabellingProgress
 
 TOOLS: tuple[Tool, ...] = ("brush", "fill", "polygon")
 ABOVE = ("open", "undo", "redo", "propose", "carry", "finish")
