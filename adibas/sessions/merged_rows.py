@@ -1,7 +1,7 @@
 """One thing that was changed in a backup and in the store: the newer one, and all of the other."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeVar
 
 from sqlalchemy import select, update
 
@@ -11,8 +11,6 @@ from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row,
 from adibas.sessions.schema import CAPTURES, CORRECTIONS, IDENTITIES, PATIENTS, SESSIONS
 from adibas.texts import translate as _
 
-Version = TypeVar("Version")
-
 
 @dataclass(frozen=True, slots=True)
 class Side:
@@ -20,15 +18,19 @@ class Side:
 
     Attributes
     ----------
-    changed_utc : str
-        When the thing was changed last, as its audit log says.
+    last_changes : Mapping
+        When each thing was changed last, as its audit log says, by its id.
     is_right : bool
         It went on from the other one, so that it knows everything that the other one says.
     """
 
     transaction: Transaction
-    changed_utc: str
+    last_changes: Mapping[str, str]
     is_right: bool = False
+
+    def is_newer(self, other: "Side", subject: str) -> bool:
+        """Say whether a thing was changed here after it was changed there."""
+        return self.last_changes.get(subject, "") > other.last_changes.get(subject, "")
 
 
 def merge_patient(ours: Side, theirs: Side, pseudonym: str) -> tuple[str, ...] | None:
@@ -46,7 +48,7 @@ def merge_patient(ours: Side, theirs: Side, pseudonym: str) -> tuple[str, ...] |
         return None
     if ours.is_right:
         return ()
-    (row, identity), (old, old_identity) = _newer_first(ours, theirs, rows)
+    (row, identity), (old, old_identity) = rows[::-1] if theirs.is_newer(ours, pseudonym) else rows
     others = [
         *([_identity_line(old_identity)] if old_identity != identity else []),
         *([old.sex] if old.sex != row.sex else []),
@@ -73,7 +75,7 @@ def merge_session(ours: Side, theirs: Side, session_id: str) -> tuple[str, ...] 
         return None
     if ours.is_right:
         return ()
-    row, old = _newer_first(ours, theirs, [here, there])
+    row, old = (there, here) if theirs.is_newer(ours, session_id) else (here, there)
     others = [*([old.setup] if old.setup != row.setup else []), old.notes]
     values = {"notes": _both(row.notes, others), "setup": row.setup}
     changed = tuple(name for name, value in values.items() if value != our_values[name])
@@ -95,7 +97,7 @@ def merge_corrections(ours: Side, theirs: Side, capture_id: str) -> tuple[str, .
     if ours.is_right:
         return ()
     missing = [key for key in there if key not in here]
-    is_theirs_newer = theirs.changed_utc > ours.changed_utc
+    is_theirs_newer = theirs.is_newer(ours, capture_id)
     if not missing and not is_theirs_newer:
         return ()
     if is_theirs_newer:
@@ -113,13 +115,10 @@ def merge_corrections(ours: Side, theirs: Side, capture_id: str) -> tuple[str, .
     return ("corrections",)
 
 
-def _newer_first(ours: Side, theirs: Side, pair: list[Version]) -> list[Version]:
-    return pair[::-1] if theirs.changed_utc > ours.changed_utc else pair
-
-
 def _both(notes: str, others: list[str]) -> str:
     """Return notes with all that the other version says and they do not."""
-    missing = [text for text in others if text.strip() and text.strip() not in notes]
+    lines = f"\n{notes}\n"
+    missing = [text for text in map(str.strip, others) if text and f"\n{text}\n" not in lines]
     if not missing:
         return notes
     head = _("From the other version, when a backup was restored:")

@@ -8,7 +8,7 @@ right, and what the other says is kept beside it.
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-from sqlalchemy import Table, select, update
+from sqlalchemy import Table, func, select, update
 
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
@@ -107,7 +107,10 @@ class _Merge:
         self._audit = audit
         self._making = making
         self._summary = MergeSummary()
-        self._is_older = _went_on_from(ours, theirs)
+        self._sides = (
+            Side(ours, _last_changes(ours), is_right=_went_on_from(ours, theirs)),
+            Side(theirs, _last_changes(theirs)),
+        )
         purged = select(AUDIT.c.subject).where(AUDIT.c.action == "purge")
         self._purged = set(ours.scalars(purged))
 
@@ -133,13 +136,20 @@ class _Merge:
             elif here.created_utc != row.created_utc:
                 self._summary.not_added.append(pseudonym)
             else:
-                self._consents(pseudonym)
-                self._settle(pseudonym, merge_patient(*self._sides(pseudonym), pseudonym))
+                if self._consents(pseudonym):
+                    self._log_change(pseudonym, ["consents"])
+                self._settle(pseudonym, merge_patient(*self._sides, pseudonym))
 
-    def _consents(self, pseudonym: str) -> None:
-        """Add consents that are missing; one that was withdrawn on either side is withdrawn."""
+    def _consents(self, pseudonym: str) -> bool:
+        """Add consents that are missing; one that was withdrawn on either side is withdrawn.
+
+        Returns
+        -------
+        is_changed : bool
+        """
         whose = select(CONSENTS).where(CONSENTS.c.pseudonym == pseudonym)
         here = {_same_consent(row): row for row in self._ours.execute(whose)}
+        is_changed = False
         for row in self._theirs.execute(whose.order_by(CONSENTS.c.consent_id)).all():
             known = here.get(_same_consent(row))
             if known is None:
@@ -148,9 +158,12 @@ class _Merge:
                 signer = row_of(self._theirs, SIGNERS, row.consent_id)
                 if signer is not None:
                     add_row(self._ours, SIGNERS, consent_id=number, name=signer.name)
+                is_changed = True
             elif known.withdrawn_utc is None and row.withdrawn_utc is not None:
                 withdrawn = {"withdrawn_utc": row.withdrawn_utc}
                 change_row(self._ours, CONSENTS, known.consent_id, **withdrawn)
+                is_changed = True
+        return is_changed
 
     def _sessions(self) -> None:
         patients = set(self._ours.scalars(select(PATIENTS.c.pseudonym)))
@@ -162,7 +175,7 @@ class _Merge:
             elif row.pseudonym not in patients or row.pseudonym in not_theirs:
                 continue
             elif row_of(self._ours, SESSIONS, session_id) is not None:
-                self._settle(session_id, merge_session(*self._sides(session_id), session_id))
+                self._settle(session_id, merge_session(*self._sides, session_id))
             else:
                 self._add(SESSIONS, row)
                 self._summary.n_sessions += 1
@@ -188,7 +201,7 @@ class _Merge:
         for row in self._of_known_sessions(CAPTURES):
             capture_id = row.capture_id
             if row_of(self._ours, CAPTURES, capture_id) is not None:
-                self._settle(capture_id, merge_corrections(*self._sides(capture_id), capture_id))
+                self._settle(capture_id, merge_corrections(*self._sides, capture_id))
                 continue
             for file_id in (row.picture_id, row.surface_id):
                 if file_id is not None:
@@ -212,10 +225,6 @@ class _Merge:
         if row is not None:
             add_row(self._ours, table, **values_of(row))
 
-    def _sides(self, subject: str) -> tuple[Side, Side]:
-        ours = Side(self._ours, _last_change(self._ours, subject), is_right=self._is_older)
-        return ours, Side(self._theirs, _last_change(self._theirs, subject))
-
     def _settle(self, subject: str, outcome: Collection[str] | None) -> None:
         """Note what came of a thing that is on both sides: None where both say the same."""
         if outcome is None:
@@ -224,7 +233,10 @@ class _Merge:
             self._summary.newer_here.append(subject)
             return
         self._summary.both_kept.append(subject)
-        self._audit.write(self._ours, "change", subject, fields=sorted(outcome), merged=True)
+        self._log_change(subject, outcome)
+
+    def _log_change(self, subject: str, fields: Collection[str]) -> None:
+        self._audit.write(self._ours, "change", subject, fields=sorted(fields), merged=True)
 
 
 def _went_on_from(ours: Transaction, theirs: Transaction) -> bool:
@@ -236,14 +248,14 @@ def _went_on_from(ours: Transaction, theirs: Transaction) -> bool:
     return line is not None and line.hash == head.hash
 
 
-def _last_change(transaction: Transaction, subject: str) -> str:
+def _last_changes(transaction: Transaction) -> dict[str, str]:
+    """Return when each thing was changed last, in one look at the log, which can be long."""
     telling = (
-        select(AUDIT.c.time_utc)
-        .where(AUDIT.c.subject == subject, AUDIT.c.action.not_in(("view", "export", "merge")))
-        .order_by(AUDIT.c.sequence.desc())
-        .limit(1)
+        select(AUDIT.c.subject, func.max(AUDIT.c.time_utc).label("last"))
+        .where(AUDIT.c.action.not_in(("view", "export", "merge")))
+        .group_by(AUDIT.c.subject)
     )
-    return transaction.scalars(telling).first() or ""
+    return {row.subject: row.last for row in transaction.execute(telling)}
 
 
 def _same_consent(row: Row) -> tuple[str, str, bool]:

@@ -226,6 +226,22 @@ def assert_both_are_kept(store, session, patient, winner, other):
     assert f"visit {other}" in notes
 
 
+def test_a_name_within_a_word_of_the_notes_is_kept_all_the_same(two_ways, session, tmp_path):
+    here, there = two_ways
+    for folder, name, clock in ((there, "Eva", LATER), (here, "Ana", LATEST)):
+        with open_sample(folder, clock=minutes_clock(clock)) as store:
+            store.patients.change(
+                session.patient, identity=Identity(name), notes="Evaluation of a banana"
+            )
+    path = back_up(there, tmp_path / "b.adibas-backup")
+    with open_sample(here) as store:
+        store.backups.restore(path)
+        patient = store.patients.get(session.patient)
+        assert patient.identity.name == "Ana"
+        assert patient.notes.splitlines()[0] == "Evaluation of a banana"
+        assert patient.notes.splitlines()[-1] == "Eva"
+
+
 def test_a_consent_withdrawn_in_one_place_is_withdrawn(two_ways, session, tmp_path):
     here, there = two_ways
     with open_sample(there, clock=minutes_clock(LATER)) as store:
@@ -237,6 +253,12 @@ def test_a_consent_withdrawn_in_one_place_is_withdrawn(two_ways, session, tmp_pa
         consents = store.patients.get(session.patient).consents
         assert [one.withdrawn_utc is None for one in consents] == [False, True]
         assert consents[1].given_by == "Ana"
+        lines = store.audit.entries(100, patients=[session.patient])
+        assert [one.detail for one in lines if one.detail.get("merged")] == [
+            {"fields": ["consents"], "merged": True}
+        ]
+        store.backups.restore(path)
+        assert len(store.audit.entries(100, patients=[session.patient])) == len(lines)
 
 
 def test_somebody_else_of_the_same_pseudonym_is_not_mixed_in(folder, session, backup, tmp_path):
