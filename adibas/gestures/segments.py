@@ -78,6 +78,13 @@ class Examples:
         """Return the gestures in one stream."""
         return self._by_stream.get(stream, ())
 
+    def marked(self, stream: int) -> BoolArray:
+        """Return which frames (T,) of a stream are of a gesture."""
+        marked = np.zeros(len(self.streams[stream].frames), bool)
+        for gesture in self.in_stream(stream):
+            marked[gesture.begin : gesture.end + 1] = True
+        return marked
+
     def picked(self, kept: BoolArray) -> "Examples":
         """Return the examples whose place in `kept` (k,) is true; the streams stay."""
         gestures = [gesture for gesture, keep in zip(self.gestures, kept, strict=True) if keep]
@@ -86,15 +93,16 @@ class Examples:
     def without(self, held: BoolArray) -> "Examples":
         """Return the examples that are not `held` (k,), and streams in which the held are blank.
 
-        Left in an otherwise kept stream they would be learned as what is no gesture.
+        Left in an otherwise kept stream they would be learned as what is no gesture. Where a kept
+        one is done at the same time, its frames stay.
         """
         kept = self.picked(~held)
         streams = list(self.streams)
-        for gesture, is_held in zip(self.gestures, held, strict=True):
-            if is_held and kept.in_stream(gesture.stream):
-                frames = streams[gesture.stream].frames.copy()
-                frames[gesture.begin : gesture.end + 1] = np.nan
-                streams[gesture.stream] = replace(streams[gesture.stream], frames=frames)
+        for number, track in enumerate(self.streams):
+            blank = self.marked(number) & ~kept.marked(number)
+            if kept.in_stream(number) and blank.any():
+                frames = np.where(blank[:, None], np.nan, track.frames)
+                streams[number] = replace(track, frames=frames)
         return replace(kept, streams=streams)
 
 

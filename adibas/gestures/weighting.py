@@ -61,10 +61,8 @@ def weights_of_gestures(examples: Examples) -> FloatArray:
 def _unmarked(examples: Examples, n_frames: int) -> list[Segment]:
     """Return pieces of `n_frames`, one after the other, in which no gesture is marked."""
     found = []
-    for stream, track in enumerate(examples.streams):
-        marked = np.zeros(len(track.frames), bool)
-        for gesture in examples.in_stream(stream):
-            marked[gesture.begin : gesture.end + 1] = True
+    for stream in range(len(examples.streams)):
+        marked = examples.marked(stream)
         found += [
             Segment(stream, -1, begin, begin + n_frames - 1)
             for begin in range(0, len(marked) - n_frames + 1, n_frames)

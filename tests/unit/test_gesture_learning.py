@@ -1,6 +1,7 @@
 """A gesture is learned from what an observer marked, tested on what was left out, and kept."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from adibas.data.skeleton_track import track_of
 from adibas.errors import FileError, GestureError
 from adibas.gestures.descriptor import DESCRIBED_JOINTS
 from adibas.gestures.model_file import read_model
+from adibas.gestures.segments import Examples
 from adibas.gestures.training import TrainingParams
 from adibas.pipeline.gesture_learning import learn, marked_lesson
 from adibas.pipeline.gesture_work import detected_events
@@ -181,6 +183,24 @@ def test_many_examples_are_left_out_in_parts(monkeypatch):
     trained = learn(lesson, QUICK, no_progress, is_tested=True)
     assert trained.rule == "part"
     assert trained.tested.n_done.sum() == 5
+
+
+def test_an_example_that_is_left_out_leaves_those_at_the_same_time_whole(watched):
+    track, events = watched
+    lesson = marked_lesson("hello", marked("wave", events), [track], "child")
+    first = lesson.examples.gestures[0]
+    twice = Examples(
+        lesson.examples.labels,
+        lesson.examples.streams,
+        [*lesson.examples.gestures, replace(first, begin=first.begin + 3, end=first.end + 3)],
+        np.arange(5),
+        is_isolated=False,
+    )
+    left = twice.without(np.arange(5) == 0)
+    before, after = (one.streams[first.stream].frames for one in (twice, left))
+    assert np.isnan(after[first.begin : first.begin + 3]).all()
+    np.testing.assert_array_equal(after[first.begin + 3 :], before[first.begin + 3 :])
+    np.testing.assert_array_equal(after[: first.begin], before[: first.begin])
 
 
 def test_a_gesture_is_kept_found_again_and_forgotten(waving, folder):
