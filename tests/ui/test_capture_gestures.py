@@ -6,7 +6,7 @@ from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
-from PySide6.QtWidgets import QComboBox, QLabel
+from PySide6.QtWidgets import QApplication, QComboBox, QLabel
 
 from adibas.data.calibration import RgbdCalibration
 from adibas.errors import GestureError
@@ -118,6 +118,34 @@ def test_a_thread_looks_and_the_window_is_told(thread, qtbot, monkeypatch):
     thread.put(FRAME)
     qtbot.waitUntil(lambda: seen == ["1 at 5"])
     assert frames == [5]
+
+
+def test_the_window_does_not_wait_for_a_look_whose_gestures_are_not_wanted_any_more(
+    thread, qtbot, monkeypatch
+):
+    looking, go_on = threading.Event(), threading.Event()
+    was_free, seen = [], []
+
+    class Gestures:
+        def __init__(self, _models):
+            pass
+
+        def look(self, _depth_m, _timestamp_ns, _calibration):
+            looking.set()
+            was_free.append(go_on.wait(5))
+            return [SimpleNamespace(person=1, seen=SimpleNamespace(label="late"))]
+
+    monkeypatch.setattr("adibas.pipeline.live_gestures.LiveGestures", Gestures)
+    thread.seen.subscribe(seen.append)
+    thread.use((shipped_gestures(),))
+    thread.put(FRAME)
+    qtbot.waitUntil(looking.is_set)
+    thread.use(())
+    go_on.set()
+    thread.close()
+    QApplication.processEvents()
+    assert was_free == [True]
+    assert seen == []
 
 
 def test_a_damaged_model_is_told_in_the_window(thread, qtbot, tmp_path):

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 class QtGestureWatch(GestureWatch):
     """One thread for each choice of models; it skips frames that come while it looks.
 
+    Of another choice nothing is told any more, but the window does not wait for its thread: that
+    may still compile what it runs.
+
     Parameters
     ----------
     calibration : callable
@@ -35,11 +38,14 @@ class QtGestureWatch(GestureWatch):
         self._calibration = calibration
         self._bridge = CallBridge(self._tell, parent)
         self._watching: _Watching | None = None
+        self._ending: list[_Watching] = []
 
     def use(self, models: tuple[Path, ...]) -> None:
         """Look for the gestures of these models from now on; none: for nothing."""
         if self._watching is not None:
-            self._watching.close()
+            self._watching.end()
+            running = [one for one in self._ending if one.is_running]
+            self._ending = [*running, self._watching]
         self._watching = _Watching(models, self._calibration, self._bridge) if models else None
 
     def put(self, frame: "LiveFrame") -> None:
@@ -50,6 +56,8 @@ class QtGestureWatch(GestureWatch):
     def close(self) -> None:
         """End, and wait until no thread is left."""
         self.use(())
+        for one in self._ending:
+            one.wait()
 
     def _tell(self, told: object) -> None:
         if not isinstance(told, _Told) or told.watching is not self._watching:
@@ -76,9 +84,17 @@ class _Watching:
         self._thread = threading.Thread(target=self._run, name="gestures", daemon=True)
         self._thread.start()
 
-    def close(self) -> None:
-        """End the thread."""
+    @property
+    def is_running(self) -> bool:
+        """Whether the thread is there."""
+        return self._thread.is_alive()
+
+    def end(self) -> None:
+        """Let the thread end after the frame that it looks at."""
         self.wanted.close()
+
+    def wait(self) -> None:
+        """Wait until it has ended."""
         self._thread.join()
 
     def _run(self) -> None:
