@@ -10,7 +10,7 @@ from adibas.cli.options import add_out, add_overwrite, positive_count, refuse_to
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
-from adibas.cli.sessions_backup import add_backup_arguments, tell_report
+from adibas.cli.sessions_backup import SOMETHING_FOUND, add_backup_arguments, tell_report
 from adibas.cli.sessions_retention import add_retention_arguments, retain
 from adibas.cli.store_options import add_store, open_existing
 from adibas.clock import NS_PER_S
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 SUMMARY = message("list, show, export, verify, back up or purge what the patient store holds")
 
-SOMETHING_FOUND = 1
 ALL_PATIENTS = 1_000_000
 REPORTS = ("posture.json", "report.xlsx", "report.pdf")
 

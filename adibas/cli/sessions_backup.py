@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from adibas.sessions.backing_up import BackupSummary
 
 SOMETHING_FOUND = 1
+"""What `verify` and its kin return where something is damaged."""
 DAYS_BETWEEN, N_KEPT = 7, 4
 
 Add = Callable[[str, str], argparse.ArgumentParser]

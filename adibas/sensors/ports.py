@@ -1,7 +1,6 @@
 """What every camera offers to the rest of the program, and how a camera describes itself."""
 
 from dataclasses import dataclass
-from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Protocol, Self
 
 from adibas.texts import Message, message
@@ -130,10 +129,5 @@ class DepthCamera(Protocol):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self.close()

@@ -75,9 +75,7 @@ def forecast_disk(
     except OSError as error:
         raise cannot_use(folder, error) from error
     first = max(begin, min(beginnings, default=begin))
-    n_days = (now_utc - datetime.fromisoformat(first)).total_seconds() / timedelta(
-        days=1
-    ).total_seconds()
+    n_days = (now_utc - datetime.fromisoformat(first)) / timedelta(days=1)
     rate = None if n_days < LEAST_DAYS else n_bytes / n_days * DAYS_A_MONTH
     return DiskForecast(free_bytes, rate)
 

@@ -22,16 +22,17 @@ Reason = Literal["adult", "child", "unknown"]
 
 @dataclass(frozen=True, slots=True)
 class RetentionRules:
-    """What the clinic's law asks for; whoever is responsible for the data chooses the numbers.
+    """How long is long enough; whoever is responsible for the data chooses the numbers.
+
+    The defaults are no legal advice: `docs/backup.md` tells where they come from, and that the law
+    in force at the clinic decides.
 
     Attributes
     ----------
     years : int
-        After the last session: 15, as Catalonia's Llei 21/2000 (article 12) asks for the core of
-        a clinical history; Spain's Ley 41/2002 (article 17) asks for five at least.
+        After the last session: 15.
     child_until_age : int
-        Who was a child at the last session is kept up to this age at least: 25, as the records
-        management code of England's NHS asks for children.
+        Who was a child at the last session is kept up to this age at least: 25.
     """
 
     years: int = 15

@@ -1,10 +1,10 @@
 """One short demo session, made once, that the tests of posture and of bad input share."""
 
 import contextlib
-import fcntl
 import io
 import json
 import os
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,10 @@ import pytest
 
 from adibas.cli import main
 from adibas.pipeline import demo as demo_session
+from adibas.sessions.lock import StoreLock
 
 N_FRAMES = 3
+SECONDS_BETWEEN_LOOKS = 0.05
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,19 @@ def make_demo(folder):
     return said.getvalue()
 
 
+@contextlib.contextmanager
+def alone(folder):
+    """Wait until no other process is within this block."""
+    folder.mkdir(exist_ok=True)
+    while not (lock := StoreLock(folder)).is_held:
+        lock.release()
+        time.sleep(SECONDS_BETWEEN_LOOKS)
+    try:
+        yield
+    finally:
+        lock.release()
+
+
 @pytest.fixture(scope="session")
 def demo(tmp_path_factory):
     """The demo's files; where several processes test, the first that wants them makes them."""
@@ -54,8 +69,7 @@ def demo(tmp_path_factory):
     if "PYTEST_XDIST_WORKER" in os.environ:
         shared = shared.parent
     folder, said = shared / "shared-demo", shared / "shared-demo.json"
-    with (shared / "shared-demo.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with alone(shared / "shared-demo.lock"):
         if not said.exists():
             said.write_text(make_demo(folder), encoding="utf-8")
     return DemoFiles(folder, N_FRAMES, json.loads(said.read_text(encoding="utf-8")))
