@@ -191,13 +191,16 @@ def per_bin(steps: Steps, spans_s: Sequence[Seconds]) -> tuple[FloatArray, Float
     middles = 0.5 * (steps.times_s[:-1] + steps.times_s[1:])
     numbers: IntArray = np.searchsorted(edges, middles, side="right").astype(np.int64) - 1
     kept = (numbers >= 0) & (numbers < len(spans_s))
-    moved = np.where(steps.active, steps.lengths_m, 0.0)
-    sums = np.zeros((3, len(spans_s), len(JOINT_NAMES)))
-    for values, into in zip(
-        (moved, steps.active * steps.step_s, steps.seen * steps.step_s), sums, strict=True
-    ):
-        np.add.at(into, numbers[kept], values[kept])
-    return sums[0], sums[1], sums[2]
+    shape = (len(spans_s), len(JOINT_NAMES))
+    cells = (numbers[kept, None] * len(JOINT_NAMES) + np.arange(len(JOINT_NAMES))).ravel()
+
+    def summed(where: BoolArray, values: FloatArray | float) -> FloatArray:
+        weights = np.where(where, values, 0.0)[kept].ravel()
+        sums = np.bincount(cells, weights, shape[0] * shape[1]).reshape(shape)
+        return np.asarray(sums, np.float64)  # integers where no step is inside
+
+    active_s = summed(steps.active, steps.step_s)
+    return summed(steps.active, steps.lengths_m), active_s, summed(steps.seen, steps.step_s)
 
 
 def _impulse(rate_hz: float, params: LowpassParams) -> FloatArray:
