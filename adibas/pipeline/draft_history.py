@@ -134,13 +134,9 @@ def _step(old: Draft, new: Draft) -> Document:
     step: Document = {}
     if _frame(old.coding) != _frame(new.coding):
         step[CODED] = coding_csv_text([_frame(new.coding)])
-    if (old.detected is None) != (new.detected is None) or (
-        old.detected is not None
-        and new.detected is not None
-        and _frame(old.detected) != _frame(new.detected)
-    ):
-        frame = None if new.detected is None else _frame(new.detected)
-        step[DETECTED] = None if frame is None else coding_csv_text([frame])
+    seen = [None if one.detected is None else _frame(one.detected) for one in (old, new)]
+    if seen[0] != seen[1]:
+        step[DETECTED] = _told(seen[1])
     for name, before, after in (
         ("events", old.coding.occurrences, new.coding.occurrences),
         ("begun", old.begun, new.begun),
@@ -152,17 +148,11 @@ def _step(old: Draft, new: Draft) -> Document:
 
 
 def _stepped(draft: Draft, step: Document) -> Draft:
-    coding, detected = draft.coding, draft.detected
-    events, proposed = coding.occurrences, draft.proposed
-    if CODED in step:
-        coding = codings_of_csv(step[CODED], STEPS)[0]
-    if DETECTED in step:
-        told = step[DETECTED]
-        detected = None if told is None else codings_of_csv(told, STEPS)[0]
-    events = _changed(events, step.get("events"))
-    proposed = _changed(proposed, step.get("proposed"))
+    coding = _coding(step[CODED]) if CODED in step else draft.coding
+    detected = _detected(step[DETECTED]) if DETECTED in step else draft.detected
+    proposed = _changed(draft.proposed, step.get("proposed"))
     return Draft(
-        replace(coding, occurrences=events),
+        replace(coding, occurrences=_changed(draft.coding.occurrences, step.get("events"))),
         _changed(draft.begun, step.get("begun")),
         None if detected is None else replace(detected, occurrences=proposed),
     )
@@ -206,11 +196,21 @@ def _occurrence(listed: list[Any]) -> Occurrence:
 
 
 def _whole(draft: Draft) -> Document:
-    detected = None if draft.detected is None else coding_csv_text([draft.detected])
-    return {CODED: coding_csv_text([draft.coding]), DETECTED: detected}
+    return {CODED: coding_csv_text([draft.coding]), DETECTED: _told(draft.detected)}
 
 
 def _draft(whole: Document) -> Draft:
-    (coding,) = codings_of_csv(whole[CODED], STEPS)
-    told = whole[DETECTED]
-    return Draft(coding, (), None if told is None else codings_of_csv(told, STEPS)[0])
+    return Draft(_coding(whole[CODED]), (), _detected(whole[DETECTED]))
+
+
+def _told(detected: Coding | None) -> str | None:
+    return None if detected is None else coding_csv_text([detected])
+
+
+def _detected(told: str | None) -> Coding | None:
+    return None if told is None else _coding(told)
+
+
+def _coding(told: str) -> Coding:
+    (coding,) = codings_of_csv(told, STEPS)
+    return coding
