@@ -16,6 +16,7 @@ from adibas.cli.store_options import (
     read_passphrase,
 )
 from adibas.errors import FileError
+from adibas.sessions.defaults import DAYS_BETWEEN_BACKUPS, N_BACKUPS_KEPT
 from adibas.sessions.merge_words import merge_texts
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 SOMETHING_FOUND = 1
 """What `verify` and its kin return where something is damaged."""
-DAYS_BETWEEN, N_KEPT = 7, 4
 
 Add = Callable[[str, str], argparse.ArgumentParser]
 
@@ -47,14 +47,14 @@ def add_backup_arguments(add: Add) -> None:
     making.add_argument(
         "--every",
         type=positive_count,
-        default=DAYS_BETWEEN,
+        default=DAYS_BETWEEN_BACKUPS,
         metavar="N",
         help=_("with --if-due: days between two backups; 7 if not given"),
     )
     making.add_argument(
         "--keep",
         type=positive_count,
-        default=N_KEPT,
+        default=N_BACKUPS_KEPT,
         metavar="N",
         help=_("with --if-due: keep the N newest and remove older ones; 4 if not given"),
     )

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import positive_count
+from adibas.sessions.defaults import ADULT_AGE, CHILD_UNTIL_AGE, RETENTION_YEARS
 from adibas.sessions.disk_words import forecast_text
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
@@ -12,15 +13,13 @@ from adibas.texts import translate_plural
 if TYPE_CHECKING:
     from adibas.sessions import SessionStore
 
-YEARS, CHILD_UNTIL_AGE = 15, 25
-
 
 def add_retention_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the action takes."""
     parser.add_argument(
         "--years",
         type=positive_count,
-        default=YEARS,
+        default=RETENTION_YEARS,
         metavar="N",
         help=_("years that a patient is kept after the last session; 15 if not given"),
     )
@@ -89,8 +88,6 @@ def _result(n_over: int, *, is_applied: bool) -> str:
 
 
 def _adult_age(text: str) -> int:
-    from adibas.sessions.retention import ADULT_AGE
-
     if not text.isdecimal() or int(text) < ADULT_AGE:
         raise argparse.ArgumentTypeError(
             _("{text} is no age of an adult: give {least} or more").format(

@@ -19,12 +19,12 @@ from adibas.files import UNFINISHED, cannot_read, cannot_write, check_place, wri
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import (
-    ENDING,
     PIECE_BYTES,
     BackupWriter,
     header_of,
 )
 from adibas.sessions.database import DATABASE_FILE, Database
+from adibas.sessions.defaults import BACKUP_ENDING
 from adibas.sessions.key_file import KeyFile, fingerprint_of, read_key_file
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import behind_passphrase
@@ -340,7 +340,7 @@ def _check_room(path: Path, n_bytes: int) -> None:
 def _remove_litter(folder: Path, mine: Path) -> None:
     """Remove what backups that were killed left in `folder`, as far as it can be removed."""
     for path in folder.iterdir():
-        is_ours = UNFINISHED.fullmatch(path.name) and path.suffix.startswith((ENDING, ".db"))
+        is_ours = UNFINISHED.fullmatch(path.name) and path.suffix.startswith((BACKUP_ENDING, ".db"))
         if not is_ours or path == mine:
             continue
         with suppress(OSError):  # another backup may just end, or its owner be somebody else

@@ -22,7 +22,6 @@ from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal, key_for
 
 MAGIC = b"\x8aADIBAK\x01"
 """Eight bytes; the last is the version."""
-ENDING = ".adibas-backup"
 FORMAT, VERSION = "adibas-backup", 1
 LENGTH = struct.Struct("<I")
 PIECE_BYTES = 1 << 20

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from adibas.errors import AdibasError, FileError
 from adibas.files import cannot_read
-from adibas.sessions.backup_format import ENDING, BackupReader
+from adibas.sessions.backup_format import BackupReader
+from adibas.sessions.defaults import BACKUP_ENDING, DAYS_BETWEEN_BACKUPS, N_BACKUPS_KEPT
 
 A_DAY = timedelta(days=1)
 AHEAD = A_DAY
@@ -19,7 +20,7 @@ AHEAD = A_DAY
 SLACK = timedelta(hours=1)
 """A daily timer starts a little earlier than the day before finished."""
 N_ID_DIGITS = 8
-PATTERN = f"adibas-*{ENDING}"
+PATTERN = f"adibas-*{BACKUP_ENDING}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +38,8 @@ class BackupPlan:
     """
 
     folder: Path
-    every_days: int = 7
-    keep: int = 4
+    every_days: int = DAYS_BETWEEN_BACKUPS
+    keep: int = N_BACKUPS_KEPT
 
     def __post_init__(self) -> None:
         if self.every_days < 1 or self.keep < 1:
@@ -88,7 +89,7 @@ def is_due(kept: tuple[KeptBackup, ...], now_utc: datetime, every_days: int) -> 
 
 def name_at(now_utc: datetime, store_id: str) -> str:
     """Return the name of a backup that is made now; timers of two stores strike in one second."""
-    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}-{store_id[:N_ID_DIGITS]}{ENDING}"
+    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}-{store_id[:N_ID_DIGITS]}{BACKUP_ENDING}"
 
 
 def remove_older(kept: tuple[KeptBackup, ...], keep: int) -> tuple[Path, ...]:

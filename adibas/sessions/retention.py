@@ -11,11 +11,10 @@ from adibas.errors import StoreError
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
+from adibas.sessions.defaults import ADULT_AGE, CHILD_UNTIL_AGE, RETENTION_YEARS
 from adibas.sessions.rows import Row
 from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
 from adibas.texts import translate as _
-
-ADULT_AGE = 18
 
 Reason = Literal["adult", "child", "unknown"]
 
@@ -35,8 +34,8 @@ class RetentionRules:
         Who was a child at the last session is kept up to this age at least: 25.
     """
 
-    years: int = 15
-    child_until_age: int = 25
+    years: int = RETENTION_YEARS
+    child_until_age: int = CHILD_UNTIL_AGE
 
     def __post_init__(self) -> None:
         if self.years < 1 or self.child_until_age < ADULT_AGE:

@@ -20,12 +20,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from adibas.sessions.defaults import BACKUP_ENDING
 from adibas.texts import translate as _
 from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
 
-ENDING = "adibas-backup"
 RESULT_HEIGHT = 120
-FILTER = f"ADiBAS (*.{ENDING})"
+FILTER = f"ADiBAS (*{BACKUP_ENDING})"
 
 
 class BackupPage(QWidget):
@@ -172,7 +172,7 @@ class BackupPage(QWidget):
         dialog = QFileDialog(self, _("Where to write the backup"), self._where)
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         dialog.setNameFilter(FILTER)
-        dialog.setDefaultSuffix(ENDING)
+        dialog.setDefaultSuffix(BACKUP_ENDING.removeprefix("."))
         dialog.fileSelected.connect(lambda name: self._give(self.made.emit, name))
         _open(dialog)
 
