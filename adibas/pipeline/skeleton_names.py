@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker
 from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
@@ -46,10 +46,10 @@ def with_names(
     turn = upright_turn(vertical_of(calibration).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
     found = namer.label(positions_m @ turn.T, view).names
-    flat = tuple(marker for marker in markers if marker.position_m is None)
-    more: Names = (None,) * len(flat)
-    if flat and calibration.color is not None:
-        places_m = np.vstack([positions_m, _as_far_away(flat, positions_m, calibration.color)])
+    flat, flat_m = _as_far_away(markers, positions_m, calibration)
+    more: Names = ()
+    if flat:
+        places_m = np.vstack([positions_m, flat_m])
         found, more = _agreed(found, namer.label(places_m @ turn.T, view).names)
     names = _given(placed, found, named_by_hand)
     names |= _given(flat, more, named_by_hand | set(names.values()))
@@ -63,10 +63,10 @@ def _agreed(alone: Names, together: Names) -> tuple[Names, Names]:
     it gets no name, and neither do those whose places are guessed.
     """
     again, more = together[: len(alone)], together[len(alone) :]
-    both = list(zip(alone, again, strict=True))
-    agreed = tuple(one if other in (None, one) else None for one, other in both)
-    is_doubtful = any(one is not None and other not in (None, one) for one, other in both)
-    return agreed, (None,) * len(more) if is_doubtful else more
+    agreed = tuple(
+        one if other in (None, one) else None for one, other in zip(alone, again, strict=True)
+    )
+    return agreed, more if agreed == alone else (None,) * len(more)
 
 
 def _given(markers: Sequence[Marker], found: Names, taken: Set[str]) -> dict[str, str]:
@@ -79,13 +79,24 @@ def _given(markers: Sequence[Marker], found: Names, taken: Set[str]) -> dict[str
 
 
 def _as_far_away(
-    markers: Sequence[Marker], positions_m: FloatArray, camera: CameraCalibration
-) -> FloatArray:
-    """Return (N, 3) places of markers by their pixels alone, at the depth of the others."""
-    pixels = np.array([(marker.u, marker.v) for marker in markers])
+    markers: Sequence[Marker], positions_m: FloatArray, calibration: RgbdCalibration
+) -> tuple[tuple[Marker, ...], FloatArray]:
+    """Return the markers without a position, and (N, 3) places by their pixels alone.
+
+    They are taken to be as far away as the others; those at pixels that the camera's model of
+    distortion does not reach are left out.
+    """
+    flat = tuple(marker for marker in markers if marker.position_m is None)
+    if not flat or calibration.color is None:
+        return (), np.empty((0, 3))
+    camera = calibration.color
+    pixels = np.array([(marker.u, marker.v) for marker in flat])
     rays = undistort_pixels(pixels, camera.intrinsics, camera.distortion)
-    depth_m = float(np.median(positions_m[:, 2]))
-    return depth_m * np.column_stack([rays, np.ones(len(rays))])
+    is_known = np.asarray(np.isfinite(rays).all(axis=1))
+    places_m = float(np.median(positions_m[:, 2])) * np.column_stack([rays, np.ones(len(rays))])
+    return tuple(one for one, known in zip(flat, is_known, strict=True) if known), places_m[
+        is_known
+    ]
 
 
 def upright_turn(up: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ import pytest
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
-from adibas.geometry.distortion import project_distorted
+from adibas.geometry.distortion import FoldWarning, project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline import skeleton_names
@@ -122,6 +122,20 @@ def test_markers_that_can_be_read_in_two_ways_get_no_name(seen_flat):
     named = with_names(namer, markers, "anterior", calibration)
     given = {marker.label for marker in named} - set(labels)
     assert given == {"right_hand", "left_foot", "head"}
+
+
+def test_a_marker_where_the_lens_is_not_known_keeps_its_label_and_harms_no_other(seen_flat):
+    markers, calibration = seen_flat("left_foot")
+    folding = replace(calibration.color, distortion=(-0.5, 0.0, 0.0, 0.0))
+    index = JOINT_NAMES.index("left_foot")
+    corner = replace(markers[index], u=1279.0, v=1023.0)
+    markers = (*markers[:index], corner, *markers[index + 1 :])
+    with pytest.warns(FoldWarning):
+        named = with_names(
+            shipped_namer(), markers, "anterior", replace(calibration, color=folding)
+        )
+    wanted = (*JOINT_NAMES[:index], corner.label, *JOINT_NAMES[index + 1 :])
+    assert tuple(marker.label for marker in named) == wanted
 
 
 def test_a_marker_without_a_position_keeps_its_label_where_no_other_has_one(tilted_by):
