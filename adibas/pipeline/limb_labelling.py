@@ -86,6 +86,8 @@ class LabellingDesk:
         calibration: Path | None = None,
         labels: LimbLabels = FULL_BODY,
     ) -> None:
+        if not len(recording):
+            raise RecordingError("{file} has no frames. Choose another recording.", file=name)
         self._recording = recording
         self._reading = Lock()
         self._calibration = calibration_of(recording, calibration)

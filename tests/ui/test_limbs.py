@@ -10,12 +10,15 @@ from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QListWidget, QProgressBar, QPushButton, QRadioButton
 
-from adibas.errors import LimbError
+from adibas.data.frames import SensorFrame
+from adibas.errors import FileError, LimbError
 from adibas.limbs.training_set import LimbFolder
+from adibas.pipeline import limb_label_files
 from adibas.pipeline.limb_labelling import LabellingDesk
-from adibas.recordings import open_recording
+from adibas.recordings import RecordingOptions, create_recording, open_recording
+from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.texts import LANGUAGES, speaking
-from tests.ui.limb_scene import BOX, HEIGHT, WIDTH, record_box
+from tests.ui.limb_scene import BOX, HEIGHT, INFO, WIDTH, record_box
 from tests.ui.test_mnemonics import assert_each_letter_is_one_control
 from ui.behaviour.screen import build_behaviour_screen
 from ui.limbs.dialog import LimbsDialog
@@ -217,6 +220,47 @@ def test_a_folder_of_another_recording_is_refused(presenter, folder, tmp_path):
         (folder / "progress.json").write_text("{")
         with pytest.raises(LimbError, match="damaged"):
             LabellingDesk(recording, "box.mcap", folder)
+
+
+def test_what_cannot_be_labelled_is_refused_in_words_and_nothing_is_written(
+    view, workspace, inline_jobs, tmp_path
+):
+    create_recording(tmp_path / "empty.mcap", INFO).close()
+    sealed = SealedRecordings(tmp_path)
+    writer = sealed.create("ab" * 16, bytes(32), INFO, RecordingOptions())
+    writer.write(SensorFrame(0, 1, depth_raw=np.ones((HEIGHT, WIDTH), np.uint16)))
+    writer.close()
+    before = set(tmp_path.iterdir())
+    presenter = LimbsPresenter(view, workspace)
+    presenter.open(tmp_path / "empty.mcap")
+    assert "empty.mcap has no frames" in str(inline_jobs.problems[-1])
+    presenter.open(sealed.path_of("ab" * 16))
+    assert "is sealed. Open the store" in str(inline_jobs.problems[-1])
+    presenter.close()
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_labels_that_are_done_outlive_a_disk_that_fails_before_their_draft_is_removed(
+    presenter, view, workspace, video, folder, monkeypatch
+):
+    fill_box(presenter)
+    presenter.leave()
+    monkeypatch.setattr(limb_label_files, "remove_file", no_disk)
+    presenter.finish()
+    presenter.close()
+    monkeypatch.undo()
+    again = LimbsPresenter(view, workspace)
+    again.open(video)
+    assert progress(view)[1].done == {0}
+    again.go(0)
+    again.point(25, 15)
+    view.show_under.assert_called_with("torso")
+    again.close()
+    assert (folder / "00000.labels.png").is_file()
+
+
+def no_disk(_path):
+    raise FileError("the disk is gone")
 
 
 @pytest.fixture
