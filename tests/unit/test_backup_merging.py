@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from datetime import timedelta
 
@@ -307,6 +308,22 @@ def test_a_second_restore_loses_no_file_that_the_first_one_left_waiting(
         store.backups.restore(backup, PASSPHRASE)
         monkeypatch.undo()
         store.backups.restore(other, PASSPHRASE)
+        assert store.verify().is_sound
+        assert store.captures.of_session(session.session_id)
+
+
+def test_two_restores_of_one_window_go_one_after_the_other(session, backup, tmp_path):
+    others = []
+    with open_sample(tmp_path / "other") as store, ThreadPoolExecutor(1) as pool:
+
+        def begin_another(_done, _total):
+            if not others:
+                others.append(pool.submit(store.backups.restore, backup, PASSPHRASE))
+                wait(others, timeout=0.3)
+
+        first = store.backups.restore(backup, PASSPHRASE, begin_another)
+        assert counts(first) == (1, 1, 1, 1)
+        assert counts(others[0].result()) == (0, 0, 0, 0)
         assert store.verify().is_sound
         assert store.captures.of_session(session.session_id)
 
