@@ -179,6 +179,13 @@ class BackupReader:
         if content != str(n_files).encode() or self._take(1):
             raise self._damaged()
 
+    def of_later_version(self) -> StoreError:
+        """Say that something in it is not known to this version."""
+        return StoreError(
+            "{file} was made by a later version of ADiBAS. Update the program.",
+            file=self._path.name,
+        )
+
     def close(self) -> None:
         """Let go of the file."""
         self._file.close()
@@ -213,7 +220,7 @@ class BackupReader:
     def _read_header(self) -> bytes:
         magic = self._take(len(MAGIC))
         if magic[:-1] == MAGIC[:-1] and magic[-1:] > MAGIC[-1:]:
-            raise self._of_later_version()
+            raise self.of_later_version()
         if magic != MAGIC:
             raise StoreError(
                 "{file} is no backup of ADiBAS. Choose another file.", file=self._path.name
@@ -228,17 +235,11 @@ class BackupReader:
         if not isinstance(document, dict) or document.pop("format", None) != FORMAT:
             raise self._damaged()
         if document.pop("version", None) != VERSION:
-            raise self._of_later_version()
+            raise self.of_later_version()
         header = _header_in(document)
         if header is None:
             raise self._damaged()
         return header
-
-    def _of_later_version(self) -> StoreError:
-        return StoreError(
-            "{file} was made by a later version of ADiBAS. Update the program.",
-            file=self._path.name,
-        )
 
     def _damaged(self) -> StoreError:
         return StoreError(

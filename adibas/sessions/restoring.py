@@ -128,7 +128,7 @@ def extract(
     Raises
     ------
     StoreError
-        The backup is damaged, or the disk is full.
+        The backup is damaged, holds what only a later version knows, or the disk is full.
     """
     done, n_bytes = 0, backup.header.n_bytes
     with ExitStack() as after_a_file:
@@ -137,8 +137,10 @@ def extract(
             if kind == FILE:
                 after_a_file.close()
                 name = content.decode()
-                is_wanted = wanted is None or wanted(name)
                 path = _path_of(folder, name)
+                if path is None:
+                    raise backup.of_later_version()
+                is_wanted = wanted is None or wanted(name)
                 file = after_a_file.enter_context(_saved(path)) if is_wanted else None
             elif kind == DATA:
                 if file is not None:
@@ -164,14 +166,12 @@ def check_room(folder: Path, n_bytes: int) -> None:
         raise cannot_save(OSError(errno.ENOSPC, ""))
 
 
-def _path_of(folder: Path, name: str) -> Path:
-    """Return where a file of a backup belongs; nothing else is written."""
+def _path_of(folder: Path, name: str) -> Path | None:
+    """Return where a file of a backup belongs; None of what is no name in a store."""
     if name == DATABASE_FILE:
         return folder / name
     part = _NAME.fullmatch(name)
-    if part is None:
-        raise ValueError(f"no name of a file in a store: {name!r}")
-    return SealedFolder(folder / part[1]).path_of(part[2])
+    return None if part is None else SealedFolder(folder / part[1]).path_of(part[2])
 
 
 @contextmanager

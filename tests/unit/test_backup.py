@@ -16,8 +16,9 @@ import pytest
 from adibas.cli import main
 from adibas.errors import FileError, PassphraseError, StoreError
 from adibas.sessions import open_store
-from adibas.sessions.backup_format import LENGTH, MAGIC, BackupReader
+from adibas.sessions.backup_format import LENGTH, MAGIC, BackupReader, BackupWriter, header_of
 from adibas.sessions.database import Database
+from adibas.sessions.key_file import read_key_file
 from adibas.sessions.keys import load_key
 from adibas.sessions.restoring import restore_into, verify_backup
 from tests.unit.recorded_frames import assert_same_frame, make_frames
@@ -175,6 +176,23 @@ def test_a_header_that_was_changed_opens_nothing(backup, tmp_path):
         with pytest.raises(StoreError):
             restore_into(backup, tmp_path / "new", PASSPHRASE)
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("name", ["../outside", "/outside", "later/aabbccdd", "pictures/../key"])
+def test_no_file_of_another_name_is_written(name, folder, session, tmp_path):
+    assert session
+    path = tmp_path / "b.adibas-backup"
+    with path.open("wb") as file:
+        header = header_of(read_key_file(folder), "2026-11-21T09:00:00+00:00", 1)
+        writer = BackupWriter(file, header, load_key(folder, PASSPHRASE))
+        writer.begin_file(name)
+        writer.write(b"x")
+        writer.finish()
+    with pytest.raises(StoreError, match="later version"):
+        restore_into(path, tmp_path / "new", PASSPHRASE)
+    with open_sample(folder) as store, pytest.raises(StoreError, match="later version"):
+        store.backups.restore(path)
+    assert names_in(tmp_path) == ["b.adibas-backup", "store"]
 
 
 def test_nothing_is_restored_over_something(backup, folder, tmp_path):
