@@ -41,9 +41,12 @@ class Namer:
         Raises
         ------
         ValueError
-            The model has no part for that many dimensions.
+            The model has no part for that many dimensions, or a place is not finite: the search
+            would not end.
         """
         points_m = np.ascontiguousarray(points_m, float)
+        if not np.isfinite(points_m).all():
+            raise ValueError("points are named by places that are known")
         by_parts = self._by_parts(points_m, view)
         if by_parts is not None and not is_in_doubt(by_parts):
             return by_parts

@@ -138,6 +138,13 @@ def test_a_marker_where_the_lens_is_not_known_keeps_its_label_and_harms_no_other
     assert tuple(marker.label for marker in named) == wanted
 
 
+def test_a_place_that_is_not_known_is_a_bug_and_no_endless_search(joints_m):
+    joints_m = joints_m.copy()
+    joints_m[3, 1] = np.nan
+    with pytest.raises(ValueError, match="places that are known"):
+        shipped_namer().label(joints_m, "anterior")
+
+
 def test_a_marker_without_a_position_keeps_its_label_where_no_other_has_one(tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
