@@ -8,7 +8,15 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QListWidget, QProgressBar, QPushButton, QRadioButton
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QDialogButtonBox,
+    QListWidget,
+    QMessageBox,
+    QProgressBar,
+    QPushButton,
+    QRadioButton,
+)
 
 from adibas.data.frames import SensorFrame
 from adibas.errors import FileError, LimbError
@@ -303,6 +311,23 @@ def test_a_limb_is_painted_with_the_mouse_and_kept_when_the_window_closes(editor
     editor.close()
     labels = kept(folder, 0)
     assert labels[20, 25] == labels[41, 58] == HEAD
+
+
+def test_the_editor_asks_before_it_closes_with_labels_that_cannot_be_kept(editor, folder):
+    button(editor, "Paint beside the person, too").click()
+    editor.page.presenter.click(25, 15)
+    folder.write_text("a file in the place of the folder")
+    close = editor.findChild(QDialogButtonBox).buttons()[0]
+    close.click()
+    assert editor.isVisible()
+    box = editor.findChild(QMessageBox)
+    (cancel,) = [one for one in box.buttons() if one.text() == "Cancel"]
+    cancel.click()
+    assert editor.isVisible()
+    folder.unlink()
+    close.click()
+    assert not editor.isVisible()
+    assert kept(folder, 0).any()
 
 
 @pytest.mark.usefixtures("large_letters")

@@ -9,6 +9,7 @@ from adibas.texts import translate as _
 from ui.limbs.presenter import LimbsPresenter
 from ui.limbs.view import LimbsPage
 from ui.widgets.message_bar import MessageBar
+from ui.widgets.question import ask
 from ui.workspace import Workspace
 
 USUAL_LETTERS, USUAL_LINES = 150, 50
@@ -35,6 +36,14 @@ class LimbsDialog(QDialog):
         letters = self.fontMetrics()
         wanted = QSize(USUAL_LETTERS * letters.averageCharWidth(), USUAL_LINES * letters.height())
         self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
+
+    def reject(self) -> None:
+        """Close; where what was drawn cannot be kept, only after a question."""
+        if self.page.presenter.leave():
+            super().reject()
+        else:
+            question = _("What was changed in this frame cannot be kept. Close and lose it?")
+            ask(self, question, _("Close"), super().reject)
 
     def _on_finished(self, _code: int) -> None:
         self.page.presenter.close()
