@@ -10,10 +10,11 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import CameraCalibration, DepthBias
-from adibas.simulation.device import Device
+from adibas.simulation.device import Device, draw_device
 from benchmarks.calibration_depth_trials import (
     BOARD,
     LARGE_BOARD,
+    SPREAD,
     Setting,
     Trial,
     burst_mean,
@@ -43,7 +44,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
     with_walls = _trials(n, replace(Setting(), n_boards=12, n_walls=5))
     yield _total_row(with_walls, "12 boards and 5 walls")
     whole = [
-        run_trial(seed, Setting(), is_frame_by_frame=True) for seed in range(1 if quick else 8)
+        run_trial(draw_device(seed, spread=SPREAD), Setting(), is_frame_by_frame=True)
+        for seed in range(1 if quick else 8)
     ]
     worst = 1000.0 * max(float(np.abs(plane_errors_m(trial)[:, 0]).max()) for trial in whole)
     name = f"plane in depth, every frame simulated, {len(whole)} calibrations: worst"
@@ -53,7 +55,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
 def _trials(n: int, setting: Setting) -> list[Trial]:
     work = partial(run_trial, setting=setting)
     with ProcessPoolExecutor(N_PROCESSES, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(work, range(n), chunksize=4))
+        devices = [draw_device(seed, spread=SPREAD) for seed in range(n)]
+        return list(pool.map(work, devices, chunksize=4))
 
 
 def plane_errors_m(trial: Trial) -> FloatArray:

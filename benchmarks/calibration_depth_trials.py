@@ -12,20 +12,20 @@ import cv2
 import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray
-from adibas.calibration.depth_bias import camera_covariance, color_covariance
+from adibas.calibration.depth_bias import camera_covariance, color_covariance, with_depth
 from adibas.calibration.extrinsics import DepthFit, DepthFitParams, DepthStart, fit_depth
 from adibas.calibration.extrinsics_model import camera_numbers
 from adibas.calibration.extrinsics_pose import find_pose
 from adibas.calibration.shots import BoardShot, WallShot, cells_on_board, cells_on_wall
 from adibas.data.board import Board, BoardCorners
-from adibas.data.calibration import CameraCalibration, DepthBias
+from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import pixel_rays, project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector, rotation_vector
 from adibas.pipeline.calibrating_depth_types import DepthCalibratingParams
 from adibas.simulation.depth_noise import SUBPIXELS, DepthNoise, DepthSensor
-from adibas.simulation.device import Device, DeviceSpread, draw_device
+from adibas.simulation.device import Device, DeviceSpread
 
 N_FRAMES = 30
 FACTORY = RigidTransform(np.eye(3), np.array([-0.025, 0.0, 0.0]))
@@ -40,6 +40,7 @@ LARGE_BOARD = Board(columns=10, rows=7, square_m=0.105)
 """The thesis' 115.5 x 84 cm."""
 
 SPREAD = DeviceSpread(bias_of_border_m=0.003)
+"""Of devices whose depth also bends towards the image's border."""
 COLOR_SDS = {"fx": 0.4, "fy": 0.4, "cx": 0.5, "cy": 0.5, "k1": 1e-3, "k2": 4e-3}
 """Of the colour calibration, pixels and none: as some 25 images of an A3 board leave it whose
 corners have a noise of 0.06 pixels; in proportion with less."""
@@ -204,8 +205,20 @@ class Trial:
 
     device: Device
     fit: DepthFit
+    color: CameraCalibration
     color_names: tuple[str, ...]
     color_covariance: FloatArray
+
+    @property
+    def calibration(self) -> RgbdCalibration:
+        """What the user has then: both cameras and the covariance of all."""
+        color = RgbdCalibration(
+            color=self.color,
+            depth_unit_m=self.device.calibration.depth_unit_m,
+            parameter_names=tuple(f"color.{name}" for name in self.color_names),
+            covariance=self.color_covariance,
+        )
+        return with_depth(color, self.fit)
 
     @property
     def covariance(self) -> FloatArray:
@@ -255,10 +268,9 @@ def wrong_color(
     )
 
 
-def run_trial(seed: int, setting: Setting, *, is_frame_by_frame: bool = False) -> Trial:
-    """Calibrate device number `seed`."""
-    rng = np.random.default_rng([seed, 0xCA])
-    device = draw_device(seed, spread=SPREAD)
+def run_trial(device: Device, setting: Setting, *, is_frame_by_frame: bool = False) -> Trial:
+    """Calibrate a device; its seed draws the boards and the noise."""
+    rng = np.random.default_rng([device.seed, 0xCA])
     names: tuple[str, ...] = ()
     color, covariance = device.color, np.zeros((0, 0))
     if setting.has_color_error:
@@ -270,14 +282,14 @@ def run_trial(seed: int, setting: Setting, *, is_frame_by_frame: bool = False) -
 
     def burst(inverse: Float32Array, number: int) -> BurstDisparity:
         if is_frame_by_frame:
-            return burst_of_frames(inverse, device, 1000 * seed + number)
+            return burst_of_frames(inverse, device, 1000 * device.seed + number)
         return burst_mean(inverse, device, rng)
 
     boards = _boards(device, (color, camera), setting, rng, burst)
     walls = _walls(device, setting, rng)
     first = DepthStart(camera, color_covariance=color_covariance(names, covariance))
     fit = fit_depth(first, boards, walls, FACTORY, params)
-    return Trial(device, fit, names, covariance)
+    return Trial(device, fit, color, names, covariance)
 
 
 def _boards(

@@ -1,29 +1,39 @@
-"""One analysis of the posture chain: simulate, find, name, measure, hold against the truth."""
+"""One analysis of the posture chain: calibrate, find, name, measure, hold against the truth.
+
+Every sensor is calibrated before: 25 simulated images of the thesis' board, whose corners have the
+noise of dark pictures, tell the depth camera and its error; the colour camera errs by as much as
+its covariance says.
+"""
 
 import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.data.calibration import RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
 from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import with_names
 from adibas.recordings.decoding import to_rgbd
+from adibas.simulation.device import COLOR_SIZES
 from adibas.simulation.patient import SHAPES, MarkerSettings
 from adibas.simulation.postures import POSTURES
 from adibas.simulation.scenes import SceneSettings, SimulatedScene
 from adibas.simulation.truth import FrameTruth
+from benchmarks.calibration_depth_trials import LARGE_BOARD, Setting, run_trial
 from benchmarks.marker_trial import GATE_M, find, learned_target
 
 N_BODIES, N_REPEATS = 5, 10
 Z_95 = 1.959964
 """An interval is so many standard errors on each side."""
+BOARDS = Setting(board=LARGE_BOARD, corner_sd_px=0.03)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +56,8 @@ class Result:
         Visible markers; those found with their right name; with a wrong one.
     distances, angles : list of [error, standard error, shortest side in metres, truth]
         Metres and radians; errors are signed.
+    angles_in_image : list of the same
+        Of the points as the colour camera sees them along its axis; no standard error.
     """
 
     number: int
@@ -54,6 +66,7 @@ class Result:
     n_wrong: int
     distances: list[list[float]]
     angles: list[list[float]]
+    angles_in_image: list[list[float]]
 
 
 def analyses(seed: int, n_frames: int) -> tuple[Analysis, ...]:
@@ -73,14 +86,23 @@ def analyses(seed: int, n_frames: int) -> tuple[Analysis, ...]:
 def analyse(analysis: Analysis) -> Result:
     """Do one analysis."""
     scene = SimulatedScene(analysis.settings)
-    calibration = scene.info.calibration
-    if calibration is None:
-        raise ValueError("a simulated scene has a calibration")
+    calibration = _calibrated(scene)
     simulated = [scene.frame(index) for index in range(analysis.n_frames)]
     frames = [to_rgbd(one.sensor_frame, scene.info) for one in simulated]
     found = find(frames, calibration, learned_target(analysis.settings))
     named = with_names(shipped_namer(), found, "anterior", calibration)
     return _compared(analysis.number, named, [one.truth for one in simulated])
+
+
+def _calibrated(scene: SimulatedScene) -> RgbdCalibration:
+    """Return what boards tell of the scene's sensor; floor and vertical are the scene's."""
+    truth = scene.info.calibration
+    if truth is None:
+        raise ValueError("a simulated scene has a calibration")
+    if scene.settings.color_size != COLOR_SIZES[0]:
+        raise ValueError("boards are seen by the whole colour camera")
+    found = run_trial(scene.device, BOARDS).calibration
+    return replace(found, gravity=truth.gravity, floor=truth.floor)
 
 
 def run_all(
@@ -133,6 +155,7 @@ def _compared(number: int, markers: tuple[Marker, ...], truths: Sequence[FrameTr
         n_wrong,
         _distances(placed, places_m),
         _angles(placed, places_m),
+        _angles_in_image(placed, places_m),
     )
 
 
@@ -161,12 +184,29 @@ def _distances(markers: list[Marker], places_m: dict[str, FloatArray]) -> list[l
 def _angles(markers: list[Marker], places_m: dict[str, FloatArray]) -> list[list[float]]:
     rows = []
     for measure in all_angles(markers):
-        first = places_m[measure.a] - places_m[measure.vertex]
-        second = places_m[measure.c] - places_m[measure.vertex]
-        across = float(np.linalg.norm(np.cross(first, second)))
-        truth_rad = math.atan2(across, float(first @ second))
+        points_m = (places_m[name] for name in (measure.a, measure.vertex, measure.c))
+        truth_rad, shortest_m = _angle(*points_m)
         low_rad, high_rad = measure.interval_rad
-        shortest_m = float(min(np.linalg.norm(first), np.linalg.norm(second)))
         error_rad = measure.value_rad - truth_rad
         rows.append([error_rad, (high_rad - low_rad) / (2 * Z_95), shortest_m, truth_rad])
     return rows
+
+
+def _angles_in_image(markers: list[Marker], places_m: dict[str, FloatArray]) -> list[list[float]]:
+    measured = {one.label: one.position_m for one in markers if one.position_m is not None}
+    rows = []
+    for vertex in measured:
+        for a, c in combinations((name for name in measured if name != vertex), 2):
+            value_rad, _ = _angle(*(measured[name][:2] for name in (a, vertex, c)))
+            truth_rad, shortest_m = _angle(*(places_m[name][:2] for name in (a, vertex, c)))
+            rows.append([value_rad - truth_rad, math.nan, shortest_m, truth_rad])
+    return rows
+
+
+def _angle(a_m: FloatArray, vertex_m: FloatArray, c_m: FloatArray) -> tuple[float, float]:
+    """Return the angle at the vertex, and the shorter side; in space or in the plane."""
+    first, second = a_m - vertex_m, c_m - vertex_m
+    sides_m = float(np.linalg.norm(first)), float(np.linalg.norm(second))
+    cosine = float(first @ second)
+    across = math.sqrt(max((sides_m[0] * sides_m[1]) ** 2 - cosine**2, 0.0))
+    return math.atan2(across, cosine), min(sides_m)
