@@ -208,6 +208,14 @@ def test_about_names_version_use_and_licences(screen):
     assert "not for diagnosis" not in about.toPlainText()
 
 
+def test_what_is_said_of_a_protocol_follows_the_language(screen):
+    screen.findChild(QTabWidget).setCurrentIndex(4)
+    said = next(one for one in screen.findChildren(QLabel) if one.text().startswith("No mistake"))
+    use_language("es")
+    screen.retranslate()
+    assert said.text() == "Ningún error: 15 puntos de referencia, 1470 medidas."
+
+
 def test_in_a_store_that_is_only_read_the_passphrase_stays(
     read_only_store, inline_jobs, preferences, qtbot
 ):

@@ -6,7 +6,6 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QFontDatabase, QTextCursor
 from PySide6.QtWidgets import (
     QComboBox,
-    QHBoxLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
@@ -18,6 +17,7 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from ui.settings.protocols_presenter import Mistake
+from ui.widgets.flow import FlowLayout
 from ui.widgets.question import ask
 
 PAUSE_MS = 400
@@ -71,13 +71,9 @@ class ProtocolsPage(QWidget):
         self._hint.setProperty("kind", "quiet")
         self._summary.setWordWrap(True)
         self._save.setProperty("main", "true")
-        above = QHBoxLayout()
-        above.addWidget(self._names_label)
-        above.addWidget(self._names)
-        above.addWidget(self._new)
-        above.addWidget(self._delete)
-        above.addStretch()
-        above.addWidget(self._to_names)
+        above = FlowLayout()
+        for part in (self._names_label, self._names, self._new, self._delete, self._to_names):
+            above.addWidget(part)
         column = QVBoxLayout(self)
         column.addLayout(above)
         column.addWidget(self._hint)
@@ -97,6 +93,8 @@ class ProtocolsPage(QWidget):
         self._delete.setToolTip(_("Delete this protocol of your own; no session may follow it"))
         self._to_names.setText(_("Who &names the markers"))
         self._word_hint()
+        if text := self._text.toPlainText():
+            self.typed.emit(text)  # what it says of the text is in the old language
 
     def show_names(self, names: tuple[str, ...], chosen: str, folder: str) -> None:
         self._folder = folder
