@@ -4,6 +4,7 @@ from unittest.mock import create_autospec
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontDatabase
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QComboBox,
@@ -214,6 +215,17 @@ def test_what_is_said_of_a_protocol_follows_the_language(screen):
     use_language("es")
     screen.retranslate()
     assert said.text() == "Ningún error: 15 puntos de referencia, 1470 medidas."
+
+
+def test_the_text_of_a_protocol_is_in_the_font_of_code_also_in_large_letters(
+    screen,
+    large_letters,  # noqa: ARG001  (letters grow after the text was shown)
+):
+    screen.findChild(QTabWidget).setCurrentIndex(4)
+    text = next(one for one in screen.findChildren(QPlainTextEdit) if one.isVisible())
+    fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
+    assert text.font().family() == fixed.family()
+    assert text.font().pointSizeF() == screen.font().pointSizeF()
 
 
 def test_in_a_store_that_is_only_read_the_passphrase_stays(

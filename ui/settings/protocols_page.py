@@ -66,6 +66,8 @@ class ProtocolsPage(QWidget):
     def _lay_out(self) -> None:
         self._text.setTabChangesFocus(True)
         self._text.setLineWrapMode(QPlainTextEdit.LineWrapMode.NoWrap)
+        fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
+        self._text.setStyleSheet(f"font-family: '{fixed.family()}'")  # its size is the window's
         self._mistakes.setWordWrap(True)
         self._hint.setWordWrap(True)
         self._hint.setProperty("kind", "quiet")
@@ -129,9 +131,6 @@ class ProtocolsPage(QWidget):
         self._text.setTextCursor(cursor)
         self._text.document().setModified(False)
         self._text.blockSignals(False)
-        fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
-        fixed.setPointSizeF(self.font().pointSizeF())
-        self._text.setFont(fixed)
 
     def show_check(self, mistakes: tuple[Mistake, ...], summary: str) -> None:
         self._mistakes.clear()
