@@ -217,12 +217,10 @@ def test_what_is_said_of_a_protocol_follows_the_language(screen):
     assert said.text() == "Ningún error: 15 puntos de referencia, 1470 medidas."
 
 
-def test_the_text_of_a_protocol_is_in_the_font_of_code_also_in_large_letters(
-    screen,
-    large_letters,  # noqa: ARG001  (letters grow after the text was shown)
-):
+def test_the_text_of_a_protocol_grows_with_the_letters_in_the_font_of_code(screen, request):
     screen.findChild(QTabWidget).setCurrentIndex(4)
     text = next(one for one in screen.findChildren(QPlainTextEdit) if one.isVisible())
+    request.getfixturevalue("large_letters")
     fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
     assert text.font().family() == fixed.family()
     assert text.font().pointSizeF() == screen.font().pointSizeF()
