@@ -10,6 +10,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.kernels import compiled
+from adibas.shapes.parts_bone_kernels import MOST_ALIKE, add_bones, measure_bones, rate_sides
 from adibas.shapes.parts_core_kernels import (
     NEVER,
     core_numbers,
@@ -17,6 +18,7 @@ from adibas.shapes.parts_core_kernels import (
     heading_energy,
     known_rows,
     rate_core,
+    spread_of_missing,
     turned_to_mean,
     whole_core,
 )
@@ -54,20 +56,27 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     pairs = np.full((n_limbs, N_KEPT, 2), -1)
     by_kind = np.full((n_limbs, N_KEPT, odds.n_kinds), NEVER)
     gains = np.full((n_limbs, N_KEPT), NEVER)
+    bones = np.full((n_limbs, N_KEPT, 2), math.nan)
     all_pairs = np.empty((MOST_CHOICES, 2), np.int64)
     all_logs = np.empty((MOST_CHOICES, odds.n_kinds))
     for limb in range(n_limbs):
-        ways = (moved - whole[limbs.roots[limb]]) / size_m
-        ways[:, 0] *= limbs.signs[limb]
-        numbers = plain if limbs.signs[limb] > 0 else mirrored
+        root, sign = limbs.roots[limb], limbs.signs[limb]
+        ways = (moved - whole[root]) / size_m
+        ways[:, 0] *= sign
         unit = odds.log_room - 3.0 * math.log(size_m)
-        n = list_choices(ways, is_taken, numbers, of_core, limbs, limb, unit, all_pairs, all_logs)
+        of_root = spread_of_missing(rows, own, root, sign, core, component) / size_m**2
+        n = list_choices(ways, is_taken, plain if sign > 0 else mirrored, of_core, limbs, limb,
+                         unit, of_root, all_pairs, all_logs)  # fmt: skip
+        has_root = own[root] >= 0
+        add_bones(ways, all_pairs[:n], all_logs[:n], has_root, limbs, limb)
         kept = keep_best(all_pairs[:n], all_logs[:n], of_core, N_KEPT, odds)
         n = len(kept[2])
         pairs[limb, :n], by_kind[limb, :n], gains[limb, :n] = kept
+        for c in range(n):
+            bones[limb, c, 0], bones[limb, c, 1] = measure_bones(ways, pairs[limb, c], has_root)
     offset = heading_energy(-angle_rad, odds)
-    return _combine(own, of_core, offset, -angle_rad, pairs, by_kind, gains, core, limbs, odds,
-                    best, pool)  # fmt: skip
+    return _combine(own, of_core, offset, -angle_rad, pairs, by_kind, gains, bones, core, limbs,
+                    odds, best, pool)  # fmt: skip
 
 
 @compiled
@@ -79,6 +88,7 @@ def _combine(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface
     pairs: IntArray,
     by_kind: FloatArray,
     gains: FloatArray,
+    bones: FloatArray,
     core: Core,
     limbs: Limbs,
     odds: Odds,
@@ -93,8 +103,8 @@ def _combine(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface
     misses = np.full(1, len(own) - count_named(own))
     rest = np.zeros(n_limbs + 1)
     for limb in range(n_limbs - 1, -1, -1):
-        rest[limb] = rest[limb + 1] + gains[limb].max()
-    greedy = _greedy(own, of_core, offset, pairs, by_kind, gains, odds)
+        rest[limb] = rest[limb + 1] + gains[limb].max() + MOST_ALIKE * (limb % 2)
+    greedy = _greedy(own, of_core, offset, pairs, by_kind, gains, bones, limbs, odds)
     limit = min(best, greedy) + odds.gap
     for limb in range(n_limbs):
         chosen, sums, hopes, misses = _continued(
@@ -106,6 +116,8 @@ def _combine(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface
             pairs,
             by_kind[limb],
             gains[limb],
+            bones,
+            limbs,
             odds.least_counts,
             limit + rest[limb + 1],
         )
@@ -147,6 +159,8 @@ def _continued(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     pairs: IntArray,
     by_kind: FloatArray,
     gains: FloatArray,
+    bones: FloatArray,
+    limbs: Limbs,
     counts: FloatArray,
     limit: float,
 ) -> tuple[IntArray, FloatArray, FloatArray, IntArray]:
@@ -156,19 +170,28 @@ def _continued(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     new_sums = np.empty((MOST_WAYS, n_kinds))
     new_hopes = np.empty(MOST_WAYS)
     new_misses = np.empty(MOST_WAYS, np.int64)
+    alike = np.zeros(n_kinds)
+    most_alike = MOST_ALIKE * (limb % 2)
     n = 0
     for w in range(len(chosen)):
         for c in range(len(gains)):
             n_missing = misses[w] + (pairs[limb, c, 0] < 0) + (pairs[limb, c, 1] < 0)
-            is_hopeless = hopes[w] - gains[c] + counts[n_missing] > limit or n == MOST_WAYS
+            hope = hopes[w] - gains[c]
+            is_hopeless = hope - most_alike + counts[n_missing] > limit or n == MOST_WAYS
             if is_hopeless or _collides(pairs, chosen[w], limb, c):
                 continue
+            if limb % 2:
+                theirs = bones[limb - 1, chosen[w, limb - 1]]
+                rate_sides(bones[limb, c], theirs, limbs, limb, alike)
+                hope -= alike.max()
+                if hope + counts[n_missing] > limit:
+                    continue
             for before in range(limb):
                 new_chosen[n, before] = chosen[w, before]
             new_chosen[n, limb] = c
             for q in range(n_kinds):
-                new_sums[n, q] = sums[w, q] + by_kind[c, q]
-            new_hopes[n] = hopes[w] - gains[c]
+                new_sums[n, q] = sums[w, q] + by_kind[c, q] + alike[q]
+            new_hopes[n] = hope
             new_misses[n] = n_missing
             n += 1
     return new_chosen[:n], new_sums[:n], new_hopes[:n], new_misses[:n]
@@ -182,12 +205,15 @@ def _greedy(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     pairs: IntArray,
     by_kind: FloatArray,
     gains: FloatArray,
+    bones: FloatArray,
+    limbs: Limbs,
     odds: Odds,
 ) -> float:
     """Return the energy of giving each limb in turn the best of what is left."""
     n_limbs = len(pairs)
     chosen = np.zeros(n_limbs, np.int64)
     sums = of_core.copy()
+    alike = np.zeros(len(sums))
     for limb in range(n_limbs):
         c = 0
         while c < N_KEPT - 1 and (gains[limb, c] <= NEVER or _collides(pairs, chosen, limb, c)):
@@ -196,6 +222,10 @@ def _greedy(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
             return -NEVER
         chosen[limb] = c
         sums += by_kind[limb, c]
+        if limb % 2:
+            theirs = bones[limb - 1, chosen[limb - 1]]
+            rate_sides(bones[limb, c], theirs, limbs, limb, alike)
+            sums += alike
     return _energy(own, chosen, sums, offset, pairs, odds)
 
 

@@ -148,6 +148,26 @@ def whole_core(rows: IntArray, values: FloatArray, core: Core, best: int) -> Flo
 
 
 @compiled
+def spread_of_missing(
+    rows: IntArray, own: IntArray, i: int, sign: float, core: Core, best: int
+) -> FloatArray:
+    """Return how surely the others let expect point i of the core (3, 3); 0 where it is known.
+
+    `sign` is -1 where x is mirrored.
+    """
+    if own[i] >= 0:
+        return np.zeros((3, 3))
+    mine = 3 * i + np.arange(3)
+    covariance = core.covariances[best]
+    shared = picked(covariance, mine, rows)
+    told = shared @ np.linalg.solve(picked(covariance, rows, rows), shared.T)
+    spread: FloatArray = picked(covariance, mine, mine) - told
+    spread[0] *= sign
+    spread[:, 0] *= sign
+    return spread
+
+
+@compiled
 def leave_one_out_core(
     rows: IntArray, values: FloatArray, own: IntArray, core: Core, best: int
 ) -> tuple[FloatArray, FloatArray]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.kernels import compiled
-from adibas.shapes.labelling_kernels import LOG_2PI
+from adibas.shapes.labelling_kernels import LOG_2PI, factor
 from adibas.shapes.parts_core_kernels import NEVER, sum_by_kind
 from adibas.shapes.parts_types import Limbs, Odds
 
@@ -108,6 +108,25 @@ def _note(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
 
 
 @compiled
+def _widened(
+    limbs: Limbs, limb: int, chosen: IntArray, of_root: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the factors of some components, for a root that is only known so surely."""
+    factors = limbs.factors[limb][chosen]
+    outer_factors = limbs.outer_factors[limb][chosen]
+    if of_root[0, 0] == 0.0:
+        return factors, outer_factors
+    for k in range(len(chosen)):
+        covariance = factors[k] @ factors[k].T
+        for a in range(0, 6, 3):
+            for b in range(0, 6, 3):
+                covariance[a : a + 3, b : b + 3] += of_root
+        factors[k] = factor(covariance)
+        outer_factors[k] = factor(np.ascontiguousarray(covariance[3:, 3:]))
+    return factors, outer_factors
+
+
+@compiled
 def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     ways: FloatArray,
     is_taken: BoolArray,
@@ -116,6 +135,7 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
     limbs: Limbs,
     limb: int,
     log_unit: float,
+    of_root: FloatArray,
     pairs: IntArray,
     by_kind: FloatArray,
 ) -> int:
@@ -131,6 +151,8 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
         What the limb depends on, and the core's log densities.
     log_unit : float
         Log volume of the room in the core's unit.
+    of_root : (3, 3) array
+        Covariance of a root without a point, in the unit and mirrored as the ways are; else 0.
     pairs, by_kind : (P, 2) and (P, kinds) arrays
         To fill; -1 for no point.
     """
@@ -139,6 +161,7 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
     chosen = np.flatnonzero(hopes > hopes.max() - LIKELY)
     weights, places = weights[chosen], places[chosen]
     kinds = limbs.kinds[limb][chosen]
+    factors, outer_factors = _widened(limbs, limb, chosen, of_root)
     unit = log_unit - 1.5 * LOG_2PI
     n_components = len(weights)
     inner, outer = np.empty(n_components), np.empty(n_components)
@@ -150,10 +173,8 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
         if is_taken[j]:
             continue
         for k in range(n_components):
-            lower = limbs.factors[limb, chosen[k]]
-            inner[k] = weights[k] + unit - whiten(ways[j], places[k], lower, white[k])
-            lower = limbs.outer_factors[limb, chosen[k]]
-            alone = whiten(ways[j], places[k, 3:], lower, scratch)
+            inner[k] = weights[k] + unit - whiten(ways[j], places[k], factors[k], white[k])
+            alone = whiten(ways[j], places[k, 3:], outer_factors[k], scratch)
             outer[k] = weights[k] + unit - alone
         count = _note(outer, kinds, -1, j, pairs, by_kind, count)
         before = count
@@ -166,8 +187,7 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
                 ways,
                 is_taken,
                 places,
-                limbs.factors[limb],
-                chosen,
+                factors,
                 kinds,
                 unit,
                 pairs,
@@ -186,7 +206,6 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     is_taken: BoolArray,
     places: FloatArray,
     factors: FloatArray,
-    chosen: IntArray,
     kinds: IntArray,
     unit: float,
     pairs: IntArray,
@@ -202,7 +221,7 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
         for k in range(len(inner)):
             logs[k] = NEVER
             if inner[k] > best - FAR:
-                cost = whiten_outer(ways[i], places[k], factors[chosen[k]], white[k])
+                cost = whiten_outer(ways[i], places[k], factors[k], white[k])
                 logs[k] = inner[k] + unit - cost
         count = _note(logs, kinds, j, i, pairs, by_kind, count)
     return count

@@ -25,7 +25,8 @@ from adibas.shapes.parts_core_kernels import (
 )
 from adibas.shapes.parts_types import Anchors, Core, Limbs, Odds, Pool
 
-MOST_CORES = 160
+MOST_CORES = 600
+"""A list that is full loses what is found later: the thorough search finds some 300."""
 LEAST_JUDGED = 2
 N_IMPROVEMENTS = 4
 VARIED_GAP = 6.0

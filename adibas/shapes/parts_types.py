@@ -58,6 +58,14 @@ class Limbs(NamedTuple):
         Of both points from the root, in sizes of the core, where the core's numbers are known.
     outer_factors : (L, K, 3, 3) array
         Of the outer point alone.
+    bone_means, bone_covariances : (L, Q, 2) and (L, Q, 2, 2) arrays
+        Of the logarithms of both bones' lengths in sizes of the core, for each kind of posture.
+    side_covariances : (L, Q, 2, 2) array
+        Of these with the other side's.
+    drawn_means, drawn_covariances : (L, Q, 2) and (L, Q, 2, 2) arrays
+        Of the lengths that the components alone let expect.
+    strange : (L,) array
+        How often bones are as the components alone say, whatever their lengths: 1, always.
     """
 
     labels: IntArray
@@ -71,6 +79,12 @@ class Limbs(NamedTuple):
     slopes: FloatArray
     factors: FloatArray
     outer_factors: FloatArray
+    bone_means: FloatArray
+    bone_covariances: FloatArray
+    side_covariances: FloatArray
+    drawn_means: FloatArray
+    drawn_covariances: FloatArray
+    strange: FloatArray
 
 
 class Anchors(NamedTuple):

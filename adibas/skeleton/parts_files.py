@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from adibas.shapes.parts_types import Anchors, Core, Limbs
+from adibas.skeleton.bones_training import without_bones
 from adibas.skeleton.parts import PartsModel
 
 DIGITS = 6
@@ -27,7 +28,7 @@ def parts_to_json(parts: PartsModel) -> dict[str, Any]:
 
 
 def parts_from_json(names: tuple[str, ...], document: Mapping[str, Any]) -> PartsModel:
-    """Return the model of a document.
+    """Return the model of a document; one without lengths of bones is from an earlier version.
 
     Raises
     ------
@@ -38,7 +39,7 @@ def parts_from_json(names: tuple[str, ...], document: Mapping[str, Any]) -> Part
         names,
         tuple(str(kind) for kind in document["kinds"]),
         _from_json(Core, document["core"]),
-        _from_json(Limbs, document["limbs"]),
+        _from_json(Limbs, _with_bones(document)),
         _from_json(Anchors, document["anchors"]),
     )
 
@@ -48,6 +49,11 @@ def _to_json(part: Core | Limbs | Anchors) -> dict[str, Any]:
         name: _rounded(array.tolist()) if array.dtype.kind == "f" else array.tolist()
         for name, array in part._asdict().items()
     }
+
+
+def _with_bones(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    limbs = document["limbs"]
+    return {**without_bones(len(limbs["roots"]), len(document["kinds"])), **limbs}
 
 
 def _from_json(kind: type[Part], document: Mapping[str, Any]) -> Part:

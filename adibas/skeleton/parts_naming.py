@@ -40,7 +40,7 @@ class Effort:
 
 
 QUICK = Effort(8, 1, 20.0)
-THOROUGH = Effort(24, 3, 40.0)
+THOROUGH = Effort(100, 5, 60.0)
 """Where the quick search leaves a doubt, or points are missing or too many."""
 SETTLED = 0.99
 """Share of all names from which on the quick search is believed."""
@@ -74,7 +74,7 @@ class PartsOdds:
     side_sure : float
         A name is not given where its mirror image is more probable than this: 0.25.
     n_anchored : int
-        Cores from single points: 24, where the quick search leaves a doubt.
+        Cores from single points: 160, where the quick search leaves a doubt.
     """
 
     complete: float = 0.8
@@ -87,7 +87,7 @@ class PartsOdds:
     temperature: float = 1.0
     sure: float = 0.5
     side_sure: float = 0.25
-    n_anchored: int = 24
+    n_anchored: int = 160
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,8 +125,9 @@ def find_by_parts(
     expected = _expected(model, len(points), view, odds, QUICK)
     turns, shifts = list_turns(prepared.model, view)
     starts = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
-    pool = _searched(model, points, starts, expected)
-    if len(pool.energies):
+    is_whole = len(points) == len(model.names)
+    pool = _searched(model, points, starts, expected) if is_whole else None
+    if pool is not None and len(pool.energies):
         found = _weighed(model, len(points), pool, expected, odds.temperature)
         if _is_settled(found, len(model.names)):
             return found

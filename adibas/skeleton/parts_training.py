@@ -14,6 +14,7 @@ from adibas.arrays import FloatArray, IntArray, check_shape
 from adibas.data.joints import mirror_order
 from adibas.shapes.gaussian_mixture import Mixture, fit_mixture
 from adibas.shapes.parts_types import Anchors, Core, Limbs
+from adibas.skeleton.bones_training import learn_bones, without_bones
 from adibas.skeleton.model import left_of
 from adibas.skeleton.parts import ANCHOR_NAMES, CORE_NAMES, LIMB_NAMES, PartsModel
 from adibas.skeleton.training import heading_of, turned_about_y
@@ -48,6 +49,10 @@ class PartsParams:
         About the heading that is tried: 0.15.
     core_floor_m, number_floor, way_floor : float
         Least standard deviations of a component: 10 mm, 0.05, 0.02 sizes of the core.
+    strange_bones : float
+        How often the lengths of a limb's bones are not as learned: 0.02.
+    bone_noise : float
+        Standard deviation added to the logarithm of a length: 0.04, a centimetre of a forearm.
     weights : Mapping
         How often each kind is met; those not named share as in the training.
     seed : int
@@ -65,6 +70,8 @@ class PartsParams:
     core_floor_m: float = 0.01
     number_floor: float = 0.05
     way_floor: float = 0.02
+    strange_bones: float = 0.02
+    bone_noise: float = 0.04
     weights: Mapping[str, float] = field(default_factory=dict)
     seed: int = 0
 
@@ -111,7 +118,12 @@ def learn_parts(
         _limb(names, limb, laid, sizes_m, rows, of_kind, called, params, rng)
         for limb in LIMB_NAMES[::2]
     ]
-    return PartsModel(names, called, core, _limbs(names, sides), _anchors(cores, params, rng))
+    anchors = _anchors(cores, params, rng)
+    limbs = learn_bones(
+        laid, of_kind, called, core, _limbs(names, sides, len(called)), params.strange_bones,
+        params.bone_noise, rng,
+    )  # fmt: skip
+    return PartsModel(names, called, core, limbs, anchors)
 
 
 def _laid(both: FloatArray, labels: IntArray, mirror: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -221,7 +233,7 @@ def _limb(  # noqa: PLR0913, PLR0917
     return result
 
 
-def _limbs(names: tuple[str, ...], sides: Sequence[_Limb]) -> Limbs:
+def _limbs(names: tuple[str, ...], sides: Sequence[_Limb], n_kinds: int) -> Limbs:
     """Put the limbs of one side, each followed by its mirror image, into arrays."""
     doubled = [side for side in sides for _ in range(2)]
     most = max(len(side.kinds) for side in sides)
@@ -243,6 +255,7 @@ def _limbs(names: tuple[str, ...], sides: Sequence[_Limb]) -> Limbs:
         slopes=stacked([one.slopes for one in doubled]),
         factors=_factors(covariances),
         outer_factors=_factors(covariances[:, :, 3:, 3:]),
+        **without_bones(len(doubled), n_kinds),
     )
 
 
