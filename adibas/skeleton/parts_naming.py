@@ -39,7 +39,7 @@ class Effort:
     too_unlikely: float
 
 
-QUICK = Effort(8, 1, 20.0)
+QUICK = Effort(5, 1, 20.0)
 THOROUGH = Effort(100, 5, 60.0)
 """Where the quick search leaves a doubt, or points are missing or too many."""
 SETTLED = 0.99
