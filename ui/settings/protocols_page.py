@@ -41,6 +41,7 @@ class ProtocolsPage(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._folder = ""
+        self._is_stopped = False
         self._names, self._names_label = QComboBox(self), QLabel(self)
         self._names_label.setBuddy(self._names)
         self._text, self._mistakes = QPlainTextEdit(self), QListWidget(self)
@@ -95,8 +96,8 @@ class ProtocolsPage(QWidget):
         self._delete.setToolTip(_("Delete this protocol of your own; no session may follow it"))
         self._to_names.setText(_("Who &names the markers"))
         self._word_hint()
-        if text := self._text.toPlainText():
-            self.typed.emit(text)  # what it says of the text is in the old language
+        if not self._is_stopped and (text := self._text.toPlainText()):
+            self.typed.emit(text)  # what is said of the text is in the old language
 
     def show_names(self, names: tuple[str, ...], chosen: str, folder: str) -> None:
         self._folder = folder
@@ -146,6 +147,7 @@ class ProtocolsPage(QWidget):
 
     def stop(self) -> None:
         """Check nothing any more."""
+        self._is_stopped = True
         self._pause.stop()
 
     def _word_hint(self) -> None:
