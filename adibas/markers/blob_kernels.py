@@ -64,17 +64,20 @@ def join_groups(
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Make one group of specks (fewer pixels than `n_speck_px`) within `reach` rows and columns.
 
-    Groups come and stay in the order of their first rows.
+    A joined group stands where its first one stood.
     """
     rows, columns, starts = groups
     n_groups = len(starts) - 1
     root = np.arange(n_groups)
-    for i in range(n_groups):
+    tops = rows[starts[:-1]]
+    downwards = np.argsort(tops)
+    for place in range(n_groups):
+        i = downwards[place]
         if starts[i + 1] - starts[i] >= n_speck_px:
             continue
         last_row = rows[starts[i] : starts[i + 1]].max() + reach
-        for j in range(i + 1, n_groups):
-            if rows[starts[j]] > last_row:
+        for j in downwards[place + 1 :]:
+            if tops[j] > last_row:
                 break
             if starts[j + 1] - starts[j] < n_speck_px and _are_near(
                 rows, columns, (starts[i], starts[i + 1], starts[j], starts[j + 1]), reach
