@@ -151,6 +151,11 @@ def test_a_free_measure_follows_the_name_of_its_marker():
     assert renamed.undone().measures() == history.measures()
 
 
+def test_a_marker_that_is_added_changes_no_free_measure():
+    history = CorrectionHistory().after(MeasureCorrection(None, FreeMeasure(("a", "b"))))
+    assert history.after(MarkerCorrection(None, marker("c"))).measures() == history.measures()
+
+
 def test_a_free_measure_goes_with_its_marker_and_comes_back_with_it():
     kept, lost = FreeMeasure(("a", "c")), FreeMeasure(("a", "b"))
     history = CorrectionHistory()
