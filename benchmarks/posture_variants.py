@@ -78,7 +78,7 @@ def _lit(illumination: Illumination) -> Change:
 
 
 def _dressed(*, skin: int | None = None, top: tuple[int, int, int] | None = None) -> Change:
-    """Return the change to a skin, or to a T-shirt of a colour; the rest is drawn as ever."""
+    """Return the change to a skin, or to a T-shirt of a colour; the rest follows the seed."""
 
     def change(one: SceneSettings) -> SceneSettings:
         sex = one.shape.sex if one.shape is not None else "female"

@@ -64,7 +64,7 @@ def join_groups(
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Make one group of specks (fewer pixels than `n_speck_px`) within `reach` rows and columns.
 
-    A joined group stands where its first one stood.
+    Pixels of each group come in raster order; a joined group stands where its first one stood.
     """
     rows, columns, starts = groups
     n_groups = len(starts) - 1
