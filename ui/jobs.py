@@ -5,6 +5,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from threading import Event as ThreadEvent
+from threading import Lock
 from typing import Any
 
 from PySide6.QtCore import QObject, Qt, Signal
@@ -33,11 +34,23 @@ class ThreadJob(JobControl, Job):
     _tell: Callable[["ThreadJob", str, object], None]
     _stop: ThreadEvent = field(default_factory=ThreadEvent)
     _is_running: bool = True
+    _lock: Lock = field(default_factory=Lock)
+    _reached: tuple[int, int] | None = None
 
     def progress(self, done: int, total: int) -> None:
         if self._stop.is_set():
             raise CancelledError
-        self._tell(self, "progress", (done, total))
+        with self._lock:
+            was_taken = self._reached is None
+            self._reached = done, total
+        if was_taken:  # a job of thousands of steps does not flood the window
+            self._tell(self, "progress", None)
+
+    def take_progress(self) -> tuple[int, int]:
+        """Return how far the job came; it tells of its next step again."""
+        with self._lock:
+            reached, self._reached = self._reached, None
+        return reached or (0, 0)
 
     @property
     def is_running(self) -> bool:
@@ -130,7 +143,7 @@ class JobRunner(QObject):
         if job not in self._handlers:
             return
         if what == "progress":
-            self.changed.emit(job, *value)
+            self.changed.emit(job, *job.take_progress())
             return
         told = self._handlers.pop(job)
         job.end()

@@ -20,8 +20,6 @@ from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.progress import Progress
 from adibas.sessions import SessionStore
 
-MOST_PATIENTS = 1_000_000
-
 Key = tuple[str, str]
 """View and measure."""
 
@@ -60,16 +58,14 @@ def reliability_in_clinic(
     """Return how well each measure repeats in the hands of one operator."""
     repeats: dict[Key, list[Repeat]] = {}
     listed: set[str] = set()
-    rows = store.patients.search("", limit=MOST_PATIENTS)
-    for number, row in enumerate(rows):
+    sessions = store.sessions.of_operator(operator)
+    n_looked_at = 0
+    for _patient, some in groupby(sessions, key=lambda session: session.patient):
+        theirs = tuple(some)
         if progress is not None:
-            progress(number, len(rows))
-        sessions = [
-            session
-            for session in store.sessions.of_patient(row.pseudonym)
-            if session.operator == operator
-        ]
-        for key, values in _of_patient(store, wish, sessions, listed).items():
+            progress(n_looked_at, len(sessions))
+        n_looked_at += len(theirs)
+        for key, values in _of_patient(store, wish, theirs, listed).items():
             repeats.setdefault(key, []).extend(values)
     found = {key: reliability_of(values) for key, values in repeats.items()}
     return ClinicReliability(operator, wish, found)
@@ -88,16 +84,15 @@ def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
 
 
 def _of_patient(
-    store: SessionStore, wish: ProtocolWish, sessions: list[Session], listed: set[str]
+    store: SessionStore, wish: ProtocolWish, sessions: tuple[Session, ...], listed: set[str]
 ) -> dict[Key, list[Repeat]]:
-    """Return the repeats of each measure on the day that has most of them.
+    """Return the repeats of each measure on the day that has most of them; sessions oldest first.
 
     A day without repeats tells nothing and is not measured, but for views that are not `listed`
     yet: a measure without repeats is told as well.
     """
     best: dict[Key, list[Repeat]] = {}
-    ordered = sorted(sessions, key=lambda session: session.started_utc)
-    for _day, some in groupby(ordered, key=lambda session: session.started_utc.date()):
+    for _day, some in groupby(sessions, key=lambda session: session.started_utc.date()):
         visits = [_known(store, session.session_id, wish) for session in some]
         counts = Counter(capture.view for captures in visits for capture in captures)
         if max(counts.values(), default=0) < LEAST_REPEATS and set(counts) <= listed:

@@ -3,8 +3,9 @@
 import uuid
 from collections.abc import Callable
 from datetime import datetime
+from typing import Any
 
-from sqlalchemy import func, select
+from sqlalchemy import Select, func, select
 
 from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import StoreError
@@ -67,22 +68,16 @@ class Sessions:
         theirs = select(SESSIONS).where(SESSIONS.c.pseudonym == pseudonym)
         if not with_deleted:
             theirs = theirs.where(SESSIONS.c.is_deleted.is_(False))
-        with self._database.reading() as transaction:
-            found = transaction.execute(theirs.order_by(SESSIONS.c.started_utc.desc())).all()
-            return tuple(_session(transaction, row) for row in found)
+        return self._found(theirs.order_by(SESSIONS.c.started_utc.desc()))
 
     def recent(self, limit: int = 20) -> tuple[Session, ...]:
         """Return the last sessions of all patients, newest first, without hidden ones."""
-        newest = (
-            select(SESSIONS)
-            .join(PATIENTS, PATIENTS.c.pseudonym == SESSIONS.c.pseudonym)
-            .where(SESSIONS.c.is_deleted.is_(False), PATIENTS.c.is_deleted.is_(False))
-            .order_by(SESSIONS.c.started_utc.desc())
-            .limit(limit)
-        )
-        with self._database.reading() as transaction:
-            found = transaction.execute(newest).all()
-            return tuple(_session(transaction, row) for row in found)
+        return self._found(_in_sight().order_by(SESSIONS.c.started_utc.desc()).limit(limit))
+
+    def of_operator(self, operator: str) -> tuple[Session, ...]:
+        """Return what one operator recorded, without hidden ones: by patient, oldest first."""
+        theirs = _in_sight().where(SESSIONS.c.operator == operator)
+        return self._found(theirs.order_by(SESSIONS.c.pseudonym, SESSIONS.c.started_utc))
 
     def n_following(self, protocol: str) -> int:
         """Return how many sessions name a protocol, hidden ones too: they can be restored."""
@@ -140,11 +135,22 @@ class Sessions:
         """
         self._purge(session_id)
 
+    def _found(self, chosen: Select[Any]) -> tuple[Session, ...]:
+        with self._database.reading() as transaction:
+            rows = transaction.execute(chosen).all()
+            return tuple(_session(transaction, row) for row in rows)
+
     def _hide(self, session_id: str, *, is_deleted: bool) -> None:
         with self._database.changing() as transaction:
             if found_session(transaction, session_id).is_deleted != is_deleted:
                 change_row(transaction, SESSIONS, session_id, is_deleted=is_deleted)
                 self._audit.write(transaction, "delete" if is_deleted else "restore", session_id)
+
+
+def _in_sight() -> Select[Any]:
+    """Choose the sessions that are not hidden, of patients who are not."""
+    joined = select(SESSIONS).join(PATIENTS, PATIENTS.c.pseudonym == SESSIONS.c.pseudonym)
+    return joined.where(SESSIONS.c.is_deleted.is_(False), PATIENTS.c.is_deleted.is_(False))
 
 
 def found_session(transaction: Transaction, session_id: str) -> Row:

@@ -9,6 +9,7 @@ from ui.jobs import JobRunner
 from ui.ports import CancelledError
 
 PATIENCE_MS = 20_000
+PATIENCE_S = PATIENCE_MS / 1000
 
 
 @pytest.fixture
@@ -41,16 +42,38 @@ def test_work_runs_in_another_thread_and_its_result_comes_back_into_this_one(run
 
 
 def test_progress_is_told_in_order_and_the_end_last(runner, wait):
-    seen = []
-    runner.changed.subscribe(lambda job, *numbers: seen.append((job.is_running, *numbers)))
+    seen, may_go_on = [], threading.Semaphore(0)
+
+    def note(job, *numbers):
+        seen.append((job.is_running, *numbers))
+        may_go_on.release()
+
+    runner.changed.subscribe(note)
 
     def work(control):
+        may_go_on.acquire(timeout=PATIENCE_S)  # told that it starts
         for i in range(3):
+            may_go_on.acquire(timeout=PATIENCE_S)
             control.progress(i, 3)
 
     runner.start("a", work, lambda _: None)
     wait()
     assert seen == [(True, 0, 0)] * 2 + [(True, i, 3) for i in range(3)] + [(False, 0, 0)]
+
+
+def test_a_window_that_looks_late_is_told_the_last_of_a_thousand_steps_alone(runner, wait):
+    seen, has_stepped = [], threading.Event()
+    runner.changed.subscribe(lambda job, *numbers: seen.append((job.is_running, *numbers)))
+
+    def work(control):
+        for i in range(1000):
+            control.progress(i, 1000)
+        has_stepped.set()
+
+    runner.start("a", work, lambda _: None)
+    assert has_stepped.wait(PATIENCE_S)  # the window's thread has seen nothing so far
+    wait()
+    assert seen == [(True, 0, 0), (True, 999, 1000), (False, 0, 0)]
 
 
 def test_an_error_goes_to_who_asked_or_to_the_window(runner, wait, problems):

@@ -219,3 +219,20 @@ def test_sessions_come_newest_first_and_without_hidden_ones(store):
     ]
     store.sessions.restore(second.session_id)
     assert ids(store.sessions.recent()) == [second.session_id, first.session_id]
+
+
+def test_an_operators_sessions_come_patient_by_patient_and_without_hidden_ones(folder):
+    with open_sample(folder, operator="Berta") as store:
+        first = add_session(store)
+        other, hidden, gone = (add_session(store) for _ in range(3))
+        last = store.sessions.start(first.patient, SessionSetup())
+        store.sessions.delete(hidden.session_id)
+        store.patients.delete(gone.patient)
+    with open_sample(folder, operator="Anna") as store:
+        hers = store.sessions.start(first.patient, SessionSetup())
+        found = store.sessions.of_operator("Berta")
+        assert store.sessions.of_operator("Anna") == (hers,)
+        assert store.sessions.of_operator("") == ()
+    ids = [session.session_id for session in found]
+    assert sorted(ids) == sorted((first.session_id, last.session_id, other.session_id))
+    assert ids.index(last.session_id) == ids.index(first.session_id) + 1
