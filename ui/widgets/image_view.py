@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 
 from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
@@ -31,6 +32,8 @@ DRAG_PX = 4
 """A press that moves less is a click."""
 LARGE_STEP_PX, SMALL_STEP_PX = 10.0, 0.1
 """Of an arrow with Shift, and with Ctrl."""
+RIM_PX = 4
+N_PLACES_KEPT = 16
 Buttons = Qt.MouseButton
 Keys = Qt.Key
 ARROWS = {
@@ -76,6 +79,7 @@ class ImageView(QWidget):
         self._has_nudged = False
         self.modifiers = Qt.KeyboardModifier.NoModifier
         self._placeholder = ""
+        self._draws_beside = False
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # nothing shines through
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -95,17 +99,24 @@ class ImageView(QWidget):
         self._show(ShownPicture(numbers, coloring))
 
     def _show(self, picture: ShownPicture) -> None:
+        self._refresh()
         self._picture = picture
-        width, height = picture.size
-        if self._placement.picture != (width, height):
-            self._placement = replace(self._placement, picture=(width, height)).fitted()
+        if self._placement.picture != picture.size:
+            self._placement = replace(self._placement, picture=picture.size).fitted()
             self._cross = None
-        self.update()
+            self.update()
 
     def set_overlays(self, overlays: tuple[Overlay, ...]) -> None:
         """Draw these over the picture."""
         self._overlays = overlays
-        self.update()
+        self._refresh()
+
+    def _refresh(self) -> None:
+        """Have the picture painted anew; what is beside it only where something is drawn there."""
+        if self._picture is None or self._draws_beside or self._placement.zoom != 1:
+            self.update()
+        else:
+            self.update(_with_rim(self._placement, self.devicePixelRatioF()))
 
     def set_rotation(self, rotation_deg: int) -> None:
         """Turn the picture clockwise by 0, 90, 180 or 270 degrees."""
@@ -152,21 +163,26 @@ class ImageView(QWidget):
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self._placeholder)
         else:
             self._paint_picture(painter, self._picture)
-            paint_overlays(painter, self._placement, self._overlays)
+            reach = paint_overlays(painter, self._placement, self._overlays)
             self._paint_cross(painter)
+            self._note_reach(reach, event.rect())
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+
+    def _note_reach(self, reach: QRectF, painted: QRect) -> None:
+        """Have all painted anew where something came beside the picture that was cut off."""
+        inside = QRectF(_with_rim(self._placement, self.devicePixelRatioF()))
+        self._draws_beside = not (reach.isEmpty() or inside.contains(reach))
+        if self._draws_beside and not painted.contains(self.rect()):
+            self.update()
 
     def _paint_picture(self, painter: QPainter, picture: ShownPicture) -> None:
         place = self._placement
         if place.zoom == 1:
             ratio = self.devicePixelRatioF()
-            width, height = (max(1, round(ratio * place.scale * side)) for side in picture.size)
-            image = picture.fitted((width, height), place.rotation_deg, ratio)
-            size = image.deviceIndependentSize()
-            left, top = (self.width() - size.width()) / 2, (self.height() - size.height()) / 2
-            covered = QRect(round(left), round(top), int(size.width()), int(size.height()))
+            image = picture.fitted(_fitted_size(place, ratio), place.rotation_deg, ratio)
+            covered = _covered(place, ratio)
             for beside in _beside(self.rect(), covered):
                 painter.fillRect(beside, GROUND)
             painter.drawImage(covered.topLeft(), image)
@@ -355,6 +371,28 @@ class ImageView(QWidget):
     def _place(self, placement: ImagePlacement) -> None:
         self._placement = placement
         self.update()
+
+
+def _fitted_size(placement: ImagePlacement, ratio: float) -> tuple[int, int]:
+    """Return width and height of the picture, not turned, in pixels of the screen."""
+    width, height = (max(1, round(ratio * placement.scale * side)) for side in placement.picture)
+    return width, height
+
+
+def _covered(placement: ImagePlacement, ratio: float) -> QRect:
+    """Return where the whole picture lies in the widget."""
+    width, height = _fitted_size(placement, ratio)
+    if placement.rotation_deg in (90, 270):
+        width, height = height, width
+    left = (placement.widget[0] - width / ratio) / 2
+    top = (placement.widget[1] - height / ratio) / 2
+    return QRect(round(left), round(top), int(width / ratio), int(height / ratio))
+
+
+@lru_cache(maxsize=N_PLACES_KEPT)
+def _with_rim(placement: ImagePlacement, ratio: float) -> QRect:
+    """Return where the whole picture lies, with a rim for what ends at its edge."""
+    return _covered(placement, ratio).adjusted(-RIM_PX, -RIM_PX, RIM_PX, RIM_PX)
 
 
 def _beside(whole: QRect, covered: QRect) -> tuple[QRect, ...]:

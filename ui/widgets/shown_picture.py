@@ -77,20 +77,21 @@ class ShownPicture:
         return self._fitted
 
     def _resized(self, size: tuple[int, int]) -> Any:
-        """Return numbers as they are, colours as the screen has them: 4 bytes are done faster.
+        """Return numbers as they are, colours as the screen has them: Qt copies 4 bytes a pixel.
 
         What is larger than the picture shows its pixels, as a picture does that is zoomed.
         """
         if self._coloring is not None:
             return cv2.resize(self._pixels, size, interpolation=cv2.INTER_NEAREST)
-        padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
         if size[0] >= self.size[0]:
+            padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
             return cv2.resize(padded, size, interpolation=cv2.INTER_NEAREST)
         cv2.ipp.setUseIPP_NotExact(True)  # of this thread: a third faster, and wrong by one of 255
         try:
-            return cv2.resize(padded, size, interpolation=cv2.INTER_LINEAR)
+            smaller = cv2.resize(self._pixels, size, interpolation=cv2.INTER_LINEAR)
         finally:
             cv2.ipp.setUseIPP_NotExact(False)
+        return cv2.cvtColor(smaller, cv2.COLOR_RGB2BGRA)
 
     def _as_image(self, pixels: Any) -> QImage:
         """Return an image that borrows `pixels`: who holds it holds both."""
