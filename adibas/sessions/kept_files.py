@@ -79,13 +79,13 @@ class KeptFiles:
             transaction.execute(delete(FILES).where(FILES.c.file_id.in_(ids)))
 
     def finish(self) -> None:
-        """Remove what a crash left pending."""
+        """Remove what a crash left pending; without any, the folder is not even looked at."""
         pending = select(FILES.c.file_id).where(FILES.c.sha256.is_(None))
         with self._database.reading() as transaction:
             ids = list(transaction.scalars(pending))
         if ids:
+            self._files.remove_unfinished()  # before the keys go: they tell that one may be there
             self._remove(ids)
-        self._files.remove_unfinished()
 
 
 def remove_leftovers(database: Database, folders: Callable[[], tuple[SealedFolder, ...]]) -> None:

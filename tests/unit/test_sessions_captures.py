@@ -376,6 +376,27 @@ def test_pictures_that_a_crash_left_pending_go_at_the_next_opening(folder, monke
     assert list((folder / "pictures").rglob("*.sealed")) == []
 
 
+def test_a_picture_that_a_crash_left_half_written_goes_at_the_next_opening(folder, monkeypatch):
+    class PowerCutError(BaseException):
+        pass
+
+    def power_cut(*_arguments, **_options):
+        raise PowerCutError
+
+    with open_sample(folder) as store:
+        session = add_session(store)
+        monkeypatch.setattr("pathlib.Path.replace", power_cut)
+        monkeypatch.setattr("pathlib.Path.unlink", power_cut)
+        with pytest.raises(PowerCutError):
+            add_capture(store, session)
+        monkeypatch.undo()
+    (unfinished,) = (path for path in (folder / "pictures").rglob("*") if path.is_file())
+    assert unfinished.name.startswith(".")
+    with open_sample(folder) as store:
+        assert store.verify().is_sound
+    assert not unfinished.exists()
+
+
 def test_many_threads_use_one_store(store):
     session = add_session(store)
 
