@@ -26,6 +26,11 @@ from adibas.markers.position_kernels import (
 from adibas.markers.shared_errors import SharedErrors
 
 N_COEFFICIENTS = 12
+N_ASSUMED = 100
+"""The noise model counts as much as so many residuals: about one patch of skin."""
+LEAST_NOISE = 0.5
+"""Share of the assumed variance that is never gone below: a sensor that smooths its depth hides its
+noise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +115,11 @@ class PositionFinder:
     The skin is fitted by a quadratic in disparity: robust (Tukey's biweight), then by generalised
     least squares with the covariance of neighbouring pixels, so that its variance is honest.
 
-    Source: Aitken 1935 (generalised least squares); Beaton & Tukey 1974 (biweight).
+    The noise model is that of all sensors of the kind; how much this one has is told by how far
+    the depth lies off the fitted skin about all markers together.
+
+    Source: Aitken 1935 (generalised least squares); Beaton & Tukey 1974 (biweight); Mikhail &
+    Ackermann 1976 (a posteriori reference variance).
 
     Parameters
     ----------
@@ -120,10 +129,21 @@ class PositionFinder:
         With both cameras.
     params : PositionParams
         How.
+    seen_px : (N, 2) array, optional
+        Colour pixels of the burst's markers, which tell of the noise; without any it is as assumed.
+
+    Attributes
+    ----------
+    noise_share : float
+        Variance of the depth by that of the noise model.
     """
 
     def __init__(
-        self, burst: BurstDisparity, calibration: RgbdCalibration, params: PositionParams
+        self,
+        burst: BurstDisparity,
+        calibration: RgbdCalibration,
+        params: PositionParams,
+        seen_px: FloatArray | None = None,
     ) -> None:
         if calibration.color is None or calibration.depth is None:
             raise ValueError("positions need both cameras")
@@ -135,6 +155,7 @@ class PositionFinder:
         self._params = params
         self._patch = _patch(params)
         self._shared = SharedErrors(calibration)
+        self.noise_share = 1.0 if seen_px is None else self._learned_share(seen_px)
 
     def locate(self, pixel_uv: FloatArray, covariance_px2: FloatArray) -> Position | None:
         """Return where the colour pixel `pixel_uv` lies in space.
@@ -152,34 +173,52 @@ class PositionFinder:
             None where the depth camera does not see that place: outside its picture, hidden, a
             hole too large, or too far from any measured surface.
         """
+        ray = self._ray(pixel_uv)
+        fit = self._fitted(ray)
+        return None if fit is None else self._position(ray, fit, covariance_px2)
+
+    def _ray(self, pixel_uv: FloatArray) -> FloatArray:
+        """Return the (3,) ray of a colour pixel, colour axes; NaN where the lens has none."""
         pixel_uv = np.asarray(pixel_uv, float)
         bearing = undistort_pixels(pixel_uv, self._color.intrinsics, self._color.distortion)
-        ray = np.append(bearing, 1.0)
-        if not np.isfinite(ray).all():
-            return None
-        line = Line(
+        return np.append(bearing, 1.0)
+
+    def _line(self, ray: FloatArray) -> Line:
+        return Line(
             np.ascontiguousarray(self._depth_from_color.translation_m),
             np.ascontiguousarray(self._depth_from_color.rotation @ ray),
         )
-        mean_per_m = self._burst.mean_per_m
+
+    def _fitted(self, ray: FloatArray) -> Fit | None:
+        """Return the skin that a colour ray meets; None where there is none that is sure enough."""
+        if not np.isfinite(ray).all():
+            return None
+        line, mean_per_m = self._line(ray), self._burst.mean_per_m
         start_per_m = follow(mean_per_m, line, self._lens, self._patch)
         if start_per_m == NOTHING:
             return None
         readings = self._burst.n_readings
         fit = fit_skin(mean_per_m, readings, line, start_per_m, self._lens, self._patch)
-        if not fit.disparity > 0 or _sd_m(fit) > self._params.greatest_sd_m:
-            return None
-        point_m = np.array(point_on(line, fit.disparity))
-        return self._position(ray, point_m, fit, covariance_px2)
+        is_sure = fit.disparity > 0 and _sd_m(fit) <= self._params.greatest_sd_m
+        return fit if is_sure else None
 
-    def _position(
-        self, ray: FloatArray, point_m: FloatArray, fit: Fit, covariance_px2: FloatArray
-    ) -> Position:
+    def _learned_share(self, seen_px: FloatArray) -> float:
+        """Return the a posteriori variance of unit weight over the skin about all pixels."""
+        squares = n_free = float(N_ASSUMED)
+        for pixel_uv in seen_px:
+            fit = self._fitted(self._ray(pixel_uv))
+            if fit is not None:
+                squares += fit.n_free * fit.misfit
+                n_free += fit.n_free
+        return max(squares / n_free, LEAST_NOISE)
+
+    def _position(self, ray: FloatArray, fit: Fit, covariance_px2: FloatArray) -> Position:
         """Return where the ray meets the skin, colour axes, with its covariance.
 
         A wrong pixel moves the point within the skin; a wrong depth moves it along the ray.
         """
         k = self._color.intrinsics
+        point_m = np.array(point_on(self._line(ray), fit.disparity))
         # The plane w = w0 + g . d of the pixels is n . p = 1 in space, n = (gu f, gv f, rest).
         n_x, n_y = fit.slope_u * self._lens.fx, fit.slope_v * self._lens.fy
         n_z = (1.0 - n_x * point_m[0] - n_y * point_m[1]) / point_m[2]
@@ -190,7 +229,7 @@ class PositionFinder:
         within = moved - np.outer(ray, normal @ moved) / (normal @ ray)
         shared_m = self._shared.moves(position_m, normal, within)
         covariance_m2: FloatArray = within @ covariance_px2 @ within.T
-        covariance_m2 = covariance_m2 + np.outer(ray, ray) * _sd_m(fit) ** 2
+        covariance_m2 = covariance_m2 + np.outer(ray, ray) * self.noise_share * _sd_m(fit) ** 2
         return Position(position_m, covariance_m2 + shared_m @ shared_m.T, shared_m)
 
 

@@ -66,8 +66,8 @@ class Patch(NamedTuple):
 class Fit(NamedTuple):
     """Disparity (1/m) at a place, its slope a pixel in u and v, and its variance.
 
-    A disparity of `NOTHING` means that there is no fit; `misfit` is the root mean square of the
-    whitened residuals, 1 where noise and model are as assumed.
+    A disparity of `NOTHING` means that there is no fit; `misfit` is the mean square of the whitened
+    residuals, 1 where noise and model are as assumed, and `n_free` of them are independent.
     """
 
     disparity: float
@@ -75,6 +75,7 @@ class Fit(NamedTuple):
     slope_v: float
     variance: float
     misfit: float
+    n_free: int
 
 
 @compiled
@@ -313,11 +314,11 @@ def _generalised(
     factor = _noise(pixels, readings, patch)
     solution = np.empty((N_TERMS, N_TERMS + 1))
     if rows.shape[0] < 2 * N_TERMS or not factorise(factor):
-        return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0)
+        return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0, 0)
     whitened = rows.copy()
     solve_forward(factor, whitened)
     if not solve_normal(whitened, solution):
-        return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0)
+        return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0, 0)
     squares = 0.0
     for i in range(rows.shape[0]):
         residual = whitened[i, N_TERMS]
@@ -327,12 +328,14 @@ def _generalised(
     variance = 0.0
     for j in range(N_TERMS):
         variance += solution[0, j] ** 2
+    n_free = rows.shape[0] - N_TERMS
     return Fit(
         solution[0, N_TERMS],
         solution[1, N_TERMS] / radius_px,
         solution[2, N_TERMS] / radius_px,
         variance,
-        math.sqrt(squares / (rows.shape[0] - N_TERMS)),
+        squares / n_free,
+        n_free,
     )
 
 
@@ -346,8 +349,8 @@ def fit_skin(
     patch: Patch,
 ) -> Fit:
     """Fit the skin about the place where the line meets it, first met near 1/`start_per_m`."""
-    nothing = Fit(NOTHING, 0.0, 0.0, 0.0, 0.0)
-    fit = Fit(start_per_m, 0.0, 0.0, 0.0, 0.0)
+    nothing = Fit(NOTHING, 0.0, 0.0, 0.0, 0.0, 0)
+    fit = Fit(start_per_m, 0.0, 0.0, 0.0, 0.0, 0)
     for meeting in range(N_MEETINGS):
         u, v = pixel_of(line, fit.disparity, lens)
         if not (abs(u) < 1e5 and abs(v) < 1e5):  # noqa: PLR2004  (also NaN)
@@ -362,7 +365,7 @@ def fit_skin(
             return nothing
         if meeting < N_MEETINGS - 1:
             slope_u, slope_v = coefficients[1] / radius_px, coefficients[2] / radius_px
-            fit = Fit(coefficients[0], slope_u, slope_v, 0.0, 0.0)
+            fit = Fit(coefficients[0], slope_u, slope_v, 0.0, 0.0, 0)
             continue
         chosen = _sample(rows, pixels, kept)
         readings = np.empty(chosen.shape[0])

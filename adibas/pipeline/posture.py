@@ -175,8 +175,9 @@ def analyse_burst(
             "the sensor."
         )
     disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
-    finder = PositionFinder(disparity, calibration, params.position)
     found = tracker.markers()
+    seen_px = np.array([(one.u, one.v) for one in found]).reshape(-1, 2)
+    finder = PositionFinder(disparity, calibration, params.position, seen_px)
     measured = tuple(_measured(one, finder) for one in found)
     focal_px = _cameras(calibration)[0].intrinsics.fx
     single, merged = apart_from_merged(found, measured, focal_px)

@@ -1,5 +1,6 @@
 """Reviewing a saved capture: markers set by hand get positions, and every measure anew."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,23 +42,24 @@ class CaptureSurface:
         As saved; None where it was not kept: then markers get no positions.
     calibration : RgbdCalibration
         Of the capture.
-    params : PositionParams or None
-        How positions are measured.
+    detected : sequence of Marker
+        Those of the capture: the skin about them tells how noisy its depth is.
     """
 
     def __init__(
         self,
         surface: BurstDisparity | None,
         calibration: RgbdCalibration,
-        params: PositionParams | None = None,
+        detected: Sequence[Marker] = (),
     ) -> None:
         if calibration.color is None:
             raise ValueError("a capture has a colour camera")
         self._camera = calibration.color
+        seen_px = np.array([(one.u, one.v) for one in detected]).reshape(-1, 2)
         self._finder = (
             None
             if surface is None
-            else PositionFinder(surface, calibration, params or PositionParams())
+            else PositionFinder(surface, calibration, PositionParams(), seen_px)
         )
 
     def measured(

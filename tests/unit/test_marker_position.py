@@ -1,5 +1,7 @@
 """A marker's place in space comes from the skin around it, with an honest covariance."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,12 @@ from adibas.geometry.distortion import project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform
 from adibas.markers.disparity import DisparitySum, fuse_depth
-from adibas.markers.position import DisparityNoise, PositionFinder, PositionParams
+from adibas.markers.position import (
+    LEAST_NOISE,
+    DisparityNoise,
+    PositionFinder,
+    PositionParams,
+)
 
 HEIGHT, WIDTH = 240, 320
 TURN = cv2.Rodrigues(np.array([0.004, -0.003, 0.005]))[0]
@@ -121,9 +128,11 @@ def test_noise_beyond_the_limit_is_no_position():
     assert locate(depth_m, point_m, noise=DisparityNoise(frame_sd_per_m=0.05))[0] is None
 
 
-def noisy_frames(depth_m, rng, n_frames):
+PUBLISHED = DisparityNoise()
+
+
+def noisy_frames(depth_m, rng, n_frames, noise=PUBLISHED):
     """Frames with the published noise: correlated over 9 x 7 pixels, and rounded."""
-    noise = DisparityNoise()
     for _ in range(n_frames):
         white = rng.standard_normal(depth_m.shape)
         correlated = cv2.blur(white, (9, 7), borderType=cv2.BORDER_REFLECT) * np.sqrt(63)
@@ -154,6 +163,52 @@ def test_the_interval_holds_the_truth_in_95_percent_of_cases(n_frames):
                 cases += 1
     assert cases > 500
     assert 0.92 < 1 - misses / cases < 0.98
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.0, 2.0])
+def test_a_sensor_of_other_noise_than_assumed_still_gets_intervals_that_hold(factor):
+    rng = np.random.default_rng(12)
+    depth_m = plane_depth_m((0.3, 0.1, 0.95), 2.0)
+    assumed = DisparityNoise(static_sd_per_m=0.0, frames_per_sample=1.0)
+    real = replace(
+        assumed,
+        frame_sd_per_m=factor * assumed.frame_sd_per_m,
+        quantum_per_m=factor * assumed.quantum_per_m,
+    )
+    camera = CALIBRATION.color
+    points_px = [(u, v) for u in range(30, 300, 30) for v in range(30, 220, 30)]
+    truths_m = [
+        CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, *one)) for one in points_px
+    ]
+    seen_px = np.array(
+        [project_distorted(truth_m, camera.intrinsics, camera.distortion) for truth_m in truths_m]
+    )
+    errors, shares = [], []
+    for _ in range(12):
+        burst = fuse_depth(noisy_frames(depth_m, rng, 4, real), DepthBias())
+        params = PositionParams(noise=assumed)
+        finder = PositionFinder(burst, CALIBRATION, params, seen_px[::5])
+        shares.append(finder.noise_share)
+        for pixel, truth_m in zip(seen_px, truths_m, strict=True):
+            found = finder.locate(pixel, np.eye(2) * 1e-6)
+            sd_m = np.sqrt(found.covariance_m2[2, 2])
+            errors.append((found.position_m - truth_m)[2] / sd_m)
+    assert np.mean(shares) == pytest.approx(factor**2, rel=0.15)  # far-off pixels are left out
+    assert 0.92 < np.mean(np.abs(errors) <= 1.96) < 0.98
+
+
+def test_a_depth_without_any_noise_is_not_believed_to_have_none():
+    depth_m = plane_depth_m((0, 0, 1), 1.5)
+    burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
+    seen_px = np.array([(u, v) for u in range(60, 260, 20) for v in range(60, 200, 20)], float)
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(), seen_px)
+    assert finder.noise_share == LEAST_NOISE
+
+
+def test_without_markers_the_noise_is_as_assumed():
+    burst = fuse_depth([plane_depth_m((0, 0, 1), 1.5).astype(np.float32)], DepthBias())
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(), np.empty((0, 2)))
+    assert finder.noise_share == 1.0
 
 
 def test_an_unsure_pixel_is_unsure_within_the_skin_not_across_it():

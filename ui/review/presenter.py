@@ -235,7 +235,7 @@ class ReviewPresenter:
             from adibas.pipeline.review import CaptureSurface
 
             surface = store.captures.surface(capture.capture_id)
-            on_surface = CaptureSurface(surface, capture.calibration)
+            on_surface = CaptureSurface(surface, capture.calibration, capture.detected)
             target = _target(None if session is None else session.setup.markers)
             wish = None if session is None else wish_of_session(session)[0]
             height, width = picture_rgb.shape[:2]
