@@ -9,7 +9,6 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
     QFileDialog,
-    QFormLayout,
     QHBoxLayout,
     QLabel,
     QListWidgetItem,
@@ -85,17 +84,15 @@ class ReportsScreen(Screen):
         panel = SidePanel(self)
         panel.column.addWidget(sessions)
         panel.column.addWidget(self._sessions, 1)
-        form = QFormLayout()
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapAllRows)
         for label, widget in (
             (language, self._language),
             (pictures, self._pictures),
             (earlier, self._earlier),
         ):
             label.setBuddy(widget)
-            form.addRow(label, widget)
+            panel.column.addWidget(label)
+            panel.column.addWidget(widget)
         sessions.setBuddy(self._sessions)
-        panel.column.addLayout(form)
         panel.column.addWidget(files)
         for box in self._kinds.values():
             panel.column.addWidget(box)
