@@ -135,7 +135,7 @@ class PositionFinder:
     Attributes
     ----------
     noise_share : float
-        Variance of the depth by that of the noise model.
+        Variance of the disparity, as the residuals tell it, by that of the noise model.
     """
 
     def __init__(

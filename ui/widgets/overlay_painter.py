@@ -147,7 +147,7 @@ def _paint_names(
 
 
 def _grown(box: Box, by_px: float) -> Box:
-    """Return a box with what letters have below their line, and their border."""
+    """Return a box that is larger on every side: by a pen, a circle, or what letters have below."""
     return box[0] - by_px, box[1] - by_px, box[2] + by_px, box[3] + by_px
 
 
