@@ -26,6 +26,9 @@ DRAWN: dict[Role, str] = {
 }
 """On pictures. Source: Okabe & Ito, Color Universal Design (2008)."""
 
+PICTURE_GROUND = "#11161B"
+"""Beside pictures and around what is drawn on them, in both themes."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tokens:

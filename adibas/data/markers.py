@@ -1,8 +1,29 @@
 """Markers found on the patient."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
 
 from adibas.arrays import FloatArray, check_shape, read_only
+
+
+class InPicture(Protocol):
+    """What has a place in the colour image: (u, v), in pixels."""
+
+    @property
+    def u(self) -> float:
+        """Right."""
+
+    @property
+    def v(self) -> float:
+        """Down."""
+
+
+def pixels_uv(things: Iterable[InPicture]) -> FloatArray:
+    """Return the (N, 2) pixels of things in the colour image."""
+    return np.array([(one.u, one.v) for one in things], float).reshape(-1, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

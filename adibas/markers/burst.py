@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from adibas.arrays import FloatArray
+from adibas.data.markers import pixels_uv
 from adibas.markers.blobs import Blob
 
 FAR_PX = 1e3
@@ -78,8 +79,8 @@ class BurstTracker:
         known = len(self._tracks)
         taken: set[int] = set()
         if known and blobs:
-            last = np.array([[track[-1].u, track[-1].v] for track in self._tracks])
-            here = np.array([[blob.u, blob.v] for blob in blobs])
+            last = pixels_uv(track[-1] for track in self._tracks)
+            here = pixels_uv(blobs)
             distance_px = np.linalg.norm(last[:, None] - here, axis=2)
             rows, columns = linear_sum_assignment(np.minimum(distance_px, FAR_PX))
             for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
@@ -99,7 +100,7 @@ class BurstTracker:
 
 def _fused(track: Sequence[Blob], params: BurstParams) -> BurstMarker:
     """Average a track's centres, leaving out those far from the median."""
-    centres = np.array([[blob.u, blob.v] for blob in track])
+    centres = pixels_uv(track)
     deviation = np.linalg.norm(centres - np.median(centres, axis=0), axis=1)
     limit = 3.0 * max(1.4826 * float(np.median(deviation)), 0.1)
     kept = deviation <= limit

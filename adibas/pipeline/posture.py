@@ -13,7 +13,7 @@ from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import RgbdFrame
-from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.markers import Marker, RejectedBlob, pixels_uv
 from adibas.data.masks import BodyMask
 from adibas.data.sessions import ROTATIONS_DEG
 from adibas.data.surface import BurstDisparity
@@ -176,8 +176,7 @@ def analyse_burst(
         )
     disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
     found = tracker.markers()
-    seen_px = np.array([(one.u, one.v) for one in found]).reshape(-1, 2)
-    finder = PositionFinder(disparity, calibration, params.position, seen_px)
+    finder = PositionFinder(disparity, calibration, params.position, pixels_uv(found))
     measured = tuple(_measured(one, finder) for one in found)
     focal_px = _cameras(calibration)[0].intrinsics.fx
     single, merged = apart_from_merged(found, measured, focal_px)

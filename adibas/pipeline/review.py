@@ -8,7 +8,7 @@ import numpy as np
 from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.corrections import FreeMeasure
-from adibas.data.markers import Marker
+from adibas.data.markers import Marker, pixels_uv
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import PostureAnalysis
 from adibas.data.sessions import Capture
@@ -55,11 +55,10 @@ class CaptureSurface:
         if calibration.color is None:
             raise ValueError("a capture has a colour camera")
         self._camera = calibration.color
-        seen_px = np.array([(one.u, one.v) for one in detected]).reshape(-1, 2)
         self._finder = (
             None
             if surface is None
-            else PositionFinder(surface, calibration, PositionParams(), seen_px)
+            else PositionFinder(surface, calibration, PositionParams(), pixels_uv(detected))
         )
 
     def measured(

@@ -8,7 +8,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.markers import Marker
+from adibas.data.markers import Marker, pixels_uv
 from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
 from adibas.skeleton.namer import Namer
@@ -90,8 +90,7 @@ def _as_far_away(
     if not flat or calibration.color is None:
         return (), np.empty((0, 3))
     camera = calibration.color
-    pixels = np.array([(marker.u, marker.v) for marker in flat])
-    rays = undistort_pixels(pixels, camera.intrinsics, camera.distortion)
+    rays = undistort_pixels(pixels_uv(flat), camera.intrinsics, camera.distortion)
     is_known = np.asarray(np.isfinite(rays).all(axis=1))
     places_m = float(np.median(positions_m[:, 2])) * np.column_stack([rays, np.ones(len(rays))])
     return tuple(one for one, known in zip(flat, is_known, strict=True) if known), places_m[

@@ -7,6 +7,7 @@ import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, Int32Array, UInt8Array
 from adibas.data.calibration import CameraCalibration
+from adibas.data.markers import pixels_uv
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.rigid import RigidTransform
 from adibas.simulation.body import PosedBody
@@ -222,7 +223,7 @@ class ColorStudio:
         )
 
     def _light_leds(self, truths: tuple[MarkerTruth, ...], linear: Float32Array) -> None:
-        centers = np.array([(truth.u, truth.v) for truth in truths]).reshape(-1, 2)
+        centers = pixels_uv(truths)
         # An LED shines less to the side.
         power = LED_POWER * np.array(
             [truth.visible_fraction * max(np.cos(truth.view_angle_rad), 0.0) for truth in truths]

@@ -23,9 +23,9 @@ from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
 from adibas.texts import translate as _
 from ui.review.content import Space
-from ui.theme import DRAWN
+from ui.theme import DRAWN, PICTURE_GROUND
 
-GROUND = 0xFF11161B
+GROUND = QColor(PICTURE_GROUND).rgb()
 WHEEL_STEP = 1.2
 TURN_PER_PX = 0.008
 TURN_PER_KEY = 0.1

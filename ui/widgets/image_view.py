@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 
 from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
@@ -20,20 +19,19 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from adibas.arrays import Float32Array, UInt8Array
-from ui.theme import DRAWN
+from ui.theme import DRAWN, PICTURE_GROUND
 from ui.widgets.image_geometry import ImagePlacement
+from ui.widgets.image_rects import covered_rect, fitted_size, rect_with_rim, rects_beside
 from ui.widgets.overlay_painter import GRAB_PX, paint_overlays
 from ui.widgets.overlays import Dot, Overlay
 from ui.widgets.shown_picture import Coloring, ShownPicture
 
-GROUND = QColor("#11161B")
+GROUND = QColor(PICTURE_GROUND)
 WHEEL_STEP = 1.2
 DRAG_PX = 4
 """A press that moves less is a click."""
 LARGE_STEP_PX, SMALL_STEP_PX = 10.0, 0.1
 """Of an arrow with Shift, and with Ctrl."""
-RIM_PX = 4
-N_PLACES_KEPT = 16
 Buttons = Qt.MouseButton
 Keys = Qt.Key
 ARROWS = {
@@ -116,7 +114,7 @@ class ImageView(QWidget):
         if self._picture is None or self._draws_beside or self._placement.zoom != 1:
             self.update()
         else:
-            self.update(_with_rim(self._placement, self.devicePixelRatioF()))
+            self.update(rect_with_rim(self._placement, self.devicePixelRatioF()))
 
     def set_rotation(self, rotation_deg: int) -> None:
         """Turn the picture clockwise by 0, 90, 180 or 270 degrees."""
@@ -172,7 +170,7 @@ class ImageView(QWidget):
 
     def _note_reach(self, reach: QRectF, painted: QRect) -> None:
         """Have all painted anew where something came beside the picture that was cut off."""
-        inside = QRectF(_with_rim(self._placement, self.devicePixelRatioF()))
+        inside = QRectF(rect_with_rim(self._placement, self.devicePixelRatioF()))
         self._draws_beside = not (reach.isEmpty() or inside.contains(reach))
         if self._draws_beside and not painted.contains(self.rect()):
             self.update()
@@ -181,9 +179,9 @@ class ImageView(QWidget):
         place = self._placement
         if place.zoom == 1:
             ratio = self.devicePixelRatioF()
-            image = picture.fitted(_fitted_size(place, ratio), place.rotation_deg, ratio)
-            covered = _covered(place, ratio)
-            for beside in _beside(self.rect(), covered):
+            image = picture.fitted(fitted_size(place, ratio), place.rotation_deg, ratio)
+            covered = covered_rect(place, ratio)
+            for beside in rects_beside(self.rect(), covered):
                 painter.fillRect(beside, GROUND)
             painter.drawImage(covered.topLeft(), image)
             return
@@ -371,41 +369,6 @@ class ImageView(QWidget):
     def _place(self, placement: ImagePlacement) -> None:
         self._placement = placement
         self.update()
-
-
-def _fitted_size(placement: ImagePlacement, ratio: float) -> tuple[int, int]:
-    """Return width and height of the picture, not turned, in pixels of the screen."""
-    width, height = (max(1, round(ratio * placement.scale * side)) for side in placement.picture)
-    return width, height
-
-
-def _covered(placement: ImagePlacement, ratio: float) -> QRect:
-    """Return where the whole picture lies in the widget."""
-    width, height = _fitted_size(placement, ratio)
-    if placement.rotation_deg in (90, 270):
-        width, height = height, width
-    left = (placement.widget[0] - width / ratio) / 2
-    top = (placement.widget[1] - height / ratio) / 2
-    return QRect(round(left), round(top), int(width / ratio), int(height / ratio))
-
-
-@lru_cache(maxsize=N_PLACES_KEPT)
-def _with_rim(placement: ImagePlacement, ratio: float) -> QRect:
-    """Return where the whole picture lies, with a rim for what ends at its edge."""
-    return _covered(placement, ratio).adjusted(-RIM_PX, -RIM_PX, RIM_PX, RIM_PX)
-
-
-def _beside(whole: QRect, covered: QRect) -> tuple[QRect, ...]:
-    """Return what is left of `whole` above, below, and at the sides, where anything is."""
-    top, bottom = covered.top() - whole.top(), whole.bottom() - covered.bottom()
-    left, right = covered.left() - whole.left(), whole.right() - covered.right()
-    bands = (
-        whole.adjusted(0, 0, 0, -bottom - covered.height()),
-        whole.adjusted(0, top + covered.height(), 0, 0),
-        whole.adjusted(0, top, -right - covered.width(), -bottom),
-        whole.adjusted(left + covered.width(), top, 0, -bottom),
-    )
-    return tuple(band for band in bands if not band.isEmpty())
 
 
 def _step_px(modifiers: Qt.KeyboardModifier) -> float:

@@ -16,7 +16,7 @@ from PySide6.QtGui import (
     QPolygonF,
 )
 
-from ui.theme import DRAWN
+from ui.theme import DRAWN, PICTURE_GROUND
 from ui.widgets.image_geometry import ImagePlacement
 from ui.widgets.label_places import Named, leader, place_labels
 from ui.widgets.overlays import Curve, Dot, Line, Overlay, Region, Role, Text
@@ -24,7 +24,7 @@ from ui.widgets.region_image import region_image
 
 GRAB_PX = 9.0
 LEAST_RADIUS_PX = 6.0
-BORDER = QColor("#11161B")
+BORDER = QColor(PICTURE_GROUND)
 """Nothing shines through: Qt draws a line that is half seen in ten times the time."""
 HALF_PEN_PX = 2.0
 N_TEXTS_KEPT = 256
