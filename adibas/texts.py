@@ -125,5 +125,9 @@ def spoken_language() -> str:
 
 def decimal_text(value: float, n_decimals: int) -> str:
     """Return a number as a reader of the language in use expects it on paper; never a ``-0``."""
-    text = f"{value:z.{n_decimals}f}"
-    return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text
+    return f"{value:z.{n_decimals}f}".replace(".", decimal_mark())
+
+
+def decimal_mark() -> str:
+    """Return what stands before the decimals in the language in use."""
+    return "," if spoken_language() in DECIMAL_COMMA else "."

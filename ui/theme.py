@@ -28,6 +28,8 @@ DRAWN: dict[Role, str] = {
 
 PICTURE_GROUND = "#11161B"
 """Beside pictures and around what is drawn on them, in both themes."""
+SWATCH_BORDER = "#808A94"
+"""Seen on black and on white, in both themes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +87,8 @@ def is_dark(theme: str) -> bool:
     return theme == "dark"
 
 
+DRAWN_BY_STYLE = ("check", "close", "down", "float", "right", "up")
+"""Small pictures of the style sheet, one of each for each theme."""
 LEAST_FONT_PT = 10.5
 TITLE_SHARE = 1.6
 
@@ -156,8 +160,10 @@ def _palette(tokens: Tokens) -> QPalette:
 def _style_sheet(tokens: Tokens, font_pt: float) -> str:
     sheet = resource_path("style", "window.qss").read_text(encoding="utf-8")
     sheet = sheet.replace("@title_pt@", f"{TITLE_SHARE * font_pt:.1f}")
-    check = "check-dark.svg" if tokens is DARK else "check-light.svg"
-    sheet = sheet.replace("@check@", resource_path("style", check).as_posix())
+    theme = "dark" if tokens is DARK else "light"
+    for picture in DRAWN_BY_STYLE:
+        path = resource_path("style", f"{picture}-{theme}.svg")
+        sheet = sheet.replace(f"@{picture}@", path.as_posix())
     for name in Tokens.__dataclass_fields__:
         sheet = sheet.replace(f"@{name}@", getattr(tokens, name))
     return sheet

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from adibas.errors import SensorError
+from adibas.errors import FileError, SensorError
 from adibas.sensors import open_source
 from adibas.sensors.doctor import findings
 from adibas.sensors.openni2_library import find_library_folder, load_openni2
@@ -17,12 +17,19 @@ from adibas.sensors.sources import is_sensor, source_of
 PROJECT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("text", ["", "openni3", "openni3:x.oni", "no/such/file.mcap"])
+@pytest.mark.parametrize("text", ["", "openni3", "openni3:x.bag", "no/such/file"])
 def test_an_unknown_source_lists_what_is_possible(text):
     with pytest.raises(SensorError) as told:
         open_source(text)
     for possible in ("openni2:FILE.oni", "realsense", "simulator:SCENE", "recording"):
         assert possible in str(told.value)
+
+
+@pytest.mark.parametrize("name", ["visit.mcap", "VISIT.ONI"])
+def test_a_recording_that_is_gone_is_named_without_its_folder(name):
+    with pytest.raises(FileError) as told:
+        open_source(f"no/such/{name}")
+    assert str(told.value) == f"{name} is not there. Check the name and the folder."
 
 
 @pytest.mark.parametrize(

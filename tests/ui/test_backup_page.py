@@ -135,6 +135,6 @@ def test_buttons_back_up_check_and_restore(screen, workspace, tmp_path):
     assert "is whole" in result.toPlainText()
     press(screen, "Add what is missing", path)
     assert "Added from the backup" in result.toPlainText()
-    (none,) = [b for b in screen.backup.findChildren(QPushButton) if "by itself" in b.text()]
+    (none,) = [b for b in screen.backup.findChildren(QPushButton) if "Make no backups" in b.text()]
     none.click()
     assert workspace.preferences.now.backup_folder == ""

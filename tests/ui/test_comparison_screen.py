@@ -216,6 +216,13 @@ def test_the_trend_is_drawn_with_intervals_band_and_reference(user):
     assert "smallest detectable change" in user.trends._legend.text()
 
 
+def test_a_plot_that_was_drawn_asks_for_no_more_room_than_its_page_keeps_for_it(user):
+    user.open(user.trends)
+    plot = user.trends.findChild(TrendPlot)
+    assert plot.is_drawn
+    assert plot.sizeHint().height() == plot.minimumHeight()
+
+
 def test_the_keyboard_goes_from_session_to_session_in_plot_and_table(user):
     user.open(user.trends)
     user.trends.choose(("anterior", "ANT.ACR.H"))

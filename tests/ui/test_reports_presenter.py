@@ -62,7 +62,7 @@ def test_the_session_that_is_looked_at_is_chosen_and_previewed(presenter, view, 
     ((line,),) = (lines(view),)
     assert (line.session_id, line.who, line.is_chosen) == (saved[1].session_id, "Somebody", True)
     head, pages = view.show_preview.call_args.args
-    assert [page.title for page in pages] == ["anterior", "posterior"]
+    assert [page.title for page in pages] == ["Anterior", "Posterior"]
     assert all(page.picture_rgb.ndim == 3 for page in pages)
     assert saved[0].pseudonym in str(head)
     assert "Somebody" not in str(head)

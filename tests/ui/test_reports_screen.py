@@ -65,7 +65,7 @@ def accept(folder):
 
 def test_a_page_a_view_is_previewed(screen):
     pages, picture = screen.findChild(QTabBar), screen.findChild(ImageView)
-    assert [pages.tabText(index) for index in range(pages.count())] == ["anterior", "posterior"]
+    assert [pages.tabText(index) for index in range(pages.count())] == ["Anterior", "Posterior"]
     assert picture.placement.picture[0] > 100
     facts = screen.findChild(QTextBrowser)
     first = facts.toPlainText()

@@ -2,7 +2,6 @@
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
-    QDoubleSpinBox,
     QLabel,
     QPushButton,
     QWidget,
@@ -15,6 +14,7 @@ from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter, workboo
 from ui.behaviour.tables import TextTable
 from ui.behaviour.text_table import TextTableView
 from ui.widgets.flow import in_a_flow
+from ui.widgets.number_fields import DecimalField
 from ui.widgets.side_panel import SidePanel
 
 FIELDS = ("unit", "tolerance", "interval")
@@ -32,7 +32,7 @@ class AgreementPage(SidePanel):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._open, self._write = QPushButton(self), QPushButton(self)
-        self._fields = {name: QDoubleSpinBox(self) for name in FIELDS}
+        self._fields = {name: DecimalField(self) for name in FIELDS}
         self._labels = {name: QLabel(self) for name in FIELDS}
         usual = AgreementParams()
         for name, ms in zip(

@@ -1,7 +1,7 @@
 """Behaviours with their keys: pressed by a key or by the mouse."""
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPixmap
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QCheckBox, QComboBox, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.reports.behaviour_texts import behaviour_text, subject_text
@@ -10,8 +10,9 @@ from adibas.texts import translate_plural
 from ui.behaviour.content import CodeKey, Desk
 from ui.behaviour.rows import COLORS
 from ui.widgets.flow import FlowLayout
+from ui.widgets.swatch import swatch, true_icon
 
-SWATCH_PX = 16
+SWATCH_PX, SWATCH_GAP_PX = 16, 4
 
 
 class CodePanel(QWidget):
@@ -102,9 +103,8 @@ def _dress(button: QPushButton, key: CodeKey, number: int) -> None:
     kind = _("state") if one.kind == "state" else _("point event")
     button.setToolTip(f"{name} ({kind})\n{one.description}".strip())
     color = QColor(one.color or COLORS[number % len(COLORS)])
-    swatch = QPixmap(SWATCH_PX, SWATCH_PX)
-    swatch.fill(color if color.isValid() else QColor(COLORS[-1]))
-    button.setIcon(QIcon(swatch))
+    button.setIconSize(QSize(SWATCH_PX + SWATCH_GAP_PX, SWATCH_PX))
+    button.setIcon(true_icon(swatch(color if color.isValid() else QColor(COLORS[-1]), SWATCH_PX)))
     button.setChecked(key.is_lasting)
 
 

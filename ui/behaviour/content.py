@@ -5,6 +5,7 @@ from typing import Literal, TypeAlias
 
 from adibas.data.coding import Occurrence, Section
 from adibas.data.ethogram import Behaviour
+from adibas.texts import decimal_mark
 
 Layer: TypeAlias = Literal["coded", "begun", "proposed", "other", "difference"]
 """Coded by the observer; begun by him; seen by the program; coded by another observer; seen by one
@@ -113,4 +114,4 @@ def time_text(since_ms: int) -> str:
     minutes, seconds = divmod(seconds, 60)
     hours, minutes = divmod(minutes, 60)
     whole = f"{hours}:{minutes:02d}" if hours else f"{minutes}"
-    return f"{sign}{whole}:{seconds:02d}.{ms:03d}"
+    return f"{sign}{whole}:{seconds:02d}{decimal_mark()}{ms:03d}"

@@ -3,7 +3,6 @@
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
     QComboBox,
-    QDoubleSpinBox,
     QLabel,
     QPushButton,
     QStackedWidget,
@@ -19,6 +18,7 @@ from ui.behaviour.text_table import TextTableView
 from ui.behaviour.time_plot import TimePlot
 from ui.theme import Theme
 from ui.widgets.flow import in_a_flow
+from ui.widgets.number_fields import DecimalField
 from ui.widgets.side_panel import SidePanel
 
 LONGEST_BIN_S = 36_000.0
@@ -33,7 +33,7 @@ class CountsPage(SidePanel):
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._kind, self._bin, self._bin_label = QComboBox(self), QDoubleSpinBox(self), QLabel(self)
+        self._kind, self._bin, self._bin_label = QComboBox(self), DecimalField(self), QLabel(self)
         self._bin_label.setBuddy(self._bin)
         self._write = QPushButton(self)
         self._table, self._plot = TextTableView(self), TimePlot(theme, self)

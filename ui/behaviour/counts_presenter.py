@@ -11,7 +11,7 @@ from adibas.data.coding import MS_PER_S, Coding
 from adibas.pipeline.behaviour import divided
 from adibas.pipeline.behaviour_agreement import AgreementReport, compare_codings
 from adibas.pipeline.coding_files import read_for
-from adibas.texts import spoken_language, translate_plural
+from adibas.texts import decimal_text, spoken_language, translate_plural
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter
 from ui.behaviour.finding_presenter import FindingPresenter
@@ -224,9 +224,10 @@ class CountsPresenter:
         self._coding.compare_with(session.codings[1], result.differences)
         n = sum(not one.is_agreed for one in result.matches)
         seconds = sum(one.end_ms - one.begin_ms for one in result.differences) / MS_PER_S
-        sentence = _("{events} not agreed on, and {seconds:.1f} s of states seen by one alone.")
+        sentence = _("{events} not agreed on, and {seconds} s of states seen by one alone.")
         told = sentence.format(
-            events=translate_plural("{n} event", "{n} events", n).format(n=n), seconds=seconds
+            events=translate_plural("{n} event", "{n} events", n).format(n=n),
+            seconds=decimal_text(seconds, 1),
         )
         notices = [notice.text for notice in (*report.notices, *result.notices)]
         self._view.show_agreement(agreement_table(result.figures), " ".join((told, *notices)))

@@ -5,7 +5,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QFormLayout,
     QLabel,
     QPushButton,
@@ -17,6 +16,7 @@ from adibas.data.coding import MS_PER_S, Section
 from adibas.texts import translate as _
 from ui.behaviour.content import time_text
 from ui.widgets.flow import in_a_flow
+from ui.widgets.number_fields import DecimalField
 
 
 class SectionDialog(QDialog):
@@ -40,7 +40,7 @@ class SectionDialog(QDialog):
         self._name.setEditable(True)
         self._name.addItems(list(dict.fromkeys(one.name for one in sections)))
         lasts_s = (observed_ms[1] - observed_ms[0]) / MS_PER_S
-        self._from, self._to = (QDoubleSpinBox(self) for _edge in range(2))
+        self._from, self._to = (DecimalField(self) for _edge in range(2))
         for field, seconds in (
             (self._from, (now_ms - self._begin_ms) / MS_PER_S),
             (self._to, lasts_s),

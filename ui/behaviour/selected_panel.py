@@ -21,6 +21,7 @@ from adibas.reports.behaviour_texts import behaviour_text, subject_text
 from adibas.texts import translate as _
 from ui.behaviour.content import Selected
 from ui.widgets.flow import in_a_flow
+from ui.widgets.number_fields import DecimalField
 
 LONGEST_S = 1e6
 FRAME_S = 0.033
@@ -107,7 +108,7 @@ class SelectedPanel(QGroupBox):
         self._remove.setToolTip(_("Delete key"))
 
     def _time_field(self) -> QDoubleSpinBox:
-        field = QDoubleSpinBox(self)
+        field = DecimalField(self)
         field.setDecimals(3)
         field.setRange(-LONGEST_S, LONGEST_S)
         field.setSingleStep(FRAME_S)

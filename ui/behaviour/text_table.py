@@ -10,7 +10,9 @@ from PySide6.QtWidgets import (
 )
 
 from ui.behaviour.tables import TextTable
+from ui.widgets.line_table import NUMBERS, TEXTS
 
+ACROSS, ALIGNMENT = Qt.Orientation.Horizontal, Qt.ItemDataRole.TextAlignmentRole
 TABLE_LINES = 8
 """That are seen at least, with the titles."""
 
@@ -27,6 +29,7 @@ class TextTableView(QTableWidget):
         self.setShowGrid(False)
         self.verticalHeader().hide()
         self.horizontalHeader().setHighlightSections(False)
+        self.horizontalHeader().setDefaultAlignment(TEXTS)
         self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
@@ -40,13 +43,14 @@ class TextTableView(QTableWidget):
         self.setColumnCount(len(table.titles))
         self.setHorizontalHeaderLabels(table.titles)
         self.setRowCount(len(table.lines))
-        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        for column in table.numbers:
+            self.model().setHeaderData(column, ACROSS, NUMBERS, ALIGNMENT)
         for row, line in enumerate(table.lines):
             for column, text in enumerate(line):
                 item = QTableWidgetItem(text)
                 item.setToolTip(text)
                 if column in table.numbers:
-                    item.setTextAlignment(right)
+                    item.setTextAlignment(NUMBERS)
                 self.setItem(row, column, item)
         if 0 <= current < len(table.lines):
             self.selectRow(current)

@@ -6,6 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPen
 
 from adibas.reports.behaviour_texts import behaviour_text, subject_text
+from adibas.texts import decimal_mark
 from ui.behaviour.content import Bar, Layer, Row, Timeline, time_text
 from ui.behaviour.timeline_scale import TimeScale
 from ui.theme import Tokens
@@ -173,6 +174,6 @@ def _paint_ruler(
     for tick_ms in scale.ticks_ms(TICK_LETTERS * letter_px):
         x = scale.x_of(tick_ms)
         painter.drawLine(QPointF(x, heights.ruler_px - 5), QPointF(x, heights.ruler_px))
-        text = time_text(tick_ms - content.begin_ms).removesuffix(".000")
+        text = time_text(tick_ms - content.begin_ms).removesuffix(f"{decimal_mark()}000")
         place = QRectF(x + 3, 0, TICK_LETTERS * letter_px, heights.ruler_px)
         painter.drawText(place, Qt.AlignmentFlag.AlignVCenter, text)

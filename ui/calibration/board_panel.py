@@ -3,19 +3,18 @@
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
     QComboBox,
-    QDoubleSpinBox,
     QGridLayout,
     QGroupBox,
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QSpinBox,
     QWidget,
 )
 
 from adibas.data.board import LARGEST_SIDE, SMALLEST_SIDE, Board
 from adibas.data.printed_boards import PRINTED_BOARDS
 from adibas.texts import translate as _
+from ui.widgets.number_fields import DecimalField, WholeNumberField
 
 OWN = ""
 LEAST_MM, MOST_MM = 2.0, 500.0
@@ -30,8 +29,8 @@ class BoardPanel(QGroupBox):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._sizes = QComboBox(self)
-        self._columns, self._rows = (QSpinBox(self) for _ in range(2))
-        self._square = QDoubleSpinBox(self)
+        self._columns, self._rows = (WholeNumberField(self) for _ in range(2))
+        self._square = DecimalField(self)
         self._print = QPushButton(self)
         self._labels = [QLabel(self) for _ in range(4)]
         self._note = QLabel(self)

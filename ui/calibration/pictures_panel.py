@@ -84,7 +84,7 @@ class PicturesPanel(QGroupBox):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self.setTitle(_("Pictures of the board"))
-        self._automatic.setText(_("Take them &by itself"))
+        self._automatic.setText(_("Take them auto&matically"))
         self._automatic.setToolTip(_("Take a picture when the board is still and the view is new"))
         self._list.setAccessibleName(_("Pictures of the board"))
         self._empty.setText(_("None yet. Hold the board before the sensor."))

@@ -5,7 +5,6 @@ from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
-    QDoubleSpinBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -20,6 +19,7 @@ from adibas.pipeline.wand_check import SeenWand
 from adibas.texts import translate as _
 from ui.capture.wand_presenter import Ends, WandPresenter
 from ui.widgets.image_view import ImageView
+from ui.widgets.number_fields import DecimalField
 from ui.widgets.overlays import Dot, Line, Overlay
 
 KINDS = {WandResult.PASSED: "good", WandResult.UNSURE: "warning", WandResult.FAILED: "bad"}
@@ -42,7 +42,7 @@ class WandDialog(QDialog):
         self._picture = ImageView(self)
         self._picture.setAccessibleName(_("Picture of the wand"))
         self._picture.set_placeholder(_("No picture yet"))
-        self._length = QDoubleSpinBox(self)
+        self._length = DecimalField(self)
         self._length.setRange(SHORTEST_MM, LONGEST_MM)
         self._length.setDecimals(1)
         self._length.setSuffix(_(" mm"))

@@ -45,7 +45,7 @@ class RowTable(QWidget):
     ) -> None:
         super().__init__(parent)
         self._model = RowsModel(numbers, self)
-        self._wide_column = wide_column
+        self._wide_column, self._is_plain = wide_column, is_plain
         self._is_wanted: Callable[[Row], bool] | None = None
         self._current: Key | None = None
         self.table, self.words = LineTable(self), QLineEdit(self)
@@ -129,8 +129,22 @@ class RowTable(QWidget):
             header.setSectionResizeMode(
                 column, modes.Stretch if is_wide else modes.ResizeToContents
             )
-        least = LEAST_LETTERS * self.table.fontMetrics().averageCharWidth()
-        wide = header.sectionSize(self._wide_column) if self._model.columnCount() else least
-        if wide < least:  # scroll sideways rather than cut the names
+        least = self._least_px()
+        if self._left_px() < least:  # scroll sideways rather than cut the names
             header.setSectionResizeMode(self._wide_column, modes.Interactive)
             header.resizeSection(self._wide_column, least)
+
+    def _least_px(self) -> int:
+        """Return how wide the wide column is at least: long names are cut, a few lines are not."""
+        letters_px = LEAST_LETTERS * self.table.fontMetrics().averageCharWidth()
+        needed_px = self.table.sizeHintForColumn(self._wide_column)
+        return needed_px if self._is_plain else min(letters_px, needed_px)
+
+    def _left_px(self) -> int:
+        """Return what the other columns leave; the titles know their widths a moment later."""
+        others = set(range(self._model.columnCount())) - {self._wide_column}
+        titles = self.table.horizontalHeader()
+        needed = (
+            max(self.table.sizeHintForColumn(one), titles.sectionSizeHint(one)) for one in others
+        )
+        return self.table.viewport().width() - sum(needed)

@@ -9,6 +9,7 @@ from PySide6.QtGui import QFont
 from adibas.data.reliability import Verdict
 from ui.comparison.content import Key
 from ui.comparison.rows import Order, Row
+from ui.widgets.line_table import NUMBERS
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -67,14 +68,18 @@ class RowsModel(QAbstractTableModel):
     def headerData(  # noqa: N802  (Qt's name)
         self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole
     ) -> Any:
-        if role != Role.DisplayRole or orientation != Qt.Orientation.Horizontal:
+        if orientation != Qt.Orientation.Horizontal:
+            return None
+        if role == Role.TextAlignmentRole and section in self._numbers:
+            return NUMBERS
+        if role != Role.DisplayRole:
             return None
         return self._headers[section]
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         row, column = self._seen[index.row()], index.column()
         if role == Role.TextAlignmentRole and column in self._numbers:
-            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+            return NUMBERS
         if role == Role.FontRole and row.verdict is Verdict.BEYOND:
             font = QFont()
             font.setBold(True)

@@ -140,19 +140,17 @@ class TrendsPage(QWidget):
         if trend.mdc95 is None:
             words.append(_("The smallest detectable change is not known."))
         else:
-            told = _("Band: the first value and the smallest detectable change, {mdc95} {unit}.")
-            unit = _(trend.definition.unit)
-            words.append(told.format(mdc95=decimal_text(trend.mdc95, 1), unit=unit))
+            told = _("Band: the first value and the smallest detectable change, {mdc95}.")
+            words.append(told.format(mdc95=_with_unit(trend.mdc95, trend.definition.unit)))
         if trend.definition.positive is not None:
             positive = trend.definition.positive.text
             words.append(_("Positive means: {what}.").format(what=positive))
         if self._has_reference.isChecked() and trend.definition.references:
             reference = trend.definition.references[0]
-            told = _("Dashed line: {value} {unit}, {who} ({source}). {note}")
+            told = _("Dashed line: {value}, {who} ({source}). {note}")
             words.append(
                 told.format(
-                    value=decimal_text(reference.mean, 1),
-                    unit=_(trend.definition.unit),
+                    value=_with_unit(reference.mean, trend.definition.unit),
                     who=reference.who,
                     source=reference.source,
                     note=reference.note,
@@ -171,3 +169,9 @@ class TrendsPage(QWidget):
         trend = self._trend()
         if trend is not None:
             self._points.choose((trend.points[index].session_id, ""))
+
+
+def _with_unit(value: float, unit: str) -> str:
+    """Write a value with its unit; a degree sign stands close to its number."""
+    told = _(unit)
+    return f"{decimal_text(value, 1)}{'' if told == '°' else ' '}{told}"

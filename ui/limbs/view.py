@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
     QProgressBar,
     QPushButton,
     QRadioButton,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
@@ -31,6 +30,7 @@ from ui.limbs.ports import Allowed, Corners, Tool
 from ui.limbs.presenter import LimbsPresenter
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.flow import in_a_flow
+from ui.widgets.number_fields import WholeNumberField
 from ui.widgets.overlays import Curve, Dot, Overlay, Region
 from ui.widgets.side_panel import SidePanel
 
@@ -61,10 +61,10 @@ class LimbsPage(QWidget):
         self._tools = {tool: QRadioButton(self) for tool in TOOLS}
         self._chosen_tool = QButtonGroup(self)
         self._tool_label, self._radius_label, self._labels_label = (QLabel(self) for _n in range(3))
-        self._radius, self._labels = QSpinBox(self), QListWidget(self)
+        self._radius, self._labels = WholeNumberField(self), QListWidget(self)
         self._beyond, self._enclose = QCheckBox(self), QPushButton(self)
         self._previous, self._next = QPushButton(self), QPushButton(self)
-        self._number, self._number_label = QSpinBox(self), QLabel(self)
+        self._number, self._number_label = WholeNumberField(self), QLabel(self)
         self._bar, self._told = QProgressBar(self), QLabel(self)
         self._names: tuple[str, ...] = ()
         self._overlays: tuple[Overlay, ...] = ()

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QKeySequence, QPixmap, QShortcut
+from PySide6.QtGui import QColor, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QButtonGroup,
     QHBoxLayout,
@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QPushButton,
     QRadioButton,
     QSlider,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
@@ -21,6 +20,8 @@ from PySide6.QtWidgets import (
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.markers.ports import Mode, Shown
+from ui.widgets.number_fields import WholeNumberField
+from ui.widgets.swatch import swatch, true_icon
 
 SWATCH_PX = 28
 MOST_SENSITIVITY, MOST_CLUSTERS = 60, 8
@@ -45,7 +46,7 @@ class LearnerControls(QWidget):
             button.clicked.connect(lambda _checked, mode=mode: self.mode_chosen.emit(mode))
         self._sensitivity = _slider(1, MOST_SENSITIVITY, self)
         self._brightness = _slider(LEAST_BRIGHTNESS, MOST_BRIGHTNESS, self)
-        self._clusters = QSpinBox(self)
+        self._clusters = WholeNumberField(self)
         self._clusters.setRange(1, MOST_CLUSTERS)
         self._labels = [QLabel(self) for _ in range(5)]
         self._values = [QLabel(self) for _ in range(2)]
@@ -146,7 +147,8 @@ class LearnerControls(QWidget):
         self._regions.clear()
         self._sizes_px = [n_pixels for _color, n_pixels in shown.regions]
         for color, n_pixels in shown.regions:
-            self._regions.addItem(QListWidgetItem(QIcon(_patch(color)), _size_text(n_pixels)))
+            icon = true_icon(swatch(QColor(*color), SWATCH_PX))
+            self._regions.addItem(QListWidgetItem(icon, _size_text(n_pixels)))
         last = len(shown.regions) - 1
         is_new = len(shown.regions) > n_before
         self._regions.setCurrentRow(last if is_new else min(row, last))
@@ -163,7 +165,7 @@ class LearnerControls(QWidget):
                 widget.deleteLater()
         for color in colors:
             label = QLabel(self)
-            label.setPixmap(_patch(color))
+            label.setPixmap(swatch(QColor(*color), SWATCH_PX))
             name = QColor(*color).name()
             label.setAccessibleName(name)
             label.setToolTip(name)
@@ -184,9 +186,3 @@ def _slider(least: int, most: int, parent: QWidget) -> QSlider:
 
 def _size_text(n_pixels: int) -> str:
     return translate_plural("{n} pixel", "{n} pixels", n_pixels).format(n=n_pixels)
-
-
-def _patch(color: tuple[int, int, int]) -> QPixmap:
-    pixmap = QPixmap(SWATCH_PX, SWATCH_PX)
-    pixmap.fill(QColor(*color))
-    return pixmap

@@ -28,6 +28,7 @@ from ui.patients.patients_model import (
     PatientsModel,
 )
 from ui.widgets.dates import day_text, moment_text
+from ui.widgets.line_table import TEXTS
 
 Index = QModelIndex | QPersistentModelIndex
 SAMPLES = {
@@ -73,8 +74,7 @@ class PatientTable(QTableView):
         self.verticalHeader().hide()
         header = self.horizontalHeader()
         header.setHighlightSections(False)
-        alignment = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-        header.setDefaultAlignment(Qt.AlignmentFlag(alignment | Qt.TextFlag.TextWordWrap))
+        header.setDefaultAlignment(Qt.AlignmentFlag(TEXTS | Qt.TextFlag.TextWordWrap))
 
     def fit_columns(self) -> None:
         """Make columns and rows as large as the letters in use need; long headings wrap."""

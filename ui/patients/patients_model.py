@@ -9,6 +9,7 @@ from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.patients.content import PatientLine
 from ui.widgets.dates import day_text
+from ui.widgets.line_table import NUMBERS
 
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
@@ -63,8 +64,11 @@ class PatientsModel(QAbstractTableModel):
     def headerData(  # noqa: N802  (Qt's name)
         self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole
     ) -> Any:
-        is_heading = orientation is Qt.Orientation.Horizontal and role == Role.DisplayRole
-        return self._headings[section] if is_heading else None
+        if orientation is not Qt.Orientation.Horizontal:
+            return None
+        if role == Role.TextAlignmentRole and section == N_SESSIONS:
+            return int(NUMBERS | Qt.TextFlag.TextWordWrap)
+        return self._headings[section] if role == Role.DisplayRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         line = self._lines[index.row()]
@@ -77,7 +81,7 @@ class PatientsModel(QAbstractTableModel):
         if role == Role.FontRole and line.row.is_deleted:
             return self._struck
         if role == Role.TextAlignmentRole and index.column() == N_SESSIONS:
-            return int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            return int(NUMBERS)
         return None
 
 

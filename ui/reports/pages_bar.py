@@ -12,6 +12,7 @@ class PagesBar(QTabBar):
         super().__init__(parent)
         self._titles: tuple[str, ...] = ()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setDrawBase(False)
 
     def show_titles(self, titles: tuple[str, ...]) -> None:
         """Show these tabs; the one that was chosen stays so where it is still there."""

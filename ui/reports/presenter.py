@@ -260,7 +260,7 @@ def preview(report: SessionReport) -> tuple[Pairs, tuple[PreviewPage, ...]]:
         titles = capture_names(report)
         pages = tuple(
             PreviewPage(
-                title=title,
+                title=title[:1].upper() + title[1:],
                 picture_rgb=draw_markers(
                     picture_of(capture.analysis, report.pictures, report.rotation_deg),
                     PREVIEW_HEIGHT_PX,

@@ -1,7 +1,7 @@
 """The captures of the session as a strip of small pictures."""
 
 from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QImage, QPixmap, QTransform
+from PySide6.QtGui import QImage, QPixmap, QTransform
 from PySide6.QtWidgets import QListView, QListWidget, QListWidgetItem, QWidget
 
 from adibas.arrays import UInt8Array
@@ -9,6 +9,7 @@ from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.review.content import CaptureItem
 from ui.view_names import VIEW_NAMES
+from ui.widgets.swatch import true_icon
 
 SIDE_PX = 104
 ID = Qt.ItemDataRole.UserRole
@@ -83,7 +84,7 @@ class CaptureStrip(QListWidget):
         added.setData(ID, item.capture_id)
         added.setTextAlignment(Qt.AlignmentFlag.AlignHCenter)
         if item.thumbnail_rgb is not None:
-            added.setIcon(QIcon(_pixmap(item.thumbnail_rgb, rotation_deg)))
+            added.setIcon(true_icon(_pixmap(item.thumbnail_rgb, rotation_deg)))
 
     def _on_current(self, now: QListWidgetItem | None, _before: QListWidgetItem | None) -> None:
         if now is not None:

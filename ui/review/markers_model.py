@@ -12,6 +12,7 @@ from adibas.texts import translate as _
 from ui.review.content import Points
 from ui.review.wording import NOTHING, number
 from ui.theme import Theme
+from ui.widgets.line_table import NUMBERS
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -70,7 +71,11 @@ class MarkersModel(QAbstractTableModel):
     def headerData(  # noqa: N802  (Qt's name)
         self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole
     ) -> Any:
-        if role != Role.DisplayRole or orientation != Qt.Orientation.Horizontal:
+        if orientation != Qt.Orientation.Horizontal:
+            return None
+        if role == Role.TextAlignmentRole and X <= section <= Z:
+            return NUMBERS
+        if role != Role.DisplayRole:
             return None
         return (_("Marker"), "x [mm]", "y [mm]", "z [mm]", _("Remark"))[section]
 
@@ -82,7 +87,7 @@ class MarkersModel(QAbstractTableModel):
             is_remarkable = column == NAME and self._remark(marker)
             return self._text(marker, REMARK if is_remarkable else column)
         if role == Role.TextAlignmentRole and X <= column <= Z:
-            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+            return NUMBERS
         if column == NAME and role in (Role.EditRole, Role.DecorationRole):
             return self._text(marker, NAME) if role == Role.EditRole else self._icon(marker)
         return None

@@ -98,7 +98,7 @@ class MarkersPanel(QWidget):
         """Show as much of each marker as there is room for: remarks are in icon and tool tip."""
         table, header = self._table, self._table.horizontalHeader()
         header.setStretchLastSection(False)  # a stretched column would keep its width
-        for is_brief, has_remark in ((False, True), (True, True), (True, False)):
+        for is_brief, has_remark in ((False, True), (False, False), (True, True), (True, False)):
             self._model.set_brief(is_brief=is_brief)
             table.setColumnHidden(REMARK, not has_remark)
             table.resizeColumnsToContents()

@@ -8,6 +8,7 @@ from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelInd
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow
 from ui.review.wording import interval_text, kind_text, measure_name, value_text
+from ui.widgets.line_table import NUMBERS
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -69,13 +70,17 @@ class MeasuresModel(QAbstractTableModel):
     def headerData(  # noqa: N802  (Qt's name)
         self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole
     ) -> Any:
-        if role != Role.DisplayRole or orientation != Qt.Orientation.Horizontal:
+        if orientation != Qt.Orientation.Horizontal:
+            return None
+        if role == Role.TextAlignmentRole and section >= VALUE:
+            return NUMBERS
+        if role != Role.DisplayRole:
             return None
         return (_("Kind"), _("Markers"), _("Value"), _("95 % interval"))[section]
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         if role == Role.TextAlignmentRole and index.column() >= VALUE:
-            return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+            return NUMBERS
         if role not in (Role.DisplayRole, Role.ToolTipRole):
             return None
         return WRITERS[index.column()](self.measure(index.row()))

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
 from adibas.sessions.audit_words import action_text, subject_text
 from adibas.texts import translate as _
 from ui.widgets.dates import moment_text
+from ui.widgets.line_table import TEXTS
 
 if TYPE_CHECKING:
     from adibas.sessions import AuditEntry
@@ -51,7 +52,7 @@ class AuditPage(QWidget):
         self._table.setWordWrap(False)
         self._table.verticalHeader().hide()
         header = self._table.horizontalHeader()
-        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        header.setDefaultAlignment(TEXTS)
         header.setStretchLastSection(True)
         below = QHBoxLayout()
         below.addWidget(self._state, 1)

@@ -15,7 +15,6 @@ from PySide6.QtWidgets import (
     QPlainTextEdit,
     QPushButton,
     QSizePolicy,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
@@ -23,6 +22,7 @@ from PySide6.QtWidgets import (
 from adibas.sessions.defaults import BACKUP_ENDING
 from adibas.texts import translate as _
 from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
+from ui.widgets.number_fields import WholeNumberField
 
 RESULT_HEIGHT = 120
 FILTER = f"ADiBAS (*{BACKUP_ENDING})"
@@ -44,7 +44,7 @@ class BackupPage(QWidget):
             label.setWordWrap(True)
             label.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Minimum)
         self._choose, self._none = QPushButton(self), QPushButton(self)
-        self._days, self._keep = QSpinBox(self), QSpinBox(self)
+        self._days, self._keep = WholeNumberField(self), WholeNumberField(self)
         self._days.setRange(1, MOST_BACKUP_DAYS)
         self._keep.setRange(1, MOST_BACKUPS)
         self._passphrase = QLineEdit(self)
@@ -121,7 +121,7 @@ class BackupPage(QWidget):
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
         self._choose.setText(_("Choose the folder of backups..."))
-        self._none.setText(_("Make none by itself"))
+        self._none.setText(_("Make no backups automatically"))
         self._make.setText(_("Back up now..."))
         self._check.setText(_("Try a backup out by restoring it for a moment..."))
         self._restore.setText(_("Add what is missing from a backup..."))
@@ -159,7 +159,7 @@ class BackupPage(QWidget):
         if self._where:
             text = _("Backups go to {folder} when one is due and the store is opened here.")
         else:
-            text = _("No folder is chosen: no backup is made by itself.")
+            text = _("No folder is chosen: no backup is made automatically.")
         self._folder.setText(text.format(folder=self._where))
 
     def _ask_folder(self) -> None:

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import (
 
 from adibas.sensors.doctor import Finding
 from adibas.texts import translate as _
+from ui.widgets.line_table import TEXTS
 
 
 class ComputerPage(QWidget):
@@ -30,6 +31,7 @@ class ComputerPage(QWidget):
         self._table.setWordWrap(True)
         self._table.verticalHeader().hide()
         header = self._table.horizontalHeader()
+        header.setDefaultAlignment(TEXTS)
         for column in (0, 1):
             header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
         for column in (2, 3):

@@ -9,13 +9,13 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QLabel,
     QLineEdit,
-    QSpinBox,
     QWidget,
 )
 
 from adibas.texts import LANGUAGES, message
 from adibas.texts import translate as _
 from ui.preferences import FONT_SCALES, THEMES, Preferences
+from ui.widgets.number_fields import WholeNumberField
 
 MOST_DAYS = 3650
 THEME_NAMES = {
@@ -33,7 +33,7 @@ class GeneralPage(QWidget):
         self._change: Callable[..., None] = _ignore
         self._language, self._theme, self._scale = (QComboBox(self) for _ in range(3))
         self._operator = QLineEdit(self)
-        self._countdown, self._frames, self._days = (QSpinBox(self) for _ in range(3))
+        self._countdown, self._frames, self._days = (WholeNumberField(self) for _ in range(3))
         self._countdown.setRange(0, 60)
         self._frames.setRange(1, 300)
         self._days.setRange(1, MOST_DAYS)

@@ -20,6 +20,7 @@ from adibas.texts import translate_plural
 from ui.view_names import VIEW_NAMES
 from ui.widgets.dates import day_text
 from ui.widgets.flow import FlowLayout
+from ui.widgets.line_table import TEXTS
 
 if TYPE_CHECKING:
     from adibas.pipeline.names_in_use import NamesInUse
@@ -121,6 +122,7 @@ class NamesPage(QWidget):
         height = round(self.fontMetrics().height() * LINE_HEIGHT)
         self._table.verticalHeader().setDefaultSectionSize(height)
         header = self._table.horizontalHeader()
+        header.setDefaultAlignment(TEXTS)
         header.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
 

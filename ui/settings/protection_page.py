@@ -11,13 +11,13 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QPlainTextEdit,
     QPushButton,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
 
 from adibas.texts import translate as _
 from ui.preferences import Preferences
+from ui.widgets.number_fields import WholeNumberField
 
 LONGEST_WAIT_MINUTES = 240
 
@@ -34,7 +34,7 @@ class ProtectionPage(QWidget):
         self._change: Callable[..., None] = _ignore
         self._folder, self._minutes_label = QLabel(self), QLabel(self)
         self._folder.setWordWrap(True)
-        self._minutes = QSpinBox(self)
+        self._minutes = WholeNumberField(self)
         self._minutes.setRange(0, LONGEST_WAIT_MINUTES)
         self._minutes_label.setBuddy(self._minutes)
         self._minutes.valueChanged.connect(lambda value: self._change(autolock_minutes=value))

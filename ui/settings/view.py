@@ -1,5 +1,6 @@
 """The settings screen: six pages, one of them with a page behind it. No decisions."""
 
+from PySide6.QtCore import QSize
 from PySide6.QtWidgets import (
     QLabel,
     QScrollArea,
@@ -213,9 +214,16 @@ class SettingsScreen(Screen):
         self._enter_marks()
 
 
+class _Page(QWidget):
+    """As high as it needs at its width; Qt would ask for the height of its narrowest shape."""
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        return QSize(super().minimumSizeHint().width(), 0)
+
+
 def _below_each_other(*parts: QWidget) -> QWidget:
     """Return one page of several; a seventh tab has no room with large letters."""
-    page = QWidget()
+    page = _Page()
     column = QVBoxLayout(page)
     column.setContentsMargins(0, 0, 0, 0)
     for part in parts:
@@ -230,6 +238,8 @@ def _scrolled(page: QWidget) -> QScrollArea:
     area.setWidgetResizable(True)
     area.setWidget(page)
     area.setFrameShape(QScrollArea.Shape.NoFrame)
+    for part in (area.viewport(), page):
+        part.setAutoFillBackground(False)  # the frame of the tabs shines through
     return area
 
 

@@ -77,6 +77,10 @@ class Plot(QFrame):
         """Index of the chosen point; -1 for none."""
         return self._chosen
 
+    def sizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        """Ask for what it needs at least: what is drawn would ask for its own usual size."""
+        return self.minimumSize().expandedTo(self.minimumSizeHint())
+
     def draw(self, plot: "PlotWidget") -> None:
         """Draw everything onto an empty plot; called only where something is to be drawn."""
 
