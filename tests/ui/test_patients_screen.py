@@ -16,6 +16,8 @@ from adibas.geometry.pinhole import Intrinsics
 from adibas.sessions import NewCapture
 from adibas.texts import use_language
 from ui.jobs import JobRunner
+from ui.patients.list_panel import PatientTable
+from ui.patients.patients_model import PatientsModel
 from ui.patients.purge_dialog import PurgeDialog
 from ui.patients.screen import build_patients_screen
 from ui.workspace import Workspace
@@ -101,6 +103,28 @@ def click(parent, text):
 
 def in_focus():
     return QApplication.focusWidget()
+
+
+def test_a_list_that_gets_narrower_leaves_out_birth_dates_and_then_counts(qtbot):
+    model = PatientsModel()
+    table = PatientTable()
+    qtbot.addWidget(table)
+    table.setModel(model)
+    model.retranslate()
+    table.fit_columns()
+    table.show()
+    shown = []
+    for width in range(900, 250, -10):
+        table.resize(width, 300)
+        QApplication.processEvents()
+        columns = tuple(one for one in range(5) if not table.isColumnHidden(one))
+        if columns not in shown:
+            shown.append(columns)
+        is_scrolled = table.horizontalScrollBar().maximum() > 0
+        assert not is_scrolled or columns == (0, 2, 4)
+    assert shown == [(0, 1, 2, 3, 4), (0, 2, 3, 4), (0, 2, 4)]
+    table.resize(900, 300)
+    assert not any(table.isColumnHidden(one) for one in range(5))
 
 
 def test_the_list_says_who_when_born_and_how_many_sessions(screen, store, ana):

@@ -1,6 +1,7 @@
 """Buttons that play the video, and where it is."""
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.texts import decimal_text
@@ -68,6 +69,20 @@ class Transport(QWidget):
             self._speed.setItemText(index, f"{text}\N{MULTIPLICATION SIGN}")
         self.show_playing(is_on=self._is_on, speed=self._speed.currentData())
         self._word_position()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
+        super().resizeEvent(event)
+        self._keep_rows()
+
+    def event(self, event: QEvent) -> bool:
+        """Keep the room of all rows also where words became longer."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._keep_rows()
+        return super().event(event)
+
+    def _keep_rows(self) -> None:
+        """Be as high as all rows: a splitter asks for the height of one."""
+        self.setMinimumHeight(self.heightForWidth(self.width()))
 
     def show_playing(self, *, is_on: bool, speed: float) -> None:
         """Show whether the video runs, and how fast."""

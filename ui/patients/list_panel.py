@@ -38,6 +38,8 @@ SAMPLES = {
     LAST_SESSION: "{day}",
 }
 """Texts as wide as a column has to be; measuring every line would cost time with every key."""
+EXPENDABLE = (BORN, N_SESSIONS)
+"""In this order, where there is no room for all."""
 SAMPLE_NAME = "Bernadette Vidal"
 PADDING_PX = 16
 
@@ -96,11 +98,16 @@ class PatientTable(QTableView):
         self._fit_name()
 
     def _fit_name(self) -> None:
-        """Give the names what is left, or what they need where the list has to be scrolled."""
-        header = self.horizontalHeader()
-        others = sum(header.sectionSize(column) for column in SAMPLES)
-        least = self.fontMetrics().horizontalAdvance(SAMPLE_NAME)
-        header.resizeSection(NAME, max(self.viewport().width() - others, least))
+        """Give the names what is left; what the patient's panel says too is hidden for them."""
+        least = self.fontMetrics().horizontalAdvance(SAMPLE_NAME) + PADDING_PX
+        room = self.viewport().width()
+        for n_hidden in range(len(EXPENDABLE) + 1):
+            for number, column in enumerate(EXPENDABLE):
+                self.setColumnHidden(column, number < n_hidden)
+            left = room - sum(self.columnWidth(column) for column in SAMPLES)
+            if left >= least:
+                break
+        self.horizontalHeader().resizeSection(NAME, max(left, least))
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
         """Fit columns and lines to letters of another size."""

@@ -96,8 +96,10 @@ class ReportsScreen(Screen):
         panel.column.addWidget(files)
         for box in self._kinds.values():
             panel.column.addWidget(box)
-        panel.column.addWidget(self._write)
-        panel.column.addWidget(self._open)
+        side = QVBoxLayout()  # what the screen is for never scrolls out of sight
+        side.addWidget(panel, 1)
+        side.addWidget(self._write)
+        side.addWidget(self._open)
         preview = QVBoxLayout()
         preview.addWidget(self._title)
         preview.addWidget(self._pages_bar)
@@ -106,7 +108,7 @@ class ReportsScreen(Screen):
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(16)
-        layout.addWidget(panel)
+        layout.addLayout(side)
         layout.addLayout(preview, 1)
 
     def bind(self, presenter: ReportsPresenter) -> None:
