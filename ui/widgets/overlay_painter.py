@@ -1,10 +1,9 @@
 """Paints overlays so that they are seen on any picture: light lines on a dark border."""
 
-import math
 from collections.abc import Iterator
 from functools import cache, lru_cache
 
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import (
     QColor,
     QFont,
@@ -18,7 +17,7 @@ from PySide6.QtGui import (
 
 from ui.theme import DRAWN, PICTURE_GROUND
 from ui.widgets.image_geometry import ImagePlacement
-from ui.widgets.label_places import Named, leader, place_labels
+from ui.widgets.label_places import Box, Label, Named, Ring, place_labels
 from ui.widgets.overlays import Curve, Dot, Line, Overlay, Region, Role, Text
 from ui.widgets.region_image import region_image
 
@@ -28,9 +27,6 @@ BORDER = QColor(PICTURE_GROUND)
 """Nothing shines through: Qt draws a line that is half seen in ten times the time."""
 HALF_PEN_PX = 2.0
 N_TEXTS_KEPT = 256
-
-Box = tuple[float, float, float, float]
-"""Left, top, right and bottom in the widget."""
 
 
 def paint_overlays(
@@ -123,43 +119,54 @@ def _paint_names(
     boxes : list of Box
         Where they stand.
     """
-    metrics = painter.fontMetrics()
-    dots = [one for one in overlays if isinstance(one, Dot) and one.label]
+    value_radius = painter.fontMetrics().ascent() / 2
+    dots = [one for one in overlays if isinstance(one, Dot)]
     others = [one for one in overlays if not isinstance(one, Dot | Region) and one.text]
-    named = [(dot.label, dot.role, dot.u, dot.v, _radius(placement, dot)) for dot in dots]
-    named += [(one.text, one.role, *_anchor(one), metrics.ascent() / 2) for one in others]
-    things = [
-        Named(*placement.to_widget(u, v), radius, metrics.horizontalAdvance(text), metrics.ascent())
-        for text, _role, u, v, radius in named
-    ]
-    boxes: list[Box] = []
-    for (text, role, *_place), thing, box in zip(
-        named, things, place_labels(things, placement.widget), strict=True
-    ):
-        if box is None:
-            continue  # the tip and the list tell it; nearer by there is room
-        boxes.append(_grown(box, painter.fontMetrics().descent()))
-        end = leader(thing, box)
-        if end is not None:
-            _paint_leader(painter, QPointF(thing.x, thing.y), QPointF(*end), role, thing.radius)
-        _paint_text(painter, QPointF(box[0], box[3]), text, role)
-    return boxes
+    named = [(one.label, one.role, _ring(placement, one)) for one in dots if one.label]
+    named += [(one.text, one.role, _value_ring(placement, one, value_radius)) for one in others]
+    if not named:
+        return []
+    words, ratio = painter.font().toString(), painter.device().devicePixelRatioF()
+    images = [_letters(text, words, role, ratio) for text, role, _place in named]
+    sizes = [image.deviceIndependentSize() for image in images]
+    things = tuple(
+        Named(ring, size.width(), size.height())
+        for (_text, _role, ring), size in zip(named, sizes, strict=True)
+    )
+    nameless = tuple(_ring(placement, one) for one in dots if not one.label)
+    labels = place_labels(things, placement.widget, nameless)
+    for (_text, role, _place), image, label in zip(named, images, labels, strict=True):
+        if label is not None:  # else the tip and the list tell it; nearer by there is room
+            _paint_label(painter, label, image, role)
+    return [_grown(label.box, 1.0) for label in labels if label is not None]
+
+
+def _ring(placement: ImagePlacement, dot: Dot) -> Ring:
+    """Return the circle about a dot as far as its pen reaches."""
+    radius = _radius(placement, dot) + HALF_PEN_PX
+    return Ring(*placement.to_widget(dot.u, dot.v), radius, dot.name)
+
+
+def _value_ring(placement: ImagePlacement, overlay: Line | Curve | Text, radius: float) -> Ring:
+    """Return where a line must not be hidden by its own value."""
+    return Ring(*placement.to_widget(*_anchor(overlay)), radius, kind="value")
+
+
+def _paint_label(painter: QPainter, label: Label, image: QImage, role: Role) -> None:
+    """Paint a name on whole pixels of the screen, where it is copied, and its line if any."""
+    if label.leader is not None:
+        for color, width in ((BORDER, 3.0), (QColor(DRAWN[role]), 1.0)):
+            pen = QPen(color, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap)
+            painter.setPen(pen)  # flat: it reaches neither into the ring nor into the letters
+            painter.drawLine(QLineF(*label.leader))
+    ratio = image.devicePixelRatio()
+    place = QPointF(round(label.box[0] * ratio), round(label.box[1] * ratio))
+    painter.drawImage(place / ratio, image)
 
 
 def _grown(box: Box, by_px: float) -> Box:
     """Return a box that is larger on every side: by a pen, a circle, or what letters have below."""
     return box[0] - by_px, box[1] - by_px, box[2] + by_px, box[3] + by_px
-
-
-def _paint_leader(
-    painter: QPainter, center: QPointF, end: QPointF, role: Role, radius: float
-) -> None:
-    """Lead from the edge of a marker to its name, which stands apart."""
-    way = end - center
-    start = center + way * (radius / math.hypot(way.x(), way.y()))
-    for color, width in ((BORDER, 3.0), (QColor(DRAWN[role]), 1.0)):
-        painter.setPen(QPen(color, width))
-        painter.drawLine(start, end)
 
 
 def _anchor(overlay: Line | Curve | Text) -> tuple[float, float]:
@@ -171,16 +178,9 @@ def _anchor(overlay: Line | Curve | Text) -> tuple[float, float]:
     return overlay.u, overlay.v
 
 
-def _paint_text(painter: QPainter, at: QPointF, text: str, role: Role) -> None:
-    ratio = painter.device().devicePixelRatioF()
-    image, offset = _letters(text, painter.font().toString(), role, ratio)
-    place = (at + offset) * ratio  # on whole pixels of the screen: it is copied then
-    painter.drawImage(QPointF(round(place.x()), round(place.y())) / ratio, image)
-
-
 @lru_cache(maxsize=N_TEXTS_KEPT)
-def _letters(text: str, font_words: str, role: Role, ratio: float) -> tuple[QImage, QPointF]:
-    """Return letters with a border, and where the image is if they begin at (0, 0).
+def _letters(text: str, font_words: str, role: Role, ratio: float) -> QImage:
+    """Return letters with a border; the image is no larger than they are.
 
     They are dear to make: as an image they cost nothing where the same text is drawn again.
     """
@@ -199,7 +199,7 @@ def _letters(text: str, font_words: str, role: Role, ratio: float) -> tuple[QIma
     painter.fillPath(border, BORDER)
     painter.fillPath(letters, QColor(DRAWN[role]))
     painter.end()
-    return image, QPointF(box.topLeft())
+    return image
 
 
 def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) -> None:
