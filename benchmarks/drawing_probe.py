@@ -2,7 +2,9 @@
 
 Usage: ``python -m benchmarks.drawing_probe BLOCKS``. The first two numbers are the share of one
 core that drawing 640x480 colour and depth at 30 frames/s takes, on a window of 1280x800 and on one
-of 1920x1080: the median of blocks of a second. The third is in milliseconds.
+of 1920x1080: the median of blocks of a second. The third is that of the least disturbed block on
+the first window: whatever else uses the machine's memory makes the same work dearer. The last is
+in milliseconds.
 """
 
 import os
@@ -32,14 +34,15 @@ def main() -> None:
 
     app = QApplication([])
     frames = _live_frames(n_frames=4, color_size=(640, 480))
-    shares = [_share_of_a_core(app, frames, window, int(sys.argv[1])) for window in WINDOWS]
+    small, large = (_shares_of_a_core(app, frames, window, int(sys.argv[1])) for window in WINDOWS)
+    shares = statistics.median(small), statistics.median(large), min(small)
     told = " ".join(f"{share:.5f}" for share in shares)
     sys.stdout.write(f"{told} {1e3 * _slowest_step_s(app):.2f}\n")
 
 
-def _share_of_a_core(
+def _shares_of_a_core(
     app: "QApplication", frames: "tuple[LiveFrame, ...]", window: tuple[int, int], n_blocks: int
-) -> float:
+) -> list[float]:
     """Count the CPU time of drawing alone: conversion, overlays and painting of both pictures."""
     from ui.capture.view import CaptureScreen
 
@@ -58,7 +61,7 @@ def _share_of_a_core(
             app.processEvents()
         shares.append(time.process_time() - start_s)
     screen.close()
-    return statistics.median(shares)
+    return shares
 
 
 def _slowest_step_s(app: "QApplication") -> float:
