@@ -3,10 +3,10 @@
 And which models somebody means who wants those, or the program's own.
 """
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeAlias
+from urllib.parse import unquote
 
 import platformdirs
 
@@ -19,6 +19,9 @@ GestureChoice: TypeAlias = Literal["none", "shipped", "own"]
 """No gestures, those of the program, those that were learned on this computer."""
 ENDING = ".json"
 UNNAMED = "gesture"
+PORTS = (f"{kind}{number}" for kind in ("COM", "LPT") for number in "123456789\u00b9\u00b2\u00b3")
+DEVICES = {"CON", "PRN", "AUX", "NUL", *PORTS}
+"""No file of Windows has such a name. Source: Microsoft, Naming Files, Paths, and Namespaces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +38,7 @@ def own_gestures() -> tuple[OwnGesture, ...]:
         paths = sorted(_folder().glob(f"*{ENDING}"))
     except OSError:
         return ()
-    return tuple(OwnGesture(path.stem, path) for path in paths)
+    return tuple(OwnGesture(unquote(path.stem), path) for path in paths)
 
 
 def models_of(choice: GestureChoice) -> tuple[Path, ...]:
@@ -59,10 +62,10 @@ def keep_gesture(name: str, model: "GestureModel") -> OwnGesture:
     """
     from adibas.gestures.model_file import write_model
 
-    stem = re.sub(r"[^\w -]+", "_", name).strip() or UNNAMED
-    path = _folder() / f"{stem}{ENDING}"
+    kept = name.strip() or UNNAMED
+    path = _folder() / f"{_stem(kept)}{ENDING}"
     write_model(path, model)
-    return OwnGesture(stem, path)
+    return OwnGesture(kept, path)
 
 
 def forget_gesture(gesture: OwnGesture) -> None:
@@ -74,6 +77,20 @@ def forget_gesture(gesture: OwnGesture) -> None:
         It cannot be removed.
     """
     remove_file(gesture.path)
+
+
+def _stem(name: str) -> str:
+    """Return a name that every system takes for a file; `unquote` gives back the gesture's.
+
+    What is no letter, digit, space, hyphen or underscore is written as in web addresses, and so is
+    the first letter of what Windows keeps for devices.
+    """
+    plain = "".join(one if one.isalnum() or one in " -_" else _in_bytes(one) for one in name)
+    return _in_bytes(plain[0]) + plain[1:] if plain.upper() in DEVICES else plain
+
+
+def _in_bytes(letter: str) -> str:
+    return "".join(f"%{byte:02X}" for byte in letter.encode("utf-8", "replace"))
 
 
 def _folder() -> Path:

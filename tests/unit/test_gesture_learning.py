@@ -214,6 +214,21 @@ def test_a_gesture_is_kept_found_again_and_forgotten(waving, folder):
     assert own_gestures() == ()
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["hand/head", "hand_head", "hand%2Fhead", "..", "CON", "lpt¹", "saluda així", "手"],
+)
+def test_every_name_has_a_file_of_its_own_that_any_system_takes(waving, folder, name):
+    others = [keep_gesture(one, waving.model) for one in ("hand:head", "con fusion")]
+    kept = keep_gesture(f" {name} ", waving.model)
+    assert kept.name == name
+    assert sorted(own_gestures(), key=str) == sorted([*others, kept], key=str)
+    stem = kept.path.stem
+    assert kept.path.parent == folder / "models" / "gestures"
+    assert not set(stem) & set('<>:"/\\|?*.')
+    assert stem.upper() not in {"CON", "LPT¹"}
+
+
 @pytest.mark.usefixtures("folder")
 def test_what_cannot_be_forgotten_is_told(waving):
     kept = keep_gesture("hello", waving.model)
