@@ -19,6 +19,7 @@ from adibas.data.coding import MS_PER_S, Coding
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.landmark_texts import landmark_text
 from adibas.pipeline.behaviour import BehaviourAnalysis
+from adibas.pipeline.behaviour_activity import subject_of
 from adibas.reports.behaviour_texts import (
     behaviour_text,
     condition_text,
@@ -53,7 +54,7 @@ def activity_rows(analysis: BehaviourAnalysis) -> Rows:
     """Return each joint of each person: over the session, and under each condition."""
     rows: Rows = []
     for person in analysis.people:
-        who = subject_text(f"person {person.person}")
+        who = subject_text(subject_of(person.person))
         parts = [(_("whole session"), person.joints)]
         parts += [(condition_text(name), joints) for name, joints in person.by_condition]
         for name, joints in parts:
@@ -82,7 +83,7 @@ def bin_rows(analysis: BehaviourAnalysis) -> Rows:
     ]
     rows: Rows = []
     for person in analysis.people:
-        who = subject_text(f"person {person.person}")
+        who = subject_text(subject_of(person.person))
         path_m, _active_s, seen_s = per_bin(person.steps, spans)
         for span, path, seen in zip(spans, path_m, seen_s, strict=True):
             cells = [float(a) if b > 0 else None for a, b in zip(path, seen, strict=True)]
@@ -206,7 +207,7 @@ def transition_blocks(codings: Sequence[Coding]) -> Iterator[Block]:
 def band_blocks(analysis: BehaviourAnalysis) -> Iterator[Block]:
     """Yield for each person the power of each joint's velocity in bands, and that of noise."""
     for person in analysis.people:
-        who = subject_text(f"person {person.person}")
+        who = subject_text(subject_of(person.person))
         columns = _band_columns(person.bands)
         yield Block(who, columns, _band_rows(person.bands, person.bands.power), is_map=True)
         heading = _("{who}: what the sensor's noise makes").format(who=who)
