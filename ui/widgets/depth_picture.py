@@ -39,12 +39,12 @@ def depth_picture(depth_m: Float32Array) -> UInt8Array:
 def depth_levels(depth_m: Float32Array) -> UInt8Array:
     """Return (H, W) levels, 1 (at the camera) to 255 (far), of an (H, W) depth image; 0 for NaN.
 
-    One pass of OpenCV over the picture, because it is drawn thirty times a second; what lies
-    outside of 0-255 saturates.
+    One pass of OpenCV over the picture, because it is drawn thirty times a second; what is farther
+    than the farthest level saturates. No depth is negative.
     """
-    levels: UInt8Array = cv2.addWeighted(
-        depth_m, LEVELS_PER_M, depth_m, 0.0, 0.0, dtype=cv2.CV_8U
-    ).astype(np.uint8, copy=False)
+    levels: UInt8Array = cv2.convertScaleAbs(depth_m, alpha=LEVELS_PER_M).astype(
+        np.uint8, copy=False
+    )
     return levels
 
 

@@ -38,7 +38,8 @@ class ShownPicture:
     pixels : (H, W, 3) uint8 or (H, W) float32 array
         RGB, or numbers.
     coloring : Coloring, optional
-        Of numbers. They are coloured after they were made smaller: that costs half.
+        Of numbers. They become levels first, which are a quarter of the memory, then smaller, then
+        colours: any other order costs half as much again.
     """
 
     def __init__(self, pixels: UInt8Array | Float32Array, coloring: Coloring | None = None) -> None:
@@ -57,7 +58,8 @@ class ShownPicture:
     def whole(self) -> QImage:
         """Return the picture with all its pixels."""
         if self._whole is None:
-            self._whole = self._as_image(self._pixels)
+            pixels = self._pixels if self._coloring is None else self._levels()
+            self._whole = self._as_image(pixels)
         return self._whole
 
     def fitted(self, size: tuple[int, int], rotation_deg: int, ratio: float) -> QImage:
@@ -82,7 +84,7 @@ class ShownPicture:
         What is larger than the picture shows its pixels, as a picture does that is zoomed.
         """
         if self._coloring is not None:
-            return cv2.resize(self._pixels, size, interpolation=cv2.INTER_NEAREST)
+            return cv2.resize(self._levels(), size, interpolation=cv2.INTER_NEAREST)
         if size[0] >= self.size[0]:
             padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
             return cv2.resize(padded, size, interpolation=cv2.INTER_NEAREST)
@@ -93,6 +95,13 @@ class ShownPicture:
             cv2.ipp.setUseIPP_NotExact(False)
         return cv2.cvtColor(smaller, cv2.COLOR_RGB2BGRA)
 
+    def _levels(self) -> UInt8Array:
+        """Return the levels of numbers; they take the numbers' place."""
+        if self._coloring is not None and self._pixels.dtype != np.uint8:
+            self._pixels = self._coloring.levels_of(self._pixels)
+        levels: UInt8Array = self._pixels
+        return levels
+
     def _as_image(self, pixels: Any) -> QImage:
         """Return an image that borrows `pixels`: who holds it holds both."""
         height, width = pixels.shape[:2]
@@ -100,7 +109,6 @@ class ShownPicture:
             return QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGB32)
         if self._coloring is None:
             return QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888)
-        levels = self._coloring.levels_of(pixels)
-        image = QImage(levels.data, width, height, width, QImage.Format.Format_Indexed8)
+        image = QImage(pixels.data, width, height, width, QImage.Format.Format_Indexed8)
         image.setColorTable(self._coloring.palette)
         return image
