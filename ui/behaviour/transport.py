@@ -21,6 +21,8 @@ class Transport(QWidget):
     played = Signal()
     stepped = Signal(int)
     speed_chosen = Signal(float)
+    height_changed = Signal()
+    """It needs more rows than before, or fewer."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -82,7 +84,10 @@ class Transport(QWidget):
 
     def _keep_rows(self) -> None:
         """Be as high as all rows: a splitter asks for the height of one."""
-        self.setMinimumHeight(self.heightForWidth(self.width()))
+        height = self.heightForWidth(self.width())
+        if height != self.minimumHeight():
+            self.setMinimumHeight(height)
+            self.height_changed.emit()
 
     def show_playing(self, *, is_on: bool, speed: float) -> None:
         """Show whether the video runs, and how fast."""

@@ -98,6 +98,7 @@ class BehaviourScreen(Screen):
         down.addWidget(across)
         down.addWidget(self._timeline)
         down.setSizes([VIDEO_HEIGHT, TIMELINE_HEIGHT])
+        self._transport.height_changed.connect(across.updateGeometry)  # Qt does not tell `down`
         for splitter in (across, down):
             splitter.setChildrenCollapsible(False)
             splitter.setStretchFactor(0, 1)
