@@ -92,7 +92,8 @@ def snap(
     if min(distances_px, default=np.inf) > reach_px:
         return by_hand(*click_uv)
     blob = found[int(np.argmin(distances_px))]
-    covariance_px2 = blob.covariance_px2 + np.eye(2) * BurstParams().centre_sd_px ** 2
+    lasting_px2 = BurstParams().centre_variance_px2(blob.radius_px)
+    covariance_px2 = blob.covariance_px2 + np.eye(2) * lasting_px2
     return Snap(blob.u, blob.v, blob.radius_px, covariance_px2, is_blob=True)
 
 

@@ -72,6 +72,29 @@ def test_noise_moves_the_centre_no_more_than_its_covariance_says():
     assert inside.mean() > 0.92
 
 
+@pytest.mark.parametrize("radius", [1.8, 2.4, 5.0])
+def test_what_no_number_of_frames_takes_out_of_a_centre_is_in_its_covariance(radius):
+    """In a shade that falls off, seen at a slant, beside the border of a shirt."""
+    rng = np.random.default_rng(round(10 * radius))
+    shade = np.linspace(1.0, 0.6, SIZE[1])[None, :, None]
+    ratios = []
+    for seed in range(40):
+        u, v = rng.uniform(60, 100, 2)
+        background = np.broadcast_to(SKIN, (*SIZE, 3)).copy()
+        background[round(v + radius + rng.uniform(1, 6)) :] = SHIRT
+        share = disc(u, v, radius, ratio=rng.uniform(0.6, 1.0))
+        tracker = BurstTracker(BurstParams())
+        for frame in range(6):
+            picture = painted([share], background, light=shade, noise=3.0, seed=10 * seed + frame)
+            tracker.add(find(picture).blobs)
+        nearest = min(tracker.markers(), key=lambda one: np.hypot(one.u - u, one.v - v))
+        ratios += (
+            [nearest.u - u, nearest.v - v] / np.sqrt(np.diag(nearest.covariance_px2))
+        ).tolist()
+    assert np.mean(np.abs(ratios) < 1.96) > 0.92
+    assert np.median(np.abs(ratios)) > 0.1, "nor is it much better than it says"
+
+
 @pytest.mark.parametrize("light", [0.75, np.array([1.0, 0.9, 0.7]), np.array([0.8, 0.9, 1.0])])
 def test_markers_are_found_in_shadow_and_changed_light(light):
     assert len(find(painted([disc(60, 70, 2.1), disc(120, 50, 2.1)], light=light)).blobs) == 2
