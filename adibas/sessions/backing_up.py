@@ -123,11 +123,13 @@ class Backups:
         PassphraseError
             The store has none, or the given one is too short.
         FileError
-            The disk is full, or `path` cannot be written. What stood there is untouched.
+            The disk is full, `path` cannot be written, or lies within the store. What stood there
+            is untouched.
         StoreError
             The database cannot be copied; no file is left either.
         """
         key_file = self._key_behind(passphrase, params)
+        _check_outside(path, self._folder)
         check_place(path)
         with written_whole(path) as unfinished:
             _remove_litter(path.parent, unfinished)
@@ -335,6 +337,16 @@ def _size(path: Path) -> int:
 def _check_room(path: Path, n_bytes: int) -> None:
     if shutil.disk_usage(path.parent).free < n_bytes:
         raise cannot_write(path, OSError(errno.ENOSPC, ""))
+
+
+def _check_outside(path: Path, folder: Path) -> None:
+    """Keep files of the store from being replaced, and backups from being lost with it."""
+    if path.resolve().is_relative_to(folder.resolve()):
+        raise FileError(
+            "{file} would lie in the folder of the store. Choose a place outside of it, best on "
+            "another disk.",
+            file=path.name,
+        )
 
 
 def _remove_litter(folder: Path, mine: Path) -> None:

@@ -17,6 +17,7 @@ from adibas.cli import main
 from adibas.errors import FileError, PassphraseError, StoreError
 from adibas.sessions import open_store
 from adibas.sessions.backup_format import LENGTH, MAGIC, BackupReader, BackupWriter, header_of
+from adibas.sessions.backup_schedule import BackupPlan
 from adibas.sessions.database import Database
 from adibas.sessions.key_file import read_key_file
 from adibas.sessions.keys import load_key
@@ -242,6 +243,20 @@ def test_who_stops_it_finds_nothing_half_done(folder, backup, tmp_path, work):
     assert backup.read_bytes() == old
     assert names_in(backup.parent) == [backup.name]
     assert names_in(tmp_path) == ["kept", "store"]
+
+
+def test_no_backup_lies_in_the_store_or_takes_the_place_of_its_files(folder, session, tmp_path):
+    (tmp_path / "link").symlink_to(folder)
+    before = names_in(folder)
+    with open_sample(folder) as store:
+        for place in (folder / "adibas.db", folder / "pictures" / "b.x", tmp_path / "link" / "b.x"):
+            with pytest.raises(FileError, match="in the folder of the store"):
+                store.backups.write(place)
+        with pytest.raises(FileError, match="in the folder of the store"):
+            store.backups.write_planned(BackupPlan(folder, 1, 1))
+    assert names_in(folder) == before
+    with open_sample(folder) as store:
+        assert store.sessions.get(session.session_id).session_id == session.session_id
 
 
 def test_a_full_disk_is_told_before_anything_is_written(folder, backup, tmp_path, monkeypatch):
