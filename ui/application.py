@@ -42,6 +42,8 @@ if TYPE_CHECKING:  # what they bring along is needed after the patients are list
 
 logger = logging.getLogger(__name__)
 
+BACKUP_CHECK_MS = 3_600_000
+"""A window may be open for weeks."""
 PRELOAD_MS = 1500
 """After the start: who types a passphrase or looks for a patient does not notice."""
 
@@ -79,6 +81,7 @@ class Application:
         self._drafts = Drafts(self.window)
         self._is_locking = False
         self._watch = InactivityWatch(self.lock, self.window)
+        self._backup_hours = QTimer(self.window)
         self._idle = IdleCall(self.jobs, self._finish_lock)
         self._closing = OrderlyClose(self.window, self.jobs)
         self._bugs = CallBridge(lambda said: self.window.tell_of_bug(str(said)), self.window)
@@ -99,6 +102,8 @@ class Application:
         self.jobs.changed.subscribe(lambda _job, _done, _total: self._rest_sensor())
         self.window.dropped.subscribe(self._open_dropped)
         self.window.lock_wanted.subscribe(self.lock)
+        self._backup_hours.setInterval(BACKUP_CHECK_MS)
+        self._backup_hours.timeout.connect(self._back_up)
 
     @contextmanager
     def _unwatched(self) -> Iterator[None]:
@@ -187,6 +192,12 @@ class Application:
         else:
             self._drafts.give_back(store.drafts)
             back_up_if_due(workspace)
+            self._backup_hours.start()
+
+    def _back_up(self) -> None:
+        """Look again in a window that stays open; while something runs, the next hour will do."""
+        if self.workspace is not None and not self._is_locking and not self.jobs.is_busy:
+            back_up_if_due(self.workspace)
 
     def _tell_read_only(self, workspace: Workspace) -> None:
         if self._drafts.are_there:
@@ -239,6 +250,7 @@ class Application:
         if self.workspace is None:
             return
         self.window.remove_screens()
+        self._backup_hours.stop()
         self.workspace.live.end()
         self.workspace.store.close()
         self.workspace = None

@@ -496,3 +496,35 @@ def test_a_place_tells_nobodys_name(user):
     assert isinstance(user.workspace.place, Place)
     assert NAME not in repr(user.workspace.place)
     user.close()
+
+
+def backups(folder):
+    return sorted(folder.glob("*.adibas-backup"))
+
+
+def test_a_window_that_stays_open_backs_up_when_the_next_hour_finds_one_due(user, tmp_path):
+    kept = tmp_path / "kept"
+    user.application.preferences.change(backup_folder=str(kept))
+    timer = user.application._backup_hours
+    assert timer.isActive()
+    timer.timeout.emit()
+    user.until(lambda: "is made" in user.window.told)
+    (first,) = backups(kept)
+    user.settle()
+    timer.timeout.emit()
+    user.settle()
+    assert backups(kept) == [first], "none is due"
+
+
+def test_no_backup_begins_beside_other_work_nor_behind_the_lock(user, slow, tmp_path):
+    let_go, _was_stopped, _results = slow
+    user.application.preferences.change(backup_folder=str(tmp_path / "kept"))
+    timer = user.application._backup_hours
+    timer.timeout.emit()
+    let_go.set()
+    user.settle()
+    user.application.lock()
+    timer.timeout.emit()
+    user.until(lambda: locked(user))
+    assert not timer.isActive()
+    assert not backups(tmp_path / "kept")

@@ -157,7 +157,7 @@ class BackupPage(QWidget):
     def _show_where(self) -> None:
         self._none.setEnabled(bool(self._where))
         if self._where:
-            text = _("Backups go to {folder} when one is due and the store is opened here.")
+            text = _("Backups go to {folder} when one is due and the store is open here.")
         else:
             text = _("No folder is chosen: no backup is made automatically.")
         self._folder.setText(text.format(folder=self._where))
