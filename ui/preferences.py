@@ -10,6 +10,7 @@ import platformdirs
 
 from adibas.errors import FileError
 from adibas.files import written_whole
+from adibas.sessions.defaults import ADULT_AGE, CHILD_UNTIL_AGE, RETENTION_YEARS
 from adibas.texts import LANGUAGES, system_language
 from ui.events import Event
 
@@ -20,6 +21,7 @@ THEMES = ("system", "light", "dark")
 FONT_SCALES = (1.0, 1.25, 1.5, 1.75, 2.0)
 MOST_RECENT = 8
 MOST_BACKUP_DAYS, MOST_BACKUPS = 365, 100
+MOST_RETENTION_YEARS = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +60,8 @@ class Preferences:
         Where backups are made every few days; empty = none are.
     backup_days, backup_keep : int
         Days between two of them, and how many are kept.
+    retention_years, child_until_age : int
+        How long patients are kept after the last session, and children at least.
     geometry, docks : str
         Of the window and of the help beside it, as Qt packs them, hexadecimal.
     splitters : dict of str
@@ -81,6 +85,8 @@ class Preferences:
     backup_folder: str = ""
     backup_days: int = 7
     backup_keep: int = 4
+    retention_years: int = RETENTION_YEARS
+    child_until_age: int = CHILD_UNTIL_AGE
     geometry: str = ""
     docks: str = ""
     splitters: dict[str, str] = field(default_factory=dict)
@@ -158,6 +164,8 @@ def _bounded(preferences: Preferences) -> Preferences:
         autolock_minutes=max(preferences.autolock_minutes, 0),
         backup_days=min(max(preferences.backup_days, 1), MOST_BACKUP_DAYS),
         backup_keep=min(max(preferences.backup_keep, 1), MOST_BACKUPS),
+        retention_years=min(max(preferences.retention_years, 1), MOST_RETENTION_YEARS),
+        child_until_age=min(max(preferences.child_until_age, ADULT_AGE), MOST_RETENTION_YEARS),
         countdown_s=min(max(preferences.countdown_s, 0), 60),
         burst_frames=min(max(preferences.burst_frames, 1), 300),
         calibration_days=min(max(preferences.calibration_days, 1), 3650),

@@ -18,8 +18,8 @@ from adibas.texts import use_language
 from ui.jobs import JobRunner
 from ui.patients.list_panel import PatientTable
 from ui.patients.patients_model import PatientsModel
-from ui.patients.purge_dialog import PurgeDialog
 from ui.patients.screen import build_patients_screen
+from ui.widgets.typed_consent import TypedConsent
 from ui.workspace import Workspace
 
 Key = Qt.Key
@@ -262,14 +262,14 @@ def test_nothing_is_removed_for_good_before_the_word_is_typed(screen, store):
     QTest.mouseClick(screen.list.findChild(QCheckBox), LEFT)
     click(screen, "Delete")
     click(screen, "Remove for good")
-    dialog = screen.findChild(PurgeDialog)
+    dialog = screen.findChild(TypedConsent)
     field = dialog.findChild(QLineEdit)
     QTest.keyClicks(field, "yes")
     QTest.mouseClick(dialog.remove, LEFT)
     QTest.keyClick(field, Key.Key_Return)
     assert len(store.patients.search("", with_deleted=True)) == 2
     click(screen, "Remove for good")
-    dialog = screen.findChildren(PurgeDialog)[-1]
+    dialog = screen.findChildren(TypedConsent)[-1]
     QTest.keyClicks(dialog.findChild(QLineEdit), screen._patients._pseudonym())
     QTest.mouseClick(dialog.remove, LEFT)
     assert column(screen) == ["Bernat Puig"]
@@ -334,7 +334,7 @@ def test_enter_opens_and_delete_hides_a_session(screen, store, workspace, wanted
     history.setCurrentIndex(history.shown_model.index(0))
     click(screen.pages.history, "Delete")
     click(screen.pages.history, "Remove for good")
-    dialog = screen.findChild(PurgeDialog)
+    dialog = screen.findChild(TypedConsent)
     QTest.keyClicks(dialog.field, ana.pseudonym.lower())
     QTest.mouseClick(dialog.remove, LEFT)
     assert store.sessions.of_patient(ana.pseudonym, with_deleted=True) == ()

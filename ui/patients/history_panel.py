@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QVBoxLayout, QWidg
 from adibas.texts import translate as _
 from ui.patients.content import History, PurgeQuestion, Thumbnail
 from ui.patients.history_list import HistoryList
-from ui.patients.purge_dialog import PurgeDialog
+from ui.patients.purge_dialog import purge_dialog
 from ui.widgets.flow import in_a_flow
 
 if TYPE_CHECKING:  # the titles are read after the first patient is chosen
@@ -142,7 +142,7 @@ class HistoryPanel(QWidget):
         self.list.shown_model.show_thumbnails(thumbnails)
 
     def ask_purge(self, question: PurgeQuestion) -> None:
-        dialog, session_id = PurgeDialog(question, self), self._asked_of
+        dialog, session_id = purge_dialog(question, self), self._asked_of
         dialog.confirmed.connect(lambda: self.purge_confirmed.emit(session_id))
         dialog.open()
 

@@ -8,7 +8,7 @@ from adibas.texts import message
 from adibas.texts import translate as _
 from ui.patients.content import PurgeQuestion, ShownPatient
 from ui.patients.patients_model import age_text
-from ui.patients.purge_dialog import PurgeDialog
+from ui.patients.purge_dialog import purge_dialog
 from ui.widgets.dates import day_text
 from ui.widgets.flow import in_a_flow
 
@@ -111,7 +111,7 @@ class PatientPanel(QWidget):
             self._delete.click()
 
     def ask_purge(self, question: PurgeQuestion) -> None:
-        dialog = PurgeDialog(question, self)
+        dialog = purge_dialog(question, self)
         dialog.confirmed.connect(lambda: self.purge_confirmed.emit(question.word))
         dialog.open()
 

@@ -1,63 +1,17 @@
-"""Asks for a word before anything is removed for good."""
+"""What is removed for good, in the words of the question before it."""
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import (
-    QDialog,
-    QHBoxLayout,
-    QLabel,
-    QLineEdit,
-    QPushButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QWidget
 
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.patients.content import PurgeQuestion
 from ui.widgets.dates import moment_text
+from ui.widgets.typed_consent import TypedConsent
 
-LETTERS_IN_A_LINE = 64
 
-
-class PurgeDialog(QDialog):
-    """Can be confirmed once the word is there; Enter and Escape alone remove nothing."""
-
-    confirmed = Signal()
-
-    def __init__(self, question: PurgeQuestion, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(_("Remove for good"))
-        self._word = question.word
-        text, ask = QLabel(_explanation(question), self), QLabel(self)
-        ask.setText(_("&Type {word} to confirm:").format(word=question.word))
-        self.field = QLineEdit(self)
-        ask.setBuddy(self.field)
-        self.remove, keep = QPushButton(_("&Remove for good"), self), QPushButton(_("&Keep"), self)
-        self.remove.setProperty("danger", "true")
-        self.remove.setEnabled(False)
-        keep.setDefault(True)
-        for label in (text, ask):
-            label.setWordWrap(True)
-        self.field.textChanged.connect(self._on_typed)
-        self.remove.clicked.connect(self.confirmed)
-        self.remove.clicked.connect(self.accept)
-        keep.clicked.connect(self.reject)
-        buttons = QHBoxLayout()
-        buttons.addStretch(1)
-        buttons.addWidget(keep)
-        buttons.addWidget(self.remove)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(24, 20, 24, 20)
-        column.setSpacing(12)
-        for widget in (text, ask, self.field):
-            column.addWidget(widget)
-        column.addLayout(buttons)
-        width = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
-        self.setMinimumSize(width, column.totalHeightForWidth(width))
-
-    def _on_typed(self, text: str) -> None:
-        self.remove.setEnabled(text.strip().casefold() == self._word.casefold())
+def purge_dialog(question: PurgeQuestion, parent: QWidget) -> TypedConsent:
+    """Return the dialog that asks before a patient or a session is removed."""
+    return TypedConsent(_explanation(question), question.word, parent)
 
 
 def _explanation(question: PurgeQuestion) -> str:

@@ -7,6 +7,7 @@ from ui.settings.backup_presenter import BackupPresenter
 from ui.settings.names_presenter import NamesPresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protocols_presenter import ProtocolsPresenter
+from ui.settings.retention_presenter import RetentionPresenter
 from ui.settings.view import SettingsScreen
 from ui.workspace import Workspace
 
@@ -21,4 +22,5 @@ def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -
         NamesPresenter(view.names, workspace),
     )
     view.bind_backup(BackupPresenter(view.backup, workspace))
+    view.bind_retention(RetentionPresenter(view.retention, workspace))
     return view

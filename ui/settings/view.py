@@ -29,6 +29,8 @@ from ui.settings.presenter import SettingsPresenter
 from ui.settings.protection_page import ProtectionPage
 from ui.settings.protocols_page import ProtocolsPage
 from ui.settings.protocols_presenter import ProtocolsPresenter
+from ui.settings.retention_page import RetentionPage
+from ui.settings.retention_presenter import RetentionPresenter
 from ui.widgets.screen import Screen
 
 PROTECTION_TAB, AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 1, 2, 3, 4
@@ -47,10 +49,10 @@ class SettingsScreen(Screen):
         self._general, self._protection = GeneralPage(self), ProtectionPage(self)
         self._audit, self._computer = AuditPage(self), ComputerPage(self)
         self._protocols, self._names = ProtocolsPage(self), NamesPage(self)
-        self._backup = BackupPage(self)
+        self._backup, self._retention = BackupPage(self), RetentionPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
-        protection = _below_each_other(self._protection, self._backup)
+        protection = _below_each_other(self._protection, self._backup, self._retention)
         for page in (_scrolled(self._general), _scrolled(protection)):
             self._tabs.addTab(page, "")
         self._marks = QStackedWidget(self)
@@ -82,6 +84,18 @@ class SettingsScreen(Screen):
     def backup(self) -> BackupPage:
         """The page of backups."""
         return self._backup
+
+    @property
+    def retention(self) -> RetentionPage:
+        """The page of how long patients are kept."""
+        return self._retention
+
+    def bind_retention(self, presenter: RetentionPresenter) -> None:
+        """Send what is wanted of retention to the presenter, and own it."""
+        self._retention_presenter = presenter
+        self._retention.bind(presenter.change)
+        self._retention.looked.connect(presenter.look)
+        self._retention.removed.connect(presenter.remove)
 
     def bind_backup(self, presenter: BackupPresenter) -> None:
         """Send what is wanted of backups to the presenter, and own it."""
@@ -137,6 +151,7 @@ class SettingsScreen(Screen):
         self._protocols.retranslate()
         self._names.retranslate()
         self._backup.retranslate()
+        self._retention.retranslate()
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
@@ -168,6 +183,7 @@ class SettingsScreen(Screen):
         self._protection.show_preferences(preferences)
 
     def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
+        self._retention.show_read_only(is_read_only=is_read_only)
         self._protection.show_protection(
             folder, has_passphrase=has_passphrase, is_read_only=is_read_only
         )
