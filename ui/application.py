@@ -81,7 +81,7 @@ class Application:
         self._drafts = Drafts(self.window)
         self._is_locking = False
         self._watch = InactivityWatch(self.lock, self.window)
-        self._backup_hours = QTimer(self.window)
+        self._backup_timer = QTimer(self.window)
         self._idle = IdleCall(self.jobs, self._finish_lock)
         self._closing = OrderlyClose(self.window, self.jobs)
         self._bugs = CallBridge(lambda said: self.window.tell_of_bug(str(said)), self.window)
@@ -102,8 +102,8 @@ class Application:
         self.jobs.changed.subscribe(lambda _job, _done, _total: self._rest_sensor())
         self.window.dropped.subscribe(self._open_dropped)
         self.window.lock_wanted.subscribe(self.lock)
-        self._backup_hours.setInterval(BACKUP_CHECK_MS)
-        self._backup_hours.timeout.connect(self._back_up)
+        self._backup_timer.setInterval(BACKUP_CHECK_MS)
+        self._backup_timer.timeout.connect(self._back_up)
 
     @contextmanager
     def _unwatched(self) -> Iterator[None]:
@@ -192,7 +192,7 @@ class Application:
         else:
             self._drafts.give_back(store.drafts)
             back_up_if_due(workspace)
-            self._backup_hours.start()
+            self._backup_timer.start()
 
     def _back_up(self) -> None:
         """Look again in a window that stays open; while something runs, the next hour will do."""
@@ -250,7 +250,7 @@ class Application:
         if self.workspace is None:
             return
         self.window.remove_screens()
-        self._backup_hours.stop()
+        self._backup_timer.stop()
         self.workspace.live.end()
         self.workspace.store.close()
         self.workspace = None

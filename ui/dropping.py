@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from adibas.errors import FileError
+from adibas.recordings import is_named_like_recording
 
-RECORDINGS = (".mcap", ".oni")
 PICTURES = (".png", ".jpg", ".jpeg")
 
 
@@ -35,4 +35,4 @@ def screen_for(dropped: tuple[Path, ...], shown: str = "") -> str:
 
 
 def _is_recording(path: Path) -> bool:
-    return path.suffix.lower() in RECORDINGS or path.is_dir()
+    return is_named_like_recording(path) or path.is_dir()

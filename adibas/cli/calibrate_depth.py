@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
+from adibas.recordings import is_named_like_recording
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 REPEAT = 1
 WRONG_USAGE = 2
-RECORDINGS = (".mcap", ".oni")
 
 
 def add_depth_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +42,7 @@ def add_depth_arguments(parser: argparse.ArgumentParser) -> None:
 
 def are_recordings(paths: Sequence[Path]) -> bool:
     """Say whether the files are recordings and not images."""
-    return bool(paths) and all(path.suffix.lower() in RECORDINGS or path.is_dir() for path in paths)
+    return bool(paths) and all(is_named_like_recording(path) or path.is_dir() for path in paths)
 
 
 def board_of(arguments: argparse.Namespace) -> "Board | None":

@@ -19,8 +19,8 @@ GestureChoice: TypeAlias = Literal["none", "shipped", "own"]
 """No gestures, those of the program, those that were learned on this computer."""
 ENDING = ".json"
 UNNAMED = "gesture"
-PORTS = (f"{kind}{number}" for kind in ("COM", "LPT") for number in "123456789\u00b9\u00b2\u00b3")
-DEVICES = {"CON", "PRN", "AUX", "NUL", *PORTS}
+PORTS = {f"{kind}{number}" for kind in ("COM", "LPT") for number in "123456789\u00b9\u00b2\u00b3"}
+DEVICES = {"CON", "PRN", "AUX", "NUL"} | PORTS
 """No file of Windows has such a name. Source: Microsoft, Naming Files, Paths, and Namespaces."""
 
 

@@ -17,6 +17,12 @@ if TYPE_CHECKING:  # the store needs no array before it opens a recording
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 ONI_MAGIC = b"NI10"
 TUM_LISTS = ("depth.txt", "rgb.txt", "infrared.txt")
+RECORDING_ENDINGS = (".mcap", ".oni")
+
+
+def is_named_like_recording(path: Path) -> bool:
+    """Say whether a name promises a recording; what it is, its content tells."""
+    return path.suffix.lower() in RECORDING_ENDINGS
 
 
 def open_recording(path: Path) -> RecordingReader:

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from adibas.errors import FileError, SensorError
+from adibas.recordings import is_named_like_recording
 from adibas.sensors.ports import DEFAULT_OPTIONS, DepthCamera, SensorDescription, SensorOptions
 
 SENSOR_KINDS = ("openni2", "realsense")
 FILE_ENDINGS = (".oni", ".db3", ".bag")
 """Of camera libraries' own recordings."""
-RECORDING_ENDINGS = (".mcap", ".oni")
 
 
 def open_source(text: str, options: SensorOptions = DEFAULT_OPTIONS) -> DepthCamera:
@@ -86,7 +86,7 @@ def _file_and_sensor(rest: str) -> tuple[Path | None, str | None]:
 
 def _open_recording(text: str, options: SensorOptions) -> DepthCamera:
     path = Path(text)
-    if path.suffix.lower() in RECORDING_ENDINGS and not path.exists():
+    if is_named_like_recording(path) and not path.exists():
         raise FileError("{file} is not there. Check the name and the folder.", file=path.name)
     if not text or not path.exists():
         raise SensorError(

@@ -134,6 +134,16 @@ class Patients:
             self._audit.saw(LIST_OF_PATIENTS)
         return rows
 
+    def names(self) -> dict[str, str]:
+        """Return the name of every patient, the hidden ones included, by pseudonym."""
+        columns = IDENTITIES.c
+        with self._database.reading() as transaction:
+            found = transaction.execute(select(columns.pseudonym, columns.name))
+            names = {row.pseudonym: row.name for row in found}
+        if names:
+            self._audit.saw(LIST_OF_PATIENTS)
+        return names
+
     def give_consent(self, pseudonym: str, consent: Consent) -> Patient:
         """Save that the patient, or a guardian, agreed.
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from adibas.data.patients import Consent, Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
-from adibas.sessions.patients import LETTERS
+from adibas.sessions.patients import LETTERS, LIST_OF_PATIENTS
 from adibas.sessions.search_text import patterns, searchable, simplified
 from tests.unit.store_samples import IDENTITY, NAME, add_session, open_sample, raw_connection
 
@@ -51,6 +51,16 @@ def test_pseudonyms_are_random_and_easy_to_read(store):
     assert len(found) == 50
     assert all(name[:2] == "P-" and set(name[2:]) <= set(LETTERS) for name in found)
     assert all(len(name) == 8 for name in found)
+
+
+def test_names_are_told_of_all_patients_the_hidden_ones_too_and_that_is_noted(store):
+    assert store.patients.names() == {}
+    first, second = (store.patients.add(Identity(name)).pseudonym for name in ("Zoë", "Ana"))
+    store.patients.delete(second)
+    assert store.audit.entries()[0].action != "view"
+    assert store.patients.names() == {first: "Zoë", second: "Ana"}
+    entry = store.audit.entries()[0]
+    assert (entry.action, entry.subject) == ("view", LIST_OF_PATIENTS)
 
 
 def test_only_what_is_given_changes(store):

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from adibas.pipeline.live import LiveFrame
-from adibas.texts import decimal_text
+from adibas.texts import decimal_mark
 from adibas.texts import translate as _
 from ui.widgets.bones import bones
 from ui.widgets.overlays import Dot, Line, Overlay, Region
@@ -35,8 +35,7 @@ def _plumb(frame: LiveFrame) -> list[Overlay]:
     lines: list[Overlay] = []
     if plumb.vertical is not None:
         (u1, v1), (u2, v2) = plumb.vertical
-        lean_deg = math.degrees(plumb.roll_rad)
-        lean = f"{'-' if lean_deg < 0 else '+'}{decimal_text(abs(lean_deg), 1)}°"
+        lean = f"{math.degrees(plumb.roll_rad):+z.1f}°".replace(".", decimal_mark())
         lines.append(Line(u1, v1, u2, v2, "plumb", lean))
     if plumb.horizon is not None:
         (u1, v1), (u2, v2) = plumb.horizon

@@ -9,7 +9,7 @@ from PySide6.QtGui import QFont
 from adibas.data.reliability import Verdict
 from ui.comparison.content import Key
 from ui.comparison.rows import Order, Row
-from ui.widgets.line_table import NUMBERS
+from ui.widgets.line_table import NUMBERS, title_data
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -70,11 +70,7 @@ class RowsModel(QAbstractTableModel):
     ) -> Any:
         if orientation != Qt.Orientation.Horizontal:
             return None
-        if role == Role.TextAlignmentRole and section in self._numbers:
-            return NUMBERS
-        if role != Role.DisplayRole:
-            return None
-        return self._headers[section]
+        return title_data(self._headers[section], role, is_number=section in self._numbers)
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         row, column = self._seen[index.row()], index.column()

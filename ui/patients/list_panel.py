@@ -73,6 +73,7 @@ class PatientTable(QTableView):
         self.setAlternatingRowColors(True)
         self.setWordWrap(False)
         self.setCornerButtonEnabled(False)
+        self._widths_px: dict[int, int] = {}
         self.verticalHeader().hide()
         header = self.horizontalHeader()
         header.setHighlightSections(False)
@@ -91,6 +92,7 @@ class PatientTable(QTableView):
             widest = max((sample, *heading.split()), key=metrics.horizontalAdvance)
             width = metrics.horizontalAdvance(widest) + PADDING_PX
             header.resizeSection(column, width)
+            self._widths_px[column] = width
             room = QRect(0, 0, width - PADDING_PX, 0)
             wrapped = metrics.boundingRect(room, Qt.TextFlag.TextWordWrap, heading)
             height = max(height, wrapped.height())
@@ -100,13 +102,11 @@ class PatientTable(QTableView):
     def _fit_name(self) -> None:
         """Give the names what is left; what the patient's panel says too is hidden for them."""
         least = self.fontMetrics().horizontalAdvance(SAMPLE_NAME) + PADDING_PX
-        room = self.viewport().width()
-        for n_hidden in range(len(EXPENDABLE) + 1):
-            for number, column in enumerate(EXPENDABLE):
-                self.setColumnHidden(column, number < n_hidden)
-            left = room - sum(self.columnWidth(column) for column in SAMPLES)
-            if left >= least:
-                break
+        left = self.viewport().width() - sum(self._widths_px.values())
+        for column in EXPENDABLE:
+            is_hidden = left < least
+            self.setColumnHidden(column, is_hidden)
+            left += is_hidden * self._widths_px.get(column, 0)
         self.horizontalHeader().resizeSection(NAME, max(left, least))
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)

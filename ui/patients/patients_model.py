@@ -9,7 +9,7 @@ from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.patients.content import PatientLine
 from ui.widgets.dates import day_text
-from ui.widgets.line_table import NUMBERS
+from ui.widgets.line_table import NUMBERS, title_data
 
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
@@ -66,9 +66,8 @@ class PatientsModel(QAbstractTableModel):
     ) -> Any:
         if orientation is not Qt.Orientation.Horizontal:
             return None
-        if role == Role.TextAlignmentRole and section == N_SESSIONS:
-            return int(NUMBERS | Qt.TextFlag.TextWordWrap)
-        return self._headings[section] if role == Role.DisplayRole else None
+        found = title_data(self._headings[section], role, is_number=section == N_SESSIONS)
+        return int(found | Qt.TextFlag.TextWordWrap) if found is NUMBERS else found
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         line = self._lines[index.row()]

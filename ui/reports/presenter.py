@@ -27,7 +27,6 @@ from ui.preferences import Preferences
 from ui.workspace import Workspace
 
 MOST_SESSIONS = 200
-MOST_PATIENTS = 10_000
 PREVIEW_HEIGHT_PX = 900
 
 
@@ -248,8 +247,7 @@ def _sessions_and_names(
     sessions = list(store.sessions.recent(MOST_SESSIONS))
     if current is not None and all(one.session_id != current.session_id for one in sessions):
         sessions.insert(0, current)
-    rows = store.patients.search("", limit=MOST_PATIENTS, with_deleted=True)
-    names = {row.pseudonym: row.identity.name for row in rows}
+    names = store.patients.names()
     return tuple((one, names.get(one.patient, one.patient)) for one in sessions if one.capture_ids)
 
 

@@ -12,7 +12,7 @@ from adibas.texts import translate as _
 from ui.review.content import Points
 from ui.review.wording import NOTHING, number
 from ui.theme import Theme
-from ui.widgets.line_table import NUMBERS
+from ui.widgets.line_table import NUMBERS, title_data
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -73,11 +73,8 @@ class MarkersModel(QAbstractTableModel):
     ) -> Any:
         if orientation != Qt.Orientation.Horizontal:
             return None
-        if role == Role.TextAlignmentRole and X <= section <= Z:
-            return NUMBERS
-        if role != Role.DisplayRole:
-            return None
-        return (_("Marker"), "x [mm]", "y [mm]", "z [mm]", _("Remark"))[section]
+        titles = (_("Marker"), "x [mm]", "y [mm]", "z [mm]", _("Remark"))
+        return title_data(titles[section], role, is_number=X <= section <= Z)
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         marker, column = self._points.markers[index.row()], index.column()

@@ -8,7 +8,7 @@ from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelInd
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow
 from ui.review.wording import interval_text, kind_text, measure_name, value_text
-from ui.widgets.line_table import NUMBERS
+from ui.widgets.line_table import NUMBERS, title_data
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
@@ -72,11 +72,8 @@ class MeasuresModel(QAbstractTableModel):
     ) -> Any:
         if orientation != Qt.Orientation.Horizontal:
             return None
-        if role == Role.TextAlignmentRole and section >= VALUE:
-            return NUMBERS
-        if role != Role.DisplayRole:
-            return None
-        return (_("Kind"), _("Markers"), _("Value"), _("95 % interval"))[section]
+        titles = (_("Kind"), _("Markers"), _("Value"), _("95 % interval"))
+        return title_data(titles[section], role, is_number=section >= VALUE)
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         if role == Role.TextAlignmentRole and index.column() >= VALUE:

@@ -1,8 +1,8 @@
 """Backups: where and how often, now, their check, and their way back into the store."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
@@ -22,13 +22,14 @@ from PySide6.QtWidgets import (
 from adibas.sessions.defaults import BACKUP_ENDING
 from adibas.texts import translate as _
 from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
+from ui.settings.preference_page import PreferencePage
 from ui.widgets.number_fields import WholeNumberField
 
 RESULT_HEIGHT = 120
 FILTER = f"ADiBAS (*{BACKUP_ENDING})"
 
 
-class BackupPage(QWidget):
+class BackupPage(PreferencePage):
     """Two groups: the plan with how old the newest backup is, and what is done by hand."""
 
     made = Signal(object, str)
@@ -38,7 +39,6 @@ class BackupPage(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._change: Callable[..., None] = _ignore
         self._state, self._folder = QLabel(self), QLabel(self)
         for label in (self._state, self._folder):
             label.setWordWrap(True)
@@ -96,16 +96,12 @@ class BackupPage(QWidget):
 
     def _connect(self) -> None:
         self._choose.clicked.connect(self._ask_folder)
-        self._none.clicked.connect(lambda: self._change(backup_folder=""))
-        self._days.valueChanged.connect(lambda value: self._change(backup_days=value))
-        self._keep.valueChanged.connect(lambda value: self._change(backup_keep=value))
+        self._none.clicked.connect(lambda: self.changed.emit("backup_folder", ""))
+        self._days.valueChanged.connect(partial(self.changed.emit, "backup_days"))
+        self._keep.valueChanged.connect(partial(self.changed.emit, "backup_keep"))
         self._make.clicked.connect(self._ask_place)
         self._check.clicked.connect(lambda: self._ask_backup(self.checked.emit))
         self._restore.clicked.connect(lambda: self._ask_backup(self.restored.emit))
-
-    def bind(self, change: Callable[..., None]) -> None:
-        """Send changes of the plan to `change`."""
-        self._change = change
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -132,13 +128,8 @@ class BackupPage(QWidget):
 
     def show_plan(self, preferences: Preferences) -> None:
         """Show where, how often and how many."""
-        for widget, value in (
-            (self._days, preferences.backup_days),
-            (self._keep, preferences.backup_keep),
-        ):
-            widget.blockSignals(True)
-            widget.setValue(value)
-            widget.blockSignals(False)
+        self._days.show_value(preferences.backup_days)
+        self._keep.show_value(preferences.backup_keep)
         self._where = preferences.backup_folder
         self._show_where()
 
@@ -165,7 +156,7 @@ class BackupPage(QWidget):
     def _ask_folder(self) -> None:
         dialog = QFileDialog(self, _("Folder of backups, best on another disk"), self._where)
         dialog.setFileMode(QFileDialog.FileMode.Directory)
-        dialog.fileSelected.connect(lambda name: self._change(backup_folder=name))
+        dialog.fileSelected.connect(partial(self.changed.emit, "backup_folder"))
         _open(dialog)
 
     def _ask_place(self) -> None:
@@ -186,10 +177,6 @@ class BackupPage(QWidget):
     def _give(self, emit: Callable[[Path, str], None], name: str) -> None:
         emit(Path(name), self._passphrase.text())
         self._passphrase.clear()
-
-
-def _ignore(**_changes: Any) -> None:
-    """Send changes nowhere: nobody is bound yet."""
 
 
 def _open(dialog: QFileDialog) -> None:

@@ -1,8 +1,8 @@
 """How the program looks and speaks, and how it captures."""
 
-from collections.abc import Callable
-from typing import Any
+from functools import partial
 
+from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
 from adibas.texts import LANGUAGES, message
 from adibas.texts import translate as _
 from ui.preferences import FONT_SCALES, THEMES, Preferences
+from ui.settings.preference_page import PreferencePage
 from ui.widgets.number_fields import WholeNumberField
 
 MOST_DAYS = 3650
@@ -25,12 +26,11 @@ THEME_NAMES = {
 }
 
 
-class GeneralPage(QWidget):
+class GeneralPage(PreferencePage):
     """A form; every change counts at once."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._change: Callable[..., None] = _ignore
         self._language, self._theme, self._scale = (QComboBox(self) for _ in range(3))
         self._operator = QLineEdit(self)
         self._countdown, self._frames, self._days = (WholeNumberField(self) for _ in range(3))
@@ -67,22 +67,22 @@ class GeneralPage(QWidget):
         self.retranslate()
 
     def _connect(self) -> None:
-        self._language.activated.connect(
-            lambda _i: self._send(language=self._language.currentData())
-        )
-        self._theme.activated.connect(lambda _i: self._send(theme=self._theme.currentData()))
-        self._scale.activated.connect(lambda _i: self._send(font_scale=self._scale.currentData()))
+        for name, box in (
+            ("language", self._language),
+            ("theme", self._theme),
+            ("font_scale", self._scale),
+        ):
+            box.activated.connect(partial(self._send_choice, name, box))
         self._operator.editingFinished.connect(
-            lambda: self._send(operator=self._operator.text().strip())
+            lambda: self.changed.emit("operator", self._operator.text().strip())
         )
-        self._countdown.valueChanged.connect(lambda value: self._send(countdown_s=value))
-        self._frames.valueChanged.connect(lambda value: self._send(burst_frames=value))
-        self._days.valueChanged.connect(lambda value: self._send(calibration_days=value))
-        self._sound.toggled.connect(lambda is_on: self._send(has_sound=is_on))
+        self._countdown.valueChanged.connect(partial(self.changed.emit, "countdown_s"))
+        self._frames.valueChanged.connect(partial(self.changed.emit, "burst_frames"))
+        self._days.valueChanged.connect(partial(self.changed.emit, "calibration_days"))
+        self._sound.toggled.connect(partial(self.changed.emit, "has_sound"))
 
-    def bind(self, change: Callable[..., None]) -> None:
-        """Send changes to `change`."""
-        self._change = change
+    def _send_choice(self, name: str, box: QComboBox, index: int) -> None:
+        self.changed.emit(name, box.itemData(index))
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -104,23 +104,12 @@ class GeneralPage(QWidget):
 
     def show_preferences(self, preferences: Preferences) -> None:
         """Show what holds now."""
-        widgets = (self._countdown, self._frames, self._days, self._sound)
-        for widget in widgets:
-            widget.blockSignals(True)
         self._language.setCurrentIndex(self._language.findData(preferences.language))
         self._theme.setCurrentIndex(self._theme.findData(preferences.theme))
         self._scale.setCurrentIndex(self._scale.findData(preferences.font_scale))
         self._operator.setText(preferences.operator)
-        self._countdown.setValue(preferences.countdown_s)
-        self._frames.setValue(preferences.burst_frames)
-        self._days.setValue(preferences.calibration_days)
-        self._sound.setChecked(preferences.has_sound)
-        for widget in widgets:
-            widget.blockSignals(False)
-
-    def _send(self, **changes: Any) -> None:
-        self._change(**changes)
-
-
-def _ignore(**_changes: Any) -> None:
-    """Send changes nowhere: nobody is bound yet."""
+        self._countdown.show_value(preferences.countdown_s)
+        self._frames.show_value(preferences.burst_frames)
+        self._days.show_value(preferences.calibration_days)
+        with QSignalBlocker(self._sound):
+            self._sound.setChecked(preferences.has_sound)

@@ -1,7 +1,6 @@
 """Who gets at the patients' data: locking, the passphrase, and a check of the store."""
 
-from collections.abc import Callable
-from typing import Any
+from functools import partial
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
@@ -17,12 +16,13 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from ui.preferences import Preferences
+from ui.settings.preference_page import PreferencePage
 from ui.widgets.number_fields import WholeNumberField
 
 LONGEST_WAIT_MINUTES = 240
 
 
-class ProtectionPage(QWidget):
+class ProtectionPage(PreferencePage):
     """Three groups: lock, passphrase, check."""
 
     check_asked = Signal()
@@ -31,13 +31,12 @@ class ProtectionPage(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._change: Callable[..., None] = _ignore
         self._folder, self._minutes_label = QLabel(self), QLabel(self)
         self._folder.setWordWrap(True)
         self._minutes = WholeNumberField(self)
         self._minutes.setRange(0, LONGEST_WAIT_MINUTES)
         self._minutes_label.setBuddy(self._minutes)
-        self._minutes.valueChanged.connect(lambda value: self._change(autolock_minutes=value))
+        self._minutes.valueChanged.connect(partial(self.changed.emit, "autolock_minutes"))
         self._fields = [QLineEdit(self) for _ in range(3)]
         self._field_labels = [QLabel(self) for _ in self._fields]
         self._change_button, self._check = QPushButton(self), QPushButton(self)
@@ -75,10 +74,6 @@ class ProtectionPage(QWidget):
             layout.addWidget(group)
         layout.addStretch()
 
-    def bind(self, change: Callable[..., None]) -> None:
-        """Send changes of preferences to `change`."""
-        self._change = change
-
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         titles = (_("Locking"), _("Passphrase"), _("Patient store"))
@@ -101,9 +96,7 @@ class ProtectionPage(QWidget):
 
     def show_preferences(self, preferences: Preferences) -> None:
         """Show what holds now."""
-        self._minutes.blockSignals(True)
-        self._minutes.setValue(preferences.autolock_minutes)
-        self._minutes.blockSignals(False)
+        self._minutes.show_value(preferences.autolock_minutes)
 
     def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
         """Show where the store lies and what keeps its key."""
@@ -130,10 +123,6 @@ class ProtectionPage(QWidget):
         """Forget what was typed."""
         for field in self._fields:
             field.clear()
-
-
-def _ignore(**_changes: Any) -> None:
-    """Send changes nowhere: nobody is bound yet."""
 
 
 def _form(parent: QWidget) -> QFormLayout:

@@ -1,7 +1,6 @@
 """How long patients are kept, who would go by that, and their removal."""
 
-from collections.abc import Callable
-from typing import Any
+from functools import partial
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
@@ -19,13 +18,14 @@ from adibas.sessions.defaults import ADULT_AGE
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.preferences import MOST_RETENTION_YEARS, Preferences
+from ui.settings.preference_page import PreferencePage
 from ui.widgets.number_fields import WholeNumberField
 from ui.widgets.typed_consent import TypedConsent
 
 RESULT_HEIGHT = 120
 
 
-class RetentionPage(QWidget):
+class RetentionPage(PreferencePage):
     """One group: the rules, the list, and a button that asks for a word before it removes."""
 
     looked = Signal()
@@ -33,7 +33,6 @@ class RetentionPage(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._change: Callable[..., None] = _ignore
         self._n_over = 0
         self._group, self._note = QGroupBox(self), QLabel(self)
         self._years, self._age = WholeNumberField(self), WholeNumberField(self)
@@ -51,8 +50,8 @@ class RetentionPage(QWidget):
             part.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Minimum)
         self._lay_out()
         self.clear()
-        self._years.valueChanged.connect(lambda value: self._change(retention_years=value))
-        self._age.valueChanged.connect(lambda value: self._change(child_until_age=value))
+        self._years.valueChanged.connect(partial(self.changed.emit, "retention_years"))
+        self._age.valueChanged.connect(partial(self.changed.emit, "child_until_age"))
         self._look.clicked.connect(self.looked)
         self._remove.clicked.connect(self._ask)
         self.retranslate()
@@ -69,10 +68,6 @@ class RetentionPage(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(9, 4, 9, 4)
         column.addWidget(self._group)
-
-    def bind(self, change: Callable[..., None]) -> None:
-        """Send changes of the rules to `change`."""
-        self._change = change
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -93,13 +88,8 @@ class RetentionPage(QWidget):
 
     def show_rules(self, preferences: Preferences) -> None:
         """Show how long patients are kept."""
-        for field, value in (
-            (self._years, preferences.retention_years),
-            (self._age, preferences.child_until_age),
-        ):
-            field.blockSignals(True)
-            field.setValue(value)
-            field.blockSignals(False)
+        self._years.show_value(preferences.retention_years)
+        self._age.show_value(preferences.child_until_age)
 
     def show_read_only(self, *, is_read_only: bool) -> None:
         """Offer no removal where nothing can be changed."""
@@ -136,7 +126,3 @@ class RetentionPage(QWidget):
         dialog = TypedConsent(told.format(n=n), str(n), self)
         dialog.confirmed.connect(self.removed)
         dialog.open()
-
-
-def _ignore(**_changes: Any) -> None:
-    """Send changes nowhere: nobody is bound yet."""

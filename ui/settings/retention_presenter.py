@@ -11,8 +11,6 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.sessions.retention import Expired, RetentionRules
 
-EVERYBODY = 1_000_000
-
 
 class RetentionView(Protocol):
     """The page, as this presenter needs it."""
@@ -50,10 +48,7 @@ class RetentionPresenter:
 
         def work(_control: JobControl) -> tuple[str, ...]:
             over = store.retention.expired(rules, store.audit.now_utc().date())
-            everybody = (
-                store.patients.search("", limit=EVERYBODY, with_deleted=True) if over else ()
-            )
-            names = {row.pseudonym: row.identity.name for row in everybody}
+            names = store.patients.names() if over else {}
             return tuple(_line(one, names.get(one.pseudonym, "")) for one in over)
 
         self._workspace.jobs.start(_("Looking whose time is over"), work, self._show)

@@ -93,14 +93,14 @@ class SettingsScreen(Screen):
     def bind_retention(self, presenter: RetentionPresenter) -> None:
         """Send what is wanted of retention to the presenter, and own it."""
         self._retention_presenter = presenter
-        self._retention.bind(presenter.change)
+        self._retention.changed.connect(lambda name, value: presenter.change(**{name: value}))
         self._retention.looked.connect(presenter.look)
         self._retention.removed.connect(presenter.remove)
 
     def bind_backup(self, presenter: BackupPresenter) -> None:
         """Send what is wanted of backups to the presenter, and own it."""
         self._backup_presenter = presenter
-        self._backup.bind(presenter.change)
+        self._backup.changed.connect(lambda name, value: presenter.change(**{name: value}))
         self._backup.made.connect(presenter.back_up)
         self._backup.checked.connect(presenter.check)
         self._backup.restored.connect(presenter.restore)
@@ -126,8 +126,8 @@ class SettingsScreen(Screen):
         self._names.left.connect(names.go_back)
         self._audit.searched.connect(audit.search)
         self._audit.exported.connect(audit.export)
-        self._general.bind(presenter.change)
-        self._protection.bind(presenter.change)
+        for page in (self._general, self._protection):
+            page.changed.connect(lambda name, value: presenter.change(**{name: value}))
         self._protection.check_asked.connect(presenter.check_store)
         self._protection.passphrase_given.connect(presenter.change_passphrase)
         self._computer.asked.connect(presenter.examine_computer)

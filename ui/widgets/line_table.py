@@ -10,6 +10,14 @@ NUMBERS = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 """How columns stand, and their titles above them."""
 
 
+def title_data(title: str, role: int, *, is_number: bool) -> object:
+    """Return what a model's `headerData` gives for the title of a column."""
+    if role == Qt.ItemDataRole.DisplayRole:
+        return title
+    is_placed = role == Qt.ItemDataRole.TextAlignmentRole and is_number
+    return NUMBERS if is_placed else None
+
+
 class LineTable(QTableView):
     """A table of whole lines; Tab leaves it."""
 

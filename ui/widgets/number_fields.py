@@ -1,6 +1,8 @@
 """Fields for numbers: the wheel scrolls the page, and turns them only where they have the focus."""
 
-from PySide6.QtCore import Qt
+from collections.abc import Callable
+
+from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QAbstractSpinBox, QDoubleSpinBox, QSpinBox, QWidget
 
@@ -15,11 +17,13 @@ class WholeNumberField(QSpinBox):
         super().__init__(parent)
         _set_up(self)
 
+    def show_value(self, value: int) -> None:
+        """Show a number that the user did not change: nobody is told."""
+        with QSignalBlocker(self):
+            self.setValue(value)
+
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802  (Qt's name)
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
+        _turn(self, event, super().wheelEvent)
 
 
 class DecimalField(QDoubleSpinBox):
@@ -30,12 +34,16 @@ class DecimalField(QDoubleSpinBox):
         _set_up(self)
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802  (Qt's name)
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
+        _turn(self, event, super().wheelEvent)
 
 
 def _set_up(field: QAbstractSpinBox) -> None:
     field.setFocusPolicy(Qt.FocusPolicy.StrongFocus)  # the wheel does not give it
     field.lineEdit().setTextMargins(INSET_PX, 0, 0, 0)
+
+
+def _turn(field: QAbstractSpinBox, event: QWheelEvent, turn: Callable[[QWheelEvent], None]) -> None:
+    if field.hasFocus():
+        turn(event)
+    else:
+        event.ignore()

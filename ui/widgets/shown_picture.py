@@ -44,6 +44,8 @@ class ShownPicture:
 
     def __init__(self, pixels: UInt8Array | Float32Array, coloring: Coloring | None = None) -> None:
         self._pixels: Any = np.ascontiguousarray(pixels)
+        if coloring is not None:
+            self._pixels = coloring.levels_of(self._pixels)
         self._coloring = coloring
         self._whole: QImage | None = None
         self._fitted: QImage | None = None
@@ -58,8 +60,7 @@ class ShownPicture:
     def whole(self) -> QImage:
         """Return the picture with all its pixels."""
         if self._whole is None:
-            pixels = self._pixels if self._coloring is None else self._levels()
-            self._whole = self._as_image(pixels)
+            self._whole = self._as_image(self._pixels)
         return self._whole
 
     def fitted(self, size: tuple[int, int], rotation_deg: int, ratio: float) -> QImage:
@@ -79,12 +80,12 @@ class ShownPicture:
         return self._fitted
 
     def _resized(self, size: tuple[int, int]) -> Any:
-        """Return numbers as they are, colours as the screen has them: Qt copies 4 bytes a pixel.
+        """Return levels as they are, colours as the screen has them: Qt copies 4 bytes a pixel.
 
         What is larger than the picture shows its pixels, as a picture does that is zoomed.
         """
         if self._coloring is not None:
-            return cv2.resize(self._levels(), size, interpolation=cv2.INTER_NEAREST)
+            return cv2.resize(self._pixels, size, interpolation=cv2.INTER_NEAREST)
         if size[0] >= self.size[0]:
             padded = cv2.cvtColor(self._pixels, cv2.COLOR_RGB2BGRA)
             return cv2.resize(padded, size, interpolation=cv2.INTER_NEAREST)
@@ -94,13 +95,6 @@ class ShownPicture:
         finally:
             cv2.ipp.setUseIPP_NotExact(False)
         return cv2.cvtColor(smaller, cv2.COLOR_RGB2BGRA)
-
-    def _levels(self) -> UInt8Array:
-        """Return the levels of numbers; they take the numbers' place."""
-        if self._coloring is not None and self._pixels.dtype != np.uint8:
-            self._pixels = self._coloring.levels_of(self._pixels)
-        levels: UInt8Array = self._pixels
-        return levels
 
     def _as_image(self, pixels: Any) -> QImage:
         """Return an image that borrows `pixels`: who holds it holds both."""
