@@ -35,6 +35,7 @@ COMMANDS = (
     "convert",
     "record",
     "sessions",
+    "export",
     "protocols",
     "doctor",
     "gestures",

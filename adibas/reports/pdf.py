@@ -5,6 +5,7 @@ from pathlib import Path
 from reportlab.platypus import Flowable, PageBreak
 
 from adibas.data.report import SessionReport
+from adibas.files import written_whole
 from adibas.reports.facts import (
     calibration_age,
     calibration_text,
@@ -18,7 +19,7 @@ from adibas.reports.facts import (
     session_facts,
 )
 from adibas.reports.pdf_changes import change_flowables
-from adibas.reports.pdf_document import write_document
+from adibas.reports.pdf_document import encoded_document
 from adibas.reports.pdf_layout import facts_table, note, picture_row, title, wrapped_table
 from adibas.reports.pdf_views import ViewPage, view_flowables
 from adibas.reports.pictures import draw_markers, picture_of
@@ -42,8 +43,20 @@ def write_pdf(report: SessionReport, path: Path) -> None:
     ReportError
         The pictures cannot be as the report asks.
     """
-    write_document(
-        path,
+    encoded = encoded_pdf(report)
+    with written_whole(path) as unfinished:
+        unfinished.write_bytes(encoded)
+
+
+def encoded_pdf(report: SessionReport) -> bytes:
+    """Return the bytes that `write_pdf` writes: nothing of the patient touches the disk.
+
+    Raises
+    ------
+    ReportError
+        The pictures cannot be as the report asks.
+    """
+    return encoded_document(
         report.language,
         report.version,
         HEADING,

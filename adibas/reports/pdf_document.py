@@ -42,6 +42,18 @@ def write_document(
     FileError
         The disk is full, or the folder cannot be written.
     """
+    encoded = encoded_document(language, version, heading, content)
+    with written_whole(path) as unfinished:
+        unfinished.write_bytes(encoded)
+
+
+def encoded_document(
+    language: str,
+    version: str,
+    heading: Message,
+    content: Callable[[], tuple[Iterable[Flowable], tuple[str, str]]],
+) -> bytes:
+    """Return the bytes that `write_document` writes."""
     prepare_fonts()
     encoded = io.BytesIO()
     with speaking(language):
@@ -57,8 +69,7 @@ def write_document(
         story, footer = content()
         canvas = partial(FooterCanvas, lines=footer, page_text=_("Page {page} of {total}"))
         document.build(list(story), canvasmaker=canvas)
-    with written_whole(path) as unfinished:
-        unfinished.write_bytes(encoded.getvalue())
+    return encoded.getvalue()
 
 
 def _space() -> Frame:

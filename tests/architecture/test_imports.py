@@ -22,6 +22,10 @@ HEAVY = {
     "ezc3d",
     "hmmlearn",
     "sklearn",
+    "fhir",
+    "highdicom",
+    "pydicom",
+    "pynetdicom",
 }
 
 
