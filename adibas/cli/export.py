@@ -11,6 +11,7 @@ from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.report_options import add_language, check_report
 from adibas.cli.store_options import add_store, open_existing
 from adibas.data.report import PictureChoice
+from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -36,6 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     fhir = add("fhir", _("The report of a session as a FHIR R5 bundle."), _fhir)
     add_out(fhir, _("FILE"), _("file to write, NAME.json"))
+    dicom = add("dicom", _("Pictures, PDF report and measures of a session as DICOM."), _dicom)
+    add_out(dicom, _("DIR"), _("folder to write into"))
 
 
 def _add_session(parser: argparse.ArgumentParser) -> None:
@@ -78,6 +81,21 @@ def _fhir(store: "SessionStore", arguments: argparse.Namespace, console: Console
     text = translate_plural("{file}: {n} observation.", "{file}: {n} observations.", n_observations)
     console.say(text.format(file=out, n=n_observations))
     console.give({"out": [str(out)], "n_observations": n_observations})
+    return 0
+
+
+def _dicom(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.exchange.dicom_files import dicom_paths, write_dicom
+
+    folder: Path = arguments.out
+    handover = _handed_over(store, arguments)
+    for path in dicom_paths(handover, folder):
+        check_place(path)
+    written = write_dicom(handover, folder)
+    _note(store, "dicom", handover)
+    for path in written:
+        console.say(str(path))
+    console.give({"out": [str(path) for path in written]})
     return 0
 
 

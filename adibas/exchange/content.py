@@ -4,9 +4,11 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
+from typing import Any
 
+from adibas.arrays import FloatArray
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.patients import Identity, Patient
 from adibas.data.posture import PostureAnalysis
@@ -14,7 +16,6 @@ from adibas.data.protocol_measures import INSTRUMENT_ONLY, PLANE_TEXTS, VERTICAL
 from adibas.data.protocols import id_of_all
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.reports.facts import view_name
-from adibas.reports.json_report import session_to_json
 from adibas.reports.rows import (
     MeasureRow,
     NumberRow,
@@ -46,43 +47,6 @@ class Subject:
 
     def __repr__(self) -> str:
         return f"Subject({self.pseudonym}, hidden)"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Handover:
-    """One session as it leaves the clinic; made by `hand_over`.
-
-    Attributes
-    ----------
-    session_id : str
-        Random, without meaning.
-    subject : Subject
-        Whose it is.
-    report : SessionReport
-        What was measured; without the clinician's free notes where the person is not told.
-    started_utc : datetime
-        When the session began.
-    """
-
-    session_id: str
-    subject: Subject
-    report: SessionReport
-    started_utc: datetime
-
-    @property
-    def revision(self) -> str:
-        """Return a digest of all that is told: another one after every correction."""
-        identity = self.subject.identity
-        person = "" if identity is None else _written(identity)
-        told = {
-            "report": session_to_json(self.report),
-            "language": self.report.language,
-            "pictures": self.report.pictures.value,
-            "rotation_deg": self.report.rotation_deg,
-            "person": [person, self.subject.sex],
-        }
-        encoded = json.dumps(told, sort_keys=True).encode()
-        return hashlib.sha256(encoded).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +108,34 @@ class CaptureResults:
     results: tuple[Result, ...]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Handover:
+    """One session as it leaves the clinic; made by `hand_over`.
+
+    Attributes
+    ----------
+    session_id : str
+        Random, without meaning.
+    subject : Subject
+        Whose it is.
+    report : SessionReport
+        What was measured; without the clinician's free notes where the person is not told.
+    started_utc : datetime
+        When the session began.
+    captures : tuple of CaptureResults
+        The numbers of every capture.
+    revision : str
+        A digest of all that is told: another one after every correction.
+    """
+
+    session_id: str
+    subject: Subject
+    report: SessionReport
+    started_utc: datetime
+    captures: tuple[CaptureResults, ...]
+    revision: str
+
+
 def hand_over(session_id: str, report: SessionReport, person: Patient | None = None) -> Handover:
     """Return a session as it may leave the clinic.
 
@@ -157,15 +149,17 @@ def hand_over(session_id: str, report: SessionReport, person: Patient | None = N
         Whose session it is: then name, birth date, record number, sex and the clinician's free
         notes go along. Without it nothing does that tells who it is.
     """
-    if report.started_utc is None:
+    started_utc = report.started_utc
+    if started_utc is None:
         raise ValueError("only a session of the store is handed over")
     if person is None:
-        # People are named in free notes.
-        return Handover(
-            session_id, Subject(report.patient), replace(report, notes=""), report.started_utc
-        )
-    subject = Subject(person.pseudonym, person.identity, person.sex)
-    return Handover(session_id, subject, report, report.started_utc)
+        subject = Subject(report.patient)
+        report = replace(report, notes="")  # people are named in free notes
+    else:
+        subject = Subject(person.pseudonym, person.identity, person.sex)
+    captures = capture_results(report)
+    revision = _revision(subject, report, captures)
+    return Handover(session_id, subject, report, started_utc, captures, revision)
 
 
 def capture_results(report: SessionReport) -> tuple[CaptureResults, ...]:
@@ -270,6 +264,38 @@ def interval_text() -> str:
     return _(INSTRUMENT_ONLY)
 
 
-def _written(identity: Identity) -> str:
+def _revision(subject: Subject, report: SessionReport, captures: tuple[CaptureResults, ...]) -> str:
+    """Return a digest of all that pictures, tables and headers are made of."""
+    told = {
+        "person": _person(subject),
+        "session": [report.operator, report.protocol, report.notes, report.version],
+        "shown": [report.language, report.pictures.value, report.rotation_deg],
+        "captures": [_told(found) for found in captures],
+    }
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _person(subject: Subject) -> list[str]:
+    identity = subject.identity
+    if identity is None:
+        return [subject.pseudonym]
     born = "" if identity.birth_date is None else identity.birth_date.isoformat()
-    return "\n".join((identity.name, born, identity.record_number))
+    return [subject.pseudonym, identity.name, born, identity.record_number, subject.sex]
+
+
+def _told(found: CaptureResults) -> list[Any]:
+    analysis = found.capture.analysis
+    return [
+        found.key,
+        found.method,
+        [asdict(result) for result in found.results],
+        [[one.label, one.u, one.v, _listed(one.position_m)] for one in analysis.markers],
+        sorted(found.capture.placed_by_hand),
+        hashlib.sha256(analysis.picture_rgb.tobytes()).hexdigest(),
+        [analysis.provenance.recording_sha256, analysis.provenance.calibration],
+        list(analysis.notices),
+    ]
+
+
+def _listed(position_m: FloatArray | None) -> list[float] | None:
+    return None if position_m is None else [float(value) for value in position_m]

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from adibas.exchange.content import CaptureResults, Handover, capture_results
+from adibas.exchange.content import CaptureResults, Handover
 from adibas.exchange.fhir_parts import (
     PSEUDONYMISED,
     SESSIONS,
@@ -71,7 +71,7 @@ def _resources(handover: Handover) -> list[Json]:
     patient_ = patient(handover.subject)
     devices: dict[str, Json] = {}
     observations = []
-    for found in capture_results(handover.report):
+    for found in handover.captures:
         device_ = _known(devices, found, handover.report.version)
         observations += [
             observation(handover, found, result, patient_, device_) for result in found.results

@@ -1,0 +1,79 @@
+"""A session as DICOM files: pictures, the PDF report, and the numbers."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from adibas.exchange.content import Handover
+from adibas.files import written_whole
+from adibas.texts import speaking
+
+if TYPE_CHECKING:
+    from pydicom import Dataset
+
+ENDING = ".dcm"
+
+
+def dicom_datasets(handover: Handover) -> "dict[str, Dataset]":
+    """Return the files of a session by the beginning of their names, which tell of nobody.
+
+    Raises
+    ------
+    ReportError
+        The pictures cannot be as the report asks, or the record number does not fit.
+    """
+    from adibas.exchange.dicom_document import encapsulated_pdf
+    from adibas.exchange.dicom_measures import measurement_report
+    from adibas.exchange.dicom_pictures import secondary_captures
+
+    with speaking(handover.report.language):
+        pictures = secondary_captures(handover)
+        return {
+            **{f"picture-{number:02d}": picture for number, picture in enumerate(pictures, 1)},
+            "report": encapsulated_pdf(handover),
+            "measures": measurement_report(handover, pictures),
+        }
+
+
+def dicom_paths(handover: Handover, folder: Path) -> list[Path]:
+    """Return where `write_dicom` writes."""
+    pictures = [f"picture-{number:02d}" for number in range(1, len(handover.report.captures) + 1)]
+    return [folder / f"{name}{ENDING}" for name in (*pictures, "report", "measures")]
+
+
+def write_dicom(handover: Handover, folder: Path) -> list[Path]:
+    """Write the files of a session into a folder and return their paths.
+
+    Raises
+    ------
+    ReportError
+        The pictures cannot be as the report asks, or the record number does not fit.
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
+    paths = []
+    for name, dataset in dicom_datasets(handover).items():
+        path = folder / f"{name}{ENDING}"
+        with written_whole(path) as unfinished:
+            save(dataset, unfinished)
+        paths.append(path)
+    return paths
+
+
+def save(dataset: "Dataset", path: Path) -> None:
+    """Write one file with the header that says how it is encoded.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
+    """
+    from pydicom.dataset import FileMetaDataset
+    from pydicom.uid import ExplicitVRLittleEndian
+
+    meta = FileMetaDataset()
+    meta.TransferSyntaxUID = ExplicitVRLittleEndian
+    meta.MediaStorageSOPClassUID = dataset.SOPClassUID
+    meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID
+    dataset.file_meta = meta
+    dataset.preamble = bytes(128)
+    dataset.save_as(path, enforce_file_format=True)
