@@ -7,9 +7,12 @@ from typing import Any, TypeVar, cast
 
 import platformdirs
 
-os.environ.setdefault("NUMBA_CACHE_DIR", str(platformdirs.user_cache_path("adibas") / "numba"))
+from adibas.shipped_kernels import look_among_shipped, use_shipped_kernels
 
-import numba
+os.environ.setdefault("NUMBA_CACHE_DIR", str(platformdirs.user_cache_path("adibas") / "numba"))
+use_shipped_kernels()
+
+import numba  # noqa: E402  (it reads all that only now)
 
 logger = logging.getLogger(__name__)
 
@@ -55,6 +58,7 @@ def _forgiving(dispatcher: Any) -> Any:
 
     numba lets the error of a full disk through to whoever called the compiled function.
     """
+    look_among_shipped(dispatcher)
     cache = dispatcher._cache  # noqa: SLF001  (numba offers no other place)
     save = cache.save_overload
 

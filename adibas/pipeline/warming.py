@@ -23,6 +23,7 @@ import adibas
 from adibas.data.frames import depth_in_metres
 from adibas.errors import FileError
 from adibas.files import written_whole
+from adibas.shipped_kernels import shipped_folder
 
 logger = logging.getLogger(__name__)
 
@@ -39,7 +40,7 @@ NICENESS = 10
 
 
 def start_warming(folder: Path | None = None) -> BaseProcess | None:
-    """Compile in a process of its own; None where that was done before.
+    """Compile in a process of its own; None where that was done before, or by who built this.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def start_warming(folder: Path | None = None) -> BaseProcess | None:
         For the note that it was done; None: the user's cache folder.
     """
     note = _note(folder or platformdirs.user_cache_path("adibas"))
-    if note.exists():
+    if shipped_folder() is not None or note.exists():
         return None
     process = get_context("spawn").Process(target=warm_kernels, args=(note,), daemon=True)
     process.start()

@@ -1,0 +1,114 @@
+"""Machine code that comes with an installed program, so that nobody waits for the compiler.
+
+numba knows its cache by the path and the content of a source file. A frozen program has neither:
+here the module's name takes the place of the path, and the mark of the build that of the content.
+`installers.freezing` fills the folder; in a source tree there is none, and nothing here is used.
+"""
+
+import os
+import platform
+from collections.abc import Callable
+from copy import copy
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from adibas.resources import resource_path
+
+MARK_FILE = "sources.txt"
+X86_LEVELS = (
+    ("x86-64-v3", frozenset({"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"})),
+    ("x86-64-v2", frozenset({"popcnt", "sse4.1", "sse4.2", "ssse3"})),
+)
+"""What compilers call a kind of processor, with LLVM's names of what it must have; best first.
+Less than the last one numpy does not run on either."""
+
+
+@cache
+def shipped_folder() -> Path | None:
+    """Return the folder of the shipped machine code that this processor can run, or None."""
+    if build_mark() is None:
+        return None
+    folder = resource_path("kernels", processor_level())
+    return folder if folder.is_dir() else None
+
+
+@cache
+def build_mark() -> str | None:
+    """Return what distinguishes the shipped sources from others; None where nothing is shipped."""
+    path = resource_path("kernels", MARK_FILE)
+    return path.read_text(encoding="utf-8").strip() if path.is_file() else None
+
+
+def processor_level() -> str:
+    """Return the best kind of processor that this one is as good as."""
+    if platform.machine().lower() not in ("x86_64", "amd64"):
+        return "generic"
+    from llvmlite import binding
+
+    has = {name for name, is_there in binding.get_host_cpu_features().items() if is_there}
+    levels = (level for level, needed in X86_LEVELS if needed <= has)
+    return next(levels, "host")
+
+
+def use_shipped_kernels() -> None:
+    """Let numba, which is not imported yet, compile as the shipped code was, and find that."""
+    if build_mark() is None:
+        return
+    os.environ["NUMBA_CACHE_LOCATOR_CLASSES"] = f"{__name__}.ModuleLocator"
+    if shipped_folder() is not None:
+        os.environ["NUMBA_CPU_NAME"] = processor_level()
+        os.environ["NUMBA_CPU_FEATURES"] = ""  # those of that kind, no others
+
+
+class ModuleLocator:
+    """Names the places of numba's cache for the functions of one module.
+
+    numba asks for the methods of its own locators by these names.
+    """
+
+    def __init__(self, function: Callable[..., Any], source: str) -> None:
+        self._py_file = source
+        self._module = function.__module__
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], source: str) -> "ModuleLocator":
+        """Return the locator of a function."""
+        return cls(function, source)
+
+    def get_cache_path(self) -> str:
+        """Return the folder of this user for what was not shipped."""
+        return str(Path(os.environ["NUMBA_CACHE_DIR"]) / self._module)
+
+    def ensure_cache_path(self) -> None:
+        """Make that folder; numba asks before it writes."""
+        Path(self.get_cache_path()).mkdir(parents=True, exist_ok=True)
+
+    def get_source_stamp(self) -> str | None:
+        """Return the mark of the build."""
+        return build_mark()
+
+    def get_disambiguator(self) -> str:
+        """Return what distinguishes two functions of one name."""
+        return str(self._line)
+
+
+def look_among_shipped(dispatcher: Any) -> None:
+    """Let a compiled function look among the shipped machine code before it asks its own cache."""
+    folder = shipped_folder()
+    if folder is None:
+        return
+    from numba.core import caching
+
+    own = dispatcher._cache  # noqa: SLF001  (numba offers no other place)
+    shipped, load = copy(own), own.load_overload
+    place = str(folder / dispatcher.py_func.__module__), own._impl.filename_base  # noqa: SLF001
+    files: Callable[..., object] = caching.IndexDataCacheFile
+    shipped._cache_file = files(*place, build_mark())  # noqa: SLF001
+
+    def load_shipped_first(signature: object, context: object) -> object:
+        found = shipped.load_overload(signature, context)
+        return load(signature, context) if found is None else found
+
+    own.load_overload = load_shipped_first
