@@ -164,7 +164,8 @@ def _improved(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfac
 ) -> int:  # fmt: skip
     """Add a core and what becomes of it where each label takes the point that suits the others."""
     for done in range(N_IMPROVEMENTS):
-        if count_named(own) < LEAST_CORE:
+        is_followed = done > 0 and _is_known(cores, n_cores, own)
+        if is_followed or count_named(own) < LEAST_CORE:
             break
         n_cores = _add(points, own, core, odds, cores, hopes, n_cores)
         alone = odds.lone + odds.log_room + ALONE_SLACK
@@ -172,6 +173,26 @@ def _improved(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfac
         if (new == own).all():
             break
         own = new
+    return n_cores
+
+
+@compiled
+def _gathered(
+    points: FloatArray,
+    starts: IntArray,
+    core: Core,
+    odds: Odds,
+    cores: IntArray,
+    hopes: FloatArray,
+) -> int:
+    """Fill the cores that starts lead to, and where no view is told their mirror images."""
+    n_cores = 0
+    for s in range(len(starts)):
+        if not _is_known(starts, s, starts[s]):
+            n_cores = _improved(points, starts[s].copy(), core, odds, cores, hopes, n_cores)
+    if math.isnan(odds.heading_rad):
+        for c in range(n_cores):
+            n_cores = _add(points, cores[c][core.mirror], core, odds, cores, hopes, n_cores)
     return n_cores
 
 
@@ -184,12 +205,7 @@ def search_parts(
     cores = np.empty((MOST_CORES, n_core), np.int64)
     hopes = np.empty(MOST_CORES)
     lows = np.full(MOST_CORES, np.inf)
-    n_cores = 0
-    for start in starts:
-        n_cores = _improved(points, start.copy(), core, odds, cores, hopes, n_cores)
-    if math.isnan(odds.heading_rad):
-        for c in range(n_cores):
-            n_cores = _add(points, cores[c][core.mirror], core, odds, cores, hopes, n_cores)
+    n_cores = _gathered(points, starts, core, odds, cores, hopes)
     best = _judge(points, np.argsort(hopes[:n_cores]), core, limbs, odds, cores, hopes, lows, pool)
     is_varied = np.zeros(MOST_CORES, np.bool_)
     for _ in range(odds.n_varied):
@@ -248,7 +264,8 @@ def _vary(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     own = cores[c].copy()
     costs = _costs(points, own, core, odds, odds.log_room, 1.0)
     n_missing = len(own) - count_named(own)
-    alone = odds.least_counts[n_missing + 1] - odds.least_counts[n_missing]
+    least = max(n_missing, len(odds.counts) - 1 - len(points))
+    alone = odds.counts[least + 1] - odds.counts[least]
     for i in range(len(own)):
         for j in range(-1, len(points)):
             if j == own[i]:

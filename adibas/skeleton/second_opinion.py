@@ -4,9 +4,11 @@ Source: Hinton, Training products of experts by minimizing contrastive divergenc
 Computation 14 (2002), for the product; the weights were chosen on simulated people of their own.
 """
 
+from functools import cache
+
 import numpy as np
 
-from adibas.arrays import FloatArray, IntArray
+from adibas.arrays import FloatArray, IntArray, read_only
 from adibas.data.joints import mirror_order
 from adibas.shapes.assignment_kernels import assign
 from adibas.skeleton.labelling import Labelling
@@ -57,9 +59,17 @@ def names_of(
     n_names = len(names)
     rows = np.arange(len(index))
     confidences = masses[rows, index]
-    other = np.array([*mirror_order(names), n_names])[index]
+    other = _mirrored(names)[index]
     of_other = np.where(other == index, 0.0, masses[rows, other])
     guesses = tuple(None if i == n_names else names[i] for i in index)
     is_sure = (confidences >= sure) & (of_other <= side_sure)
     given = tuple(guess if yes else None for guess, yes in zip(guesses, is_sure, strict=True))
     return given, guesses, confidences
+
+
+@cache
+def _mirrored(names: tuple[str, ...]) -> IntArray:
+    """Return of each name, and of no name, which one is its mirror image."""
+    mirrored = np.array([*mirror_order(names), len(names)])
+    read_only(mirrored)
+    return mirrored
