@@ -62,6 +62,11 @@ class Application:
         Of this user.
     store_folder : Path or None
         None: as the preferences say, or the usual one.
+
+    Attributes
+    ----------
+    to_open : tuple of Path
+        Recordings that are shown when the store is open.
     """
 
     def __init__(
@@ -90,6 +95,7 @@ class Application:
         self._autolock_minutes = preferences.now.autolock_minutes
         self._language = preferences.now.language
         self._is_closed = False
+        self.to_open: tuple[Path, ...] = ()
         self._connect()
 
     def _connect(self) -> None:
@@ -193,6 +199,9 @@ class Application:
             self._drafts.give_back(store.drafts)
             back_up_if_due(workspace)
             self._backup_timer.start()
+        if self.to_open:
+            paths, self.to_open = self.to_open, ()
+            self._open_dropped(paths)
 
     def _back_up(self) -> None:
         """Look again in a window that stays open; while something runs, the next hour will do."""
@@ -315,15 +324,16 @@ def _want_nothing(_patient: Patient) -> None:
     """Want nothing of what an action returns."""
 
 
-def run(arguments: list[str]) -> int:
-    """Open the window and return when it is closed."""
+def run(recordings: list[str]) -> int:
+    """Open the window, with recordings if any are named, and return when it is closed."""
     from adibas.pipeline.warming import start_warming
 
     end_log = start_log(log_folder())
-    app = QApplication([sys.argv[0], *arguments])
+    app = QApplication(sys.argv[:1])
     app.setApplicationName("ADiBAS")
     app.setDesktopFileName("adibas")
     application = Application(app, PreferencesFile())
+    application.to_open = tuple(Path(name).absolute() for name in recordings)
     signals = SignalWatch(application.end)
     application.start()
     QTimer.singleShot(PRELOAD_MS, app, _preload)

@@ -5,20 +5,23 @@ import signal
 import sys
 from types import FrameType
 
+RECORDINGS = (".mcap", ".oni")
 INTERRUPTED = 130
 """As shells count an end by Ctrl-C: 128 + SIGINT."""
 
 
 def main() -> int:
-    """Run the command on the command line; without one, open the window.
+    """Run the command on the command line; without one, or of a recording, open the window.
 
     Where there is no display the demo runs instead.
     """
     while_it_runs = signal.getsignal(signal.SIGINT)
     _end_on_ctrl_c()  # before the imports: there is nothing yet that could be left unfinished
     try:
-        if len(sys.argv) == 1 and has_display():
-            return _open_window()  # Ctrl-C in the terminal closes it like any other program
+        if all(map(names_recording, sys.argv[1:])) and has_display():
+            return _open_window(
+                sys.argv[1:]
+            )  # Ctrl-C in the terminal closes it like any other program
         from adibas.cli import main as run_command
 
         signal.signal(signal.SIGINT, while_it_runs)
@@ -36,13 +39,18 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _open_window() -> int:
+def names_recording(argument: str) -> bool:
+    """Say whether an argument is a recording that a desktop opens with the program."""
+    return argument.lower().endswith(RECORDINGS)
+
+
+def _open_window(recordings: list[str]) -> int:
     from ui.collector import put_off
 
     put_off()  # before the imports: they are most of the start
     from ui.application import run
 
-    return run([])
+    return run(recordings)
 
 
 def _end_on_ctrl_c() -> None:

@@ -404,6 +404,16 @@ def test_a_dropped_picture_goes_to_the_learner(user, tmp_path):
     user.close()
 
 
+def test_a_recording_that_the_desktop_opens_is_shown_when_the_store_is_open(open_window, tmp_path):
+    user = open_window()
+    user.application.to_open = (make_recording(tmp_path / "child.mcap", 3),)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown == "capture")
+    user.settle()
+    assert user.application.to_open == ()
+    user.close()
+
+
 def test_a_recording_dropped_onto_the_behaviour_screen_is_coded(user, tmp_path):
     user.go_to("behaviour")
     assert user.drop(make_recording(tmp_path / "child.mcap", 3))

@@ -1,0 +1,90 @@
+"""Makes `dist/adibas` (macOS: `dist/ADiBAS.app`), which runs where no Python is installed.
+
+PyInstaller collects; then debug symbols go, and the program that was just built compiles its own
+hot loops, so that no user waits for that.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from adibas.shipped_kernels import MARK_FILE, X86_LEVELS, processor_level
+from installers.bundle import ROOT, sources_mark
+from installers.start import COMPILE
+
+BUILT = ROOT / "dist" / ("ADiBAS.app/Contents" if sys.platform == "darwin" else "adibas")
+PROGRAMS = {"darwin": "MacOS/adibas", "win32": "adibas.exe"}
+RESOURCES = {"darwin": "Frameworks/resources"}
+"""Where they lie in the built folder, where it is not as on Linux."""
+
+WORK = ROOT / "build"
+SPEC = ROOT / "installers" / "adibas.spec"
+PATCHED = ".libs"
+"""Folders of libraries that were renamed within wheels: strip breaks some of these."""
+
+
+def freeze() -> Path:
+    """Build the whole folder and return it."""
+    collect()
+    if sys.platform == "linux":
+        strip_symbols(BUILT)
+    add_kernels(BUILT)
+    return BUILT
+
+
+def collect() -> None:
+    """Run PyInstaller."""
+    folders = ["--distpath", str(ROOT / "dist"), "--workpath", str(WORK / "pyinstaller")]
+    command = [sys.executable, "-m", "PyInstaller", "--noconfirm", "--log-level", "WARN"]
+    subprocess.run([*command, *folders, str(SPEC)], check=True, cwd=ROOT)  # noqa: S603
+
+
+def strip_symbols(folder: Path) -> None:
+    """Take away what only a debugger reads: a tenth of the size."""
+    libraries = [path for path in folder.rglob("*.so*") if _can_be_stripped(path)]
+    for path in libraries:
+        subprocess.run(["strip", "--strip-unneeded", str(path)], check=True)  # noqa: S603, S607
+
+
+def _can_be_stripped(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink() and not path.parent.name.endswith(PATCHED)
+
+
+def add_kernels(folder: Path) -> None:
+    """Compile the hot loops for every kind of processor, by the program that will look for them."""
+    program = folder / PROGRAMS.get(sys.platform, "adibas")
+    place = folder / RESOURCES.get(sys.platform, "_internal/resources") / "kernels"
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    (place / MARK_FILE).write_text(sources_mark() + "\n", encoding="utf-8")
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor() as threads:
+        built = {level: Path(name) / level for level in levels()}
+        for done in [threads.submit(compile_for, program, *item) for item in built.items()]:
+            done.result()
+        for level, kernels in built.items():
+            shutil.copytree(kernels / "numba", place / level)
+
+
+def levels() -> tuple[str, ...]:
+    """Return the kinds of processors that are compiled for."""
+    best = processor_level()
+    if best == "generic":
+        return (best,)
+    return tuple(level for level, _features in X86_LEVELS)
+
+
+def compile_for(program: Path, level: str, folder: Path) -> None:
+    """Compile the hot loops for one kind of processor into ``folder/numba``."""
+    folder.mkdir(parents=True)
+    places = {"NUMBA_CACHE_DIR": str(folder / "numba"), "MPLCONFIGDIR": str(folder / "matplotlib")}
+    kind = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": ""}
+    environment = {**os.environ, **places, **kind}
+    subprocess.run([program, COMPILE, folder], check=True, env=environment)  # noqa: S603
+
+
+if __name__ == "__main__":
+    freeze()

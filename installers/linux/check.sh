@@ -1,0 +1,119 @@
+#!/bin/bash
+# Installs the package into a fresh Debian (debootstrap), tries it out as an ordinary user, removes it,
+# and tells what is left. Needs root, debootstrap, Xvfb and a network.
+#
+#     installers/linux/check.sh [PACKAGE.deb]
+#
+# DEBIAN_RELEASE (bookworm) and DEBIAN_MIRROR (debootstrap's own) say of what and from where.
+# SOURCE_PROGRAM (.venv/bin/adibas) is what the time until the window is compared with.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+release=${DEBIAN_RELEASE:-bookworm}
+package=$(realpath "${1:-$(ls -t dist/adibas_*.deb | head -n 1)}")
+source_program=$(realpath -s "${SOURCE_PROGRAM:-.venv/bin/adibas}")
+most_megabytes=450
+most_times_slower=2
+base=$PWD/build/chroot-$release.tar
+root=$PWD/build/chroot
+report=$PWD/build/check
+failures=0
+
+end() {
+    [ -z "${xvfb:-}" ] || kill "$xvfb" 2>/dev/null || true
+    umount "$root/dev/shm" "$root/proc" 2>/dev/null || true
+    rm -rf --one-file-system "$root"
+}
+inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
+    DEBIAN_FRONTEND=noninteractive http_proxy="${http_proxy:-}" "$@"; }
+as_user() { inside runuser -u clinician -- env -C /home/clinician HOME=/home/clinician "$@"; }
+files() { inside find / -xdev \( -path /proc -o -path /tmp -o -path /home -o -path /var/cache/apt \
+    -o -path /var/lib/apt -o -path /var/lib/dpkg -o -path /var/log -o -path /run \) -prune \
+    -o -print | sort; }
+told() {  # a line of the report: what, and whether it is as it should be
+    if [ "$2" = ok ]; then echo "ok      $1"; else
+        echo "FAILED  $1"
+        failures=$((failures + 1))
+    fi
+}
+runs_clean() {  # what is tried, then a command: exit code 0 and nothing on stderr
+    local what=$1 code=0
+    shift
+    "$@" >"$report/stdout" 2>"$report/stderr" || code=$?
+    if [ "$code" = 0 ] && ! [ -s "$report/stderr" ]; then told "$what" ok; else
+        told "$what (exit code $code)" no
+        head -n 20 "$report/stderr"
+    fi
+}
+make_base() {
+    [ -f "$base" ] && return
+    # shellcheck disable=SC2086  # no mirror: debootstrap's own
+    debootstrap --variant=minbase "$release" "$root" ${DEBIAN_MIRROR:-} >"$report/debootstrap"
+    cp /etc/resolv.conf "$root/etc/"
+    mount -t proc proc "$root/proc"
+    # Without /etc/ca-certificates etc.: what is there now must not be taken for our trace.
+    inside apt-get -q update >"$report/apt"
+    inside apt-get -q install -y --no-install-recommends xvfb xauth x11-utils >>"$report/apt" 2>&1
+    inside apt-get clean
+    inside useradd --create-home clinician
+    umount "$root/proc"
+    tar -C "$root" -cf "$base" .
+    rm -rf --one-file-system "$root"
+}
+
+mkdir -p "$report"
+rm -rf --one-file-system "$root"
+trap end EXIT
+make_base
+mkdir -p "$root"
+tar -C "$root" -xf "$base"
+mount -t proc proc "$root/proc"
+mkdir -p "$root/dev/shm"
+mount -t tmpfs tmpfs "$root/dev/shm"
+cp /etc/resolv.conf "$root/etc/"
+files >"$report/files-before"
+
+echo "In Debian $(cat "$root/etc/debian_version"), $(inside ldd --version | head -n 1):"
+cp "$package" "$root/tmp/adibas.deb"
+inside apt-get -q update >"$report/apt" 2>&1
+runs_clean "apt-get install" bash -c "$(declare -f inside); root=$root; \
+    inside apt-get -qq install -y --no-install-recommends -o Dpkg::Use-Pty=0 \
+    -o APT::Sandbox::User=root -o Debug::NoLocking=0 /tmp/adibas.deb 2> >(grep -v -e debconf >&2)"
+megabytes=$(inside du -sm --apparent-size /usr/lib/adibas | cut -f 1)
+if [ "$megabytes" -le "$most_megabytes" ]; then size=ok; else size=no; fi
+told "installed size $megabytes MB, at most $most_megabytes" $size
+
+runs_clean "adibas --version" as_user adibas --version
+cat "$report/stdout"
+runs_clean "adibas doctor --json" as_user adibas doctor --json
+start=$(date +%s%N)
+runs_clean "adibas demo" as_user adibas demo --out demo
+echo "        $((($(date +%s%N) - start) / 1000000)) ms"
+runs_clean "adibas without a display" as_user adibas
+runs_clean "the window offscreen, ended by SIGTERM" as_user env DISPLAY=:none \
+    QT_QPA_PLATFORM=offscreen timeout --preserve-status -s TERM 20 adibas
+kernels=$(as_user find /home/clinician/.cache/adibas/numba -name '*.nbc' 2>/dev/null | wc -l)
+if [ "$kernels" = 0 ]; then ready=ok; else ready=no; fi
+told "kernels ready ($kernels were compiled on the spot)" $ready
+
+display=$((90 + RANDOM % 9000))
+Xvfb ":$display" -screen 0 1400x1000x24 -nolisten tcp >"$report/xvfb" 2>&1 &
+xvfb=$!
+sleep 2
+.venv/bin/python -m installers.first_window --display ":$display" --picture "$report/window.xwd" \
+    --root "$root" --user clinician --source "$source_program" --at-most "$most_times_slower" \
+    2>"$report/stderr" && seen=ok || seen=no
+told "first window under Xvfb" $seen
+[ -s "$report/stderr" ] && cat "$report/stderr"
+runs_clean "adibas demo after the window" as_user adibas demo --out again
+
+runs_clean "apt-get purge" inside apt-get -qq purge -y --auto-remove adibas
+files >"$report/files-after"
+comm -13 "$report/files-before" "$report/files-after" >"$report/left"
+if [ -s "$report/left" ]; then left=no; else left=ok; fi
+told "nothing of the program is left" $left
+cat "$report/left"
+echo "In the user's home:"
+inside find /home/clinician -mindepth 1 -maxdepth 3 -newer /etc/passwd | sort
+echo "$failures failed"
+exit "$((failures > 0))"

@@ -1,0 +1,110 @@
+"""What the built program is made of, and what it tells the desktop; nothing is built here."""
+
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from adibas.cli import command_line
+from adibas.recordings import RECORDING_ENDINGS
+from adibas.sessions.migrating import REVISIONS
+from installers import bundle, debian
+from installers.icon_files import FOLDER, drawn, write_icon
+from ui import main
+
+LINUX = bundle.ROOT / "installers" / "linux"
+MIME = {"mime": "http://www.freedesktop.org/standards/shared-mime-info"}
+RULE = re.compile(r'(ATTR\{id\w+\}=="[0-9a-f]{4}", ){1,2}MODE="0660", GROUP="plugdev", ')
+
+
+def test_the_program_takes_all_resources_and_steps_of_the_store_along():
+    places = {Path(source): folder for source, folder in bundle.data_files()}
+    assert places[bundle.ROOT / "resources"] == "resources"
+    assert places[REVISIONS] == "adibas/sessions/migrations"
+    assert all(source.exists() for source in places)
+
+
+@pytest.mark.parametrize(
+    ("file", "is_needed"),
+    [
+        (("PySide6/Qt/plugins/platforms/libqxcb.so", "x", "BINARY"), True),
+        (("PySide6/Qt/plugins/platforms/libqoffscreen.so", "x", "BINARY"), True),
+        (("PySide6/Qt/plugins/platforms/libqvnc.so", "x", "BINARY"), False),
+        (("PySide6/Qt/plugins/imageformats/libqsvg.so", "x", "BINARY"), True),
+        (("PySide6/Qt/plugins/imageformats/libqwebp.so", "x", "BINARY"), False),
+        (("PySide6/Qt/translations/qtbase_ca.qm", "x", "DATA"), True),
+        (("PySide6/Qt/translations/qtbase_fr.qm", "x", "DATA"), False),
+        (("libavif-1.so", "pillow.libs/libavif-1.so", "SYMLINK"), False),
+        (("libtiff-1.so", "pillow.libs/libtiff-1.so", "SYMLINK"), True),
+    ],
+)
+def test_what_nobody_needs_stays_out(file, is_needed):
+    assert bundle.without_unneeded([file]) == [file] * is_needed
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Debian's libraries")
+def test_debians_own_libraries_stay_out_but_not_python():
+    folder = "/usr/lib/x86_64-linux-gnu/"
+    files = [(name, folder + name, "BINARY") for name in ("libxcb.so.1", "libpython3.11.so.1.0")]
+    assert bundle.without_unneeded(files) == files[1:]
+
+
+def test_the_package_asks_for_what_is_loaded_by_name_and_not_for_what_tests_need():
+    names = debian.listed_packages()
+    assert {"libxcb-cursor0", "libegl1", "libopenni2-0"} <= set(names)
+    assert not {"xvfb", "g++", "python3-venv"} & set(names)
+
+
+def test_every_file_of_the_desktop_has_its_place():
+    scripts = {"postinst", "postrm", "check.sh", "adibas.1"}
+    assert {path.name for path in LINUX.iterdir()} == set(debian.PLACES) | scripts
+
+
+@pytest.mark.skipif(shutil.which("desktop-file-validate") is None, reason="no desktop-file-utils")
+def test_the_desktop_entry_is_valid():
+    command = ["desktop-file-validate", str(LINUX / "adibas.desktop")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout + done.stderr) == (0, "")
+
+
+def test_the_desktop_knows_every_kind_of_recording_and_opens_it_with_us():
+    types = ET.parse(LINUX / "adibas-mime.xml").getroot().findall("mime:mime-type", MIME)
+    globs = {kind.find("mime:glob", MIME).get("pattern"): kind.get("type") for kind in types}
+    assert {f"*{ending}" for ending in RECORDING_ENDINGS} <= set(globs)
+    entry = (LINUX / "adibas.desktop").read_text(encoding="utf-8")
+    (line,) = re.findall("^MimeType=(.*);$", entry, re.MULTILINE)
+    assert set(line.split(";")) == {globs[f"*{ending}"] for ending in RECORDING_ENDINGS}
+
+
+def test_the_program_takes_what_the_desktop_gives_it_for_a_recording():
+    assert set(main.RECORDINGS) == set(RECORDING_ENDINGS)
+    assert main.names_recording("Visit 2.MCAP")
+    assert not any(map(main.names_recording, command_line.COMMANDS))
+
+
+def test_the_rules_of_the_sensors_are_lines_that_udev_reads():
+    path = LINUX / "60-adibas-sensors.rules"
+    assert path.name < "73"  # the tag is acted on there
+    lines = [line for line in path.read_text().splitlines() if line and line[0] != "#"]
+    assert lines[0] == 'ACTION=="remove", GOTO="adibas_end"'
+    assert lines[-1] == 'LABEL="adibas_end"'
+    assert all(RULE.match(line) and line.endswith('TAG+="uaccess"') for line in lines[3:-1])
+
+
+@pytest.mark.parametrize("name", sorted(debian.ICONS))
+def test_icons_are_drawn_in_their_size(name):
+    icon = drawn(FOLDER / f"{name}.svg", 48)
+    assert icon.size == (48, 48)
+    assert icon.getextrema()[3] == (0, 255)  # transparent corners
+
+
+@pytest.mark.parametrize("ending", [".ico", ".icns"])
+def test_icons_of_other_systems_can_be_read(tmp_path, ending):
+    write_icon(tmp_path / f"adibas{ending}")
+    with Image.open(tmp_path / f"adibas{ending}") as icon:
+        assert icon.width >= 256
