@@ -2,7 +2,8 @@
 
 BIN := .venv/bin
 
-.PHONY: run test compile coverage check translations train screenshots setup lock clean
+.PHONY: run test compile coverage check translations train screenshots installer installer-check \
+	setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
 run: setup
@@ -48,13 +49,23 @@ setup:
 
 ## Renew the locked dependencies (needs uv; names no index).
 lock:
-	uv pip compile pyproject.toml --extra dev --extra realsense --universal --python-version 3.11 \
+	uv pip compile pyproject.toml --extra dev --extra realsense --extra installer --universal --python-version 3.11 \
 		--generate-hashes --no-emit-index-url --no-header --no-annotate -o installers/requirements.lock
 
 ## Draw every screen in every language, theme and size, and the manual's set.
 screenshots: setup
 	$(BIN)/python -m installers.screenshots
 	$(BIN)/python -m installers.screenshots --docs
+
+## Build the program for computers without Python, and its Debian package; both go to dist/.
+installer: setup
+	mkdir -p build
+	$(BIN)/python -m installers.freezing
+	$(BIN)/python -m installers.debian
+
+## Install that package into a fresh Debian, try it out, remove it (root, debootstrap and Xvfb).
+installer-check: setup
+	installers/linux/check.sh
 
 clean:
 	rm -rf .venv build dist
