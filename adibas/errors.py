@@ -65,6 +65,10 @@ class ReportError(AdibasError):
     """A report cannot be written."""
 
 
+class ExchangeError(AdibasError):
+    """Another system of the clinic cannot be reached, or does not take what it is given."""
+
+
 class StoreError(AdibasError):
     """The store of patients and sessions cannot be opened, read or changed."""
 

@@ -6,6 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
+from adibas.cli.export_servers import (
+    add_order,
+    add_server_arguments,
+    named_server,
+    warn_of_listeners,
+    wished_order,
+)
 from adibas.cli.options import add_out
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.report_options import add_language, check_report
@@ -39,6 +46,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(fhir, _("FILE"), _("file to write, NAME.json"))
     dicom = add("dicom", _("Pictures, PDF report and measures of a session as DICOM."), _dicom)
     add_out(dicom, _("DIR"), _("folder to write into"))
+    sending = add("send", _("The same DICOM files, sent to a server of the clinic."), _send)
+    sending.add_argument(
+        "--to", required=True, metavar=_("NAME"), help=_("a server that `server` lists")
+    )
+    for action in (dicom, sending):
+        add_order(action)
+    add_server_arguments(
+        lambda name, summary: actions.add_parser(name, help=summary, description=summary)
+    )
 
 
 def _add_session(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +80,9 @@ def _add_session(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    """Open the store and do what was asked."""
+    """Open the store, where it is needed, and do what was asked."""
+    if "alone" in arguments:
+        return int(arguments.alone(arguments, console))
     work: Work = arguments.work
     with open_existing(arguments) as store:
         return work(store, arguments, console)
@@ -99,21 +117,45 @@ def _dicom(store: "SessionStore", arguments: argparse.Namespace, console: Consol
     return 0
 
 
+def _send(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    from adibas.exchange.dicom_files import dicom_datasets
+    from adibas.exchange.dicom_network import send
+
+    name = arguments.to
+    server = named_server(name)
+    warn_of_listeners(server, name, console)
+    handover = _handed_over(store, arguments)
+    datasets = dicom_datasets(handover)
+    _note(store, "dicom server", handover)  # before: a connection that breaks has sent something
+    with console.progress(name) as progress:
+        send(server, name, datasets, progress)
+    text = translate_plural("{server} has {n} file.", "{server} has {n} files.", len(datasets))
+    console.say(text.format(server=name, n=len(datasets)))
+    uids = [str(one.SOPInstanceUID) for one in datasets.values()]
+    console.give({"server": name, "sop_instance_uids": uids})
+    return 0
+
+
 def _handed_over(store: "SessionStore", arguments: argparse.Namespace) -> "Handover":
     """Return the session that the options name, with as much of the patient as they allow."""
     from adibas.exchange.content import hand_over
+    from adibas.exchange.orders import check_same_patient
     from adibas.pipeline.stored_report import ReportWish, stored_report
 
     session = store.sessions.get(arguments.session)
-    by_default = PictureChoice.AS_IS if arguments.with_identity else PictureChoice.BLURRED
+    order = wished_order(arguments) if "order" in arguments else None
+    if order is not None:
+        check_same_patient(order, store.patients.get(session.patient).identity)
+    is_known = arguments.with_identity or order is not None
+    by_default = PictureChoice.AS_IS if is_known else PictureChoice.BLURRED
     pictures = by_default if arguments.pictures is None else PictureChoice(arguments.pictures)
     wish = ReportWish(arguments.language, pictures, wished_protocol(arguments))
     report = stored_report(store, session.session_id, wish)
     person = store.patients.get(session.patient) if arguments.with_identity else None
-    return hand_over(session.session_id, report, person)
+    return hand_over(session.session_id, report, person, order)
 
 
 def _note(store: "SessionStore", kind: str, handover: "Handover") -> None:
     """Write into the audit log what left the clinic, and whether it says who it is."""
-    is_known = handover.subject.identity is not None
-    store.note_export(f"{kind}, with identity" if is_known else kind, handover.session_id)
+    told = f"{kind}, with identity" if handover.tells_who else kind
+    store.note_export(told, handover.session_id)

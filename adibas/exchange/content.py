@@ -15,6 +15,7 @@ from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import INSTRUMENT_ONLY, PLANE_TEXTS, VERTICAL_TEXTS
 from adibas.data.protocols import id_of_all
 from adibas.data.report import CaptureReport, SessionReport
+from adibas.exchange.orders import Order
 from adibas.reports.facts import view_name
 from adibas.reports.rows import (
     MeasureRow,
@@ -126,6 +127,8 @@ class Handover:
         The numbers of every capture.
     revision : str
         A digest of all that is told: another one after every correction.
+    order : Order or None
+        That DICOM files answer.
     """
 
     session_id: str
@@ -134,9 +137,20 @@ class Handover:
     started_utc: datetime
     captures: tuple[CaptureResults, ...]
     revision: str
+    order: Order | None = None
+
+    @property
+    def tells_who(self) -> bool:
+        """Return whether the person goes along."""
+        return self.subject.identity is not None or self.order is not None
 
 
-def hand_over(session_id: str, report: SessionReport, person: Patient | None = None) -> Handover:
+def hand_over(
+    session_id: str,
+    report: SessionReport,
+    person: Patient | None = None,
+    order: Order | None = None,
+) -> Handover:
     """Return a session as it may leave the clinic.
 
     Parameters
@@ -148,6 +162,8 @@ def hand_over(session_id: str, report: SessionReport, person: Patient | None = N
     person : Patient, optional
         Whose session it is: then name, birth date, record number, sex and the clinician's free
         notes go along. Without it nothing does that tells who it is.
+    order : Order, optional
+        Of a work list: DICOM files then belong to its study and its patient.
     """
     started_utc = report.started_utc
     if started_utc is None:
@@ -158,8 +174,8 @@ def hand_over(session_id: str, report: SessionReport, person: Patient | None = N
     else:
         subject = Subject(person.pseudonym, person.identity, person.sex)
     captures = capture_results(report)
-    revision = _revision(subject, report, captures)
-    return Handover(session_id, subject, report, started_utc, captures, revision)
+    revision = _revision(subject, report, captures, order)
+    return Handover(session_id, subject, report, started_utc, captures, revision, order)
 
 
 def capture_results(report: SessionReport) -> tuple[CaptureResults, ...]:
@@ -264,10 +280,16 @@ def interval_text() -> str:
     return _(INSTRUMENT_ONLY)
 
 
-def _revision(subject: Subject, report: SessionReport, captures: tuple[CaptureResults, ...]) -> str:
+def _revision(
+    subject: Subject,
+    report: SessionReport,
+    captures: tuple[CaptureResults, ...],
+    order: Order | None,
+) -> str:
     """Return a digest of all that pictures, tables and headers are made of."""
     told = {
         "person": _person(subject),
+        "order": None if order is None else asdict(order),
         "session": [report.operator, report.protocol, report.notes, report.version],
         "shown": [report.language, report.pictures.value, report.rotation_deg],
         "captures": [_told(found) for found in captures],

@@ -52,7 +52,8 @@ MEASURES = Series(3, "measures", "SR", message("Measures"))
 
 def study_uid(handover: Handover) -> str:
     """Return the study of a session: that of its order, or its own."""
-    return stable_uid("study", handover.session_id)
+    ordered = "" if handover.order is None else handover.order.study_uid
+    return ordered or stable_uid("study", handover.session_id)
 
 
 def series_uid(handover: Handover, series: Series) -> str:
@@ -114,9 +115,16 @@ def is_recognisable(handover: Handover) -> bool:
 
 
 def _describe_patient(dataset: "Dataset", handover: Handover) -> None:
-    subject = handover.subject
+    subject, order = handover.subject, handover.order
     identity = subject.identity
-    if identity is None:
+    if order is not None:
+        # As the archive knows the patient, or it takes her for another one.
+        dataset.PatientName = order.patient_name
+        dataset.PatientID = order.patient_id
+        dataset.PatientBirthDate = order.birth_date
+        dataset.PatientSex = order.sex
+        dataset.PatientIdentityRemoved = "NO"
+    elif identity is None:
         dataset.PatientName = person_name(subject.pseudonym)
         dataset.PatientID = subject.pseudonym
         dataset.PatientBirthDate = dataset.PatientSex = ""
@@ -125,13 +133,13 @@ def _describe_patient(dataset: "Dataset", handover: Handover) -> None:
         else:
             dataset.PatientIdentityRemoved = "YES"
             dataset.DeidentificationMethod = PSEUDONYMISED
-        return
-    born = identity.birth_date
-    dataset.PatientName = person_name(identity.name)
-    dataset.PatientID = _number(identity.record_number) or subject.pseudonym
-    dataset.PatientBirthDate = "" if born is None else born.strftime("%Y%m%d")
-    dataset.PatientSex = SEXES[subject.sex]
-    dataset.PatientIdentityRemoved = "NO"
+    else:
+        born = identity.birth_date
+        dataset.PatientName = person_name(identity.name)
+        dataset.PatientID = _number(identity.record_number) or subject.pseudonym
+        dataset.PatientBirthDate = "" if born is None else born.strftime("%Y%m%d")
+        dataset.PatientSex = SEXES[subject.sex]
+        dataset.PatientIdentityRemoved = "NO"
 
 
 def _number(record_number: str) -> str:
@@ -151,7 +159,8 @@ def _describe_study(dataset: "Dataset", handover: Handover) -> None:
     dataset.StudyInstanceUID = study_uid(handover)
     dataset.StudyID = handover.session_id[:LONGEST_SHORT_TEXT]
     dataset.StudyDescription = _("Posture analysis")
-    dataset.AccessionNumber = ""
+    order = handover.order
+    dataset.AccessionNumber = "" if order is None else order.accession_number
     dataset.ReferringPhysicianName = ""
 
 

@@ -27,11 +27,12 @@ def dicom_datasets(handover: Handover) -> "dict[str, Dataset]":
 
     with speaking(handover.report.language):
         pictures = secondary_captures(handover)
-        return {
+        made: dict[str, Dataset] = {
             **{f"picture-{number:02d}": picture for number, picture in enumerate(pictures, 1)},
             "report": encapsulated_pdf(handover),
             "measures": measurement_report(handover, pictures),
         }
+    return {name: _with_header(dataset) for name, dataset in made.items()}
 
 
 def dicom_paths(handover: Handover, folder: Path) -> list[Path]:
@@ -60,13 +61,19 @@ def write_dicom(handover: Handover, folder: Path) -> list[Path]:
 
 
 def save(dataset: "Dataset", path: Path) -> None:
-    """Write one file with the header that says how it is encoded.
+    """Write one of `dicom_datasets`.
 
     Raises
     ------
     OSError
         It cannot be written.
     """
+    dataset.preamble = bytes(128)
+    dataset.save_as(path, enforce_file_format=True)
+
+
+def _with_header(dataset: "Dataset") -> "Dataset":
+    """Say beside the content how it is encoded."""
     from pydicom.dataset import FileMetaDataset
     from pydicom.uid import ExplicitVRLittleEndian
 
@@ -75,5 +82,4 @@ def save(dataset: "Dataset", path: Path) -> None:
     meta.MediaStorageSOPClassUID = dataset.SOPClassUID
     meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID
     dataset.file_meta = meta
-    dataset.preamble = bytes(128)
-    dataset.save_as(path, enforce_file_format=True)
+    return dataset

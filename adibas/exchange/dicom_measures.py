@@ -20,8 +20,10 @@ from adibas.exchange.dicom_common import (
     line,
     person_name,
     series_uid,
+    study_uid,
 )
 from adibas.exchange.identifiers import stable_uid
+from adibas.exchange.orders import Order
 from adibas.reports.rows import NumberRow
 from adibas.texts import LANGUAGES
 from adibas.texts import translate as _
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
         MeasurementsAndQualitativeEvaluations,
         ObservationContext,
     )
+    from pydicom import Dataset
 
 N_DECIMALS = 4
 UPPER = ("371886008", "SCT", "+, range of upper measurement uncertainty")
@@ -78,6 +81,9 @@ def measurement_report(handover: Handover, pictures: Sequence["SCImage"]) -> "Co
         manufacturer=MAKER,
         is_complete=True,
         is_final=True,
+        requested_procedures=None
+        if handover.order is None
+        else [_request(handover, handover.order)],
     )
     describe(dataset, handover, MEASURES, 1)
     return dataset
@@ -189,6 +195,22 @@ def _observers(handover: Handover) -> "ObservationContext":
         return sr.ObservationContext(observer_device_context=device)
     person = sr.ObserverContext(codes.DCM.Person, sr.PersonObserverIdentifyingAttributes(operator))
     return sr.ObservationContext(observer_person_context=person, observer_device_context=device)
+
+
+def _request(handover: Handover, order: Order) -> "Dataset":
+    """Return what the report answers."""
+    from pydicom import Dataset
+
+    request = Dataset()
+    request.StudyInstanceUID = study_uid(handover)
+    request.AccessionNumber = order.accession_number
+    request.RequestedProcedureID = order.procedure_id
+    request.RequestedProcedureDescription = line(order.procedure)
+    request.PlacerOrderNumberImagingServiceRequest = ""
+    request.FillerOrderNumberImagingServiceRequest = ""
+    request.ReferencedStudySequence = []
+    request.RequestedProcedureCodeSequence = []
+    return request
 
 
 def _language(language: str) -> "LanguageOfContentItemAndDescendants":
