@@ -1,5 +1,7 @@
 """How long naming takes: 15 joints by core and limbs, and nine or fifteen by shape context.
 
+And a fit of an active shape model, whose points have names already.
+
 Time of the thread's own processor clock: the median over sets, each named once after a first one
 that compiles. People are simulated and not those of the training.
 """
@@ -11,9 +13,12 @@ from itertools import cycle, islice
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
+from adibas.shapes.point_distribution import learn_distribution
 from adibas.shapes.shape_context import match_shapes
+from adibas.shapes.shape_fitting import fit_shape
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
 from benchmarks.table import Row
 
@@ -21,6 +26,8 @@ SEED = 2000
 N_BODIES, N_POSES, N_SETS = 8, 20, 400
 N_THESIS = 9
 """Points of the thesis' figure for shape context."""
+FIT_SD_M = 0.02
+"""Of a marker beside its joint."""
 
 
 def rows(*, quick: bool) -> Iterable[Row]:
@@ -44,6 +51,16 @@ def rows(*, quick: bool) -> Iterable[Row]:
                 f"names of 15 joints, {kind}, {view}, {n_sets} sets", _median_ms(name, sets), "ms",
                 1.0, "goal <=",
             )  # fmt: skip
+    half = len(people.shapes_m) // 2
+    model = learn_distribution(JOINT_NAMES, people.shapes_m[:half])
+    named = list(islice(cycle(people.shapes_m[half:]), n_sets))
+    yield Row(
+        f"active shape model laid onto 15 named points, to the end, {n_sets} sets",
+        _median_ms(lambda points_m: fit_shape(model, points_m, FIT_SD_M), named),
+        "ms",
+        1.0,
+        "goal <=",
+    )
     first = people.shapes_m[0, :, :2]
     for n_points in (N_THESIS, len(first)):
         flat = [one[:n_points, :2] for one in islice(cycle(people.shapes_m), n_sets)]

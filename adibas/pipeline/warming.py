@@ -28,7 +28,7 @@ from adibas.shipped_kernels import shipped_folder
 logger = logging.getLogger(__name__)
 
 N_FRAMES = 2
-N_BOARDS = 8
+N_BOARDS, N_SHAPES = 8, 8
 COLOR_SIZE = (480, 640)
 SPACE, N_SECONDS = 3, 4
 GARBAGE_EVERY = 1_000_000
@@ -113,10 +113,14 @@ def compare_depth_with_color() -> None:
 
 
 def name_joints() -> None:
-    """Name the points of a standing body."""
+    """Name the points of a standing body, and lay an active shape model onto them."""
     from adibas.pipeline.skeleton_labelling import shipped_namer
+    from adibas.shapes.point_distribution import learn_distribution
+    from adibas.shapes.shape_fitting import fit_shape
 
     namer = shipped_namer()
+    shapes_m = np.random.default_rng(0).normal(0.0, 0.5, (N_SHAPES, len(namer.names), SPACE))
+    fit_shape(learn_distribution(namer.names, shapes_m), shapes_m[0], 1.0)
     points_m = np.random.default_rng(0).normal(0.0, 0.5, (len(namer.names), SPACE))
     namer.label(points_m)
     namer.label(points_m[:, :2], "front")

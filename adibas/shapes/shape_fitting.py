@@ -9,12 +9,12 @@ since with points missing a change of shape looks like one of pose.
 """
 
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray, check_shape
+from adibas.arrays import FloatArray, check_shape
 from adibas.shapes.point_distribution import PointDistribution
+from adibas.shapes.shape_fitting_kernels import most_probable_shape
 from adibas.shapes.similarity import Similarity, fit_similarity
 
 MAX_ROUNDS = 50
@@ -102,11 +102,14 @@ def fit_shape(
         pose = fit_similarity(points, shape, has_scale=model.has_scale)
         if pose is None:
             return None
-        moved = pose.inverse().apply(points)
-        free = _shape_step(model, moved, shape, is_there, sigma / pose.scale)
+        off = pose.inverse().apply(points) - model.mean
+        noise = (sigma / pose.scale) ** 2 + model.rest_variance
+        free = most_probable_shape(
+            off, is_there, model.modes, model.variances, shape, noise, model.has_scale
+        )
         new = model.nearest_plausible(free)
-        off = points[is_there] - pose.apply(model.shape(new)[is_there])
-        rounds.append(FitRound(pose, new, float(np.sqrt((off**2).sum(axis=1).mean()))))
+        rest = points[is_there] - pose.apply(model.shape(new)[is_there])
+        rounds.append(FitRound(pose, new, float(np.sqrt((rest**2).sum(axis=1).mean()))))
         change = float(np.abs((new - parameters) / np.sqrt(model.variances)).max())
         parameters = new
         if change < DONE:
@@ -118,37 +121,3 @@ def fit_shape(
         is_plausible=model.is_plausible(free),
         distance=model.distance(free),
     )
-
-
-def _shape_step(
-    model: PointDistribution,
-    moved: FloatArray,
-    shape: FloatArray,
-    is_there: BoolArray,
-    sigma: float,
-) -> FloatArray:
-    """Return the most probable b of points in the model's frame, of which some are missing."""
-    is_known = np.repeat(is_there, model.mean.shape[1])
-    off = (moved - model.mean).ravel()[is_known]
-    noise = sigma**2 + model.rest_variance
-    modes = model.modes[:, is_known] / np.sqrt(noise)
-    directions = np.concatenate([modes, _pose_changes(model, shape)[:, is_known]])
-    prior = np.zeros(len(directions))
-    prior[: len(modes)] = 1.0 / model.variances
-    information = directions @ directions.T + np.diag(prior)
-    solved, *_ = np.linalg.lstsq(information, directions @ off / np.sqrt(noise), rcond=None)
-    return np.asarray(solved[: len(modes)])
-
-
-def _pose_changes(model: PointDistribution, shape: FloatArray) -> FloatArray:
-    """Return the (n, N * D) ways in which `shape` changes with its pose."""
-    n_points, n_dimensions = shape.shape
-    size = np.linalg.norm(shape)
-    shifts = np.tile(np.eye(n_dimensions), n_points) * size / np.sqrt(n_points)
-    turns = []
-    for i, j in combinations(range(n_dimensions), 2):
-        turned = np.zeros_like(shape)
-        turned[:, i], turned[:, j] = -shape[:, j], shape[:, i]
-        turns.append(turned.ravel())
-    scales = [shape.ravel()] if model.has_scale else []
-    return np.concatenate([shifts, np.stack(turns + scales)])

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray, check_shape, read_only
-
-# Points spread less than this share of the widest direction do not fix a rotation.
-DEGENERATE_SHARE = 1e-9
+from adibas.shapes.similarity_kernels import best_similarity
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,24 +74,14 @@ def fit_similarity(
         points left do not fix it (fewer than D, or spread along less than D - 1 directions).
     """
     check_shape("source", source, target.shape)
-    n_dimensions = target.shape[1]
-    share = np.ones(len(target)) if weights is None else weights
+    share = np.ones(len(target)) if weights is None else np.asarray(weights, float)
     is_kept = (share > 0) & ~np.isnan(target + source).any(axis=1)
-    if np.count_nonzero(is_kept) < n_dimensions:
+    if np.count_nonzero(is_kept) < target.shape[1]:
         return None
-    share = share[is_kept] / share[is_kept].sum()
-    target, source = target[is_kept], source[is_kept]
-    mean_target, mean_source = share @ target, share @ source
-    moved_target, moved_source = target - mean_target, source - mean_source
-    left, spread, right = np.linalg.svd((moved_target * share[:, None]).T @ moved_source)
-    if not spread[n_dimensions - 2] > DEGENERATE_SHARE * spread[0]:
-        return None
-    signs = np.ones(n_dimensions)
-    signs[-1] = np.sign(np.linalg.det(left) * np.linalg.det(right))
-    rotation = (left * signs) @ right
-    scale = 1.0
-    if has_scale:
-        scale = float((spread * signs).sum() / (share @ (moved_source**2).sum(axis=1)))
-        if not scale > 0:
-            return None
-    return Similarity(scale, rotation, mean_target - scale * rotation @ mean_source)
+    scale, rotation, translation = best_similarity(
+        np.asarray(target, float),
+        np.asarray(source, float),
+        np.where(is_kept, share, 0.0),
+        has_scale,
+    )
+    return Similarity(scale, rotation, translation) if scale > 0 else None
