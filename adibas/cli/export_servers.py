@@ -44,7 +44,7 @@ def add_server_arguments(add: AddAction) -> None:
     listing.set_defaults(alone=_worklist)
     listing.add_argument("name", metavar=_("NAME"), help=_("a server that `server` lists"))
     listing.add_argument(
-        "--date", type=_day, metavar="YYYY-MM-DD", help=_("of that day alone; all if not given")
+        "--date", type=_day, metavar=_("YYYY-MM-DD"), help=_("of that day alone; all if not given")
     )
     listing.add_argument(
         "--names", action="store_true", help=_("names too, which are left out if not given")
