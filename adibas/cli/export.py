@@ -59,7 +59,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_session(parser: argparse.ArgumentParser) -> None:
     """Ask which session, and how much of the patient may be known."""
-    parser.add_argument("session", metavar=_("SESSION"), help=_("its id, as `adibas sessions list` shows it"))
+    parser.add_argument(
+        "session", metavar=_("SESSION"), help=_("its id, as `adibas sessions list` shows it")
+    )
     parser.add_argument(
         "--with-identity",
         action="store_true",

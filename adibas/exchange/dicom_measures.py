@@ -6,6 +6,7 @@ Each capture is a group of measurements with its picture; each value has its uni
 Source: DICOM PS3.16, TID 1500, 1501, 300 and 310.
 """
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
     from pydicom import Dataset
 
 N_DECIMALS = 4
+PLAIN = re.compile(r"[!-\[\]-~]+")
+"""ASCII but spaces and backslashes."""
 UPPER = ("371886008", "SCT", "+, range of upper measurement uncertainty")
 LOWER = ("371885007", "SCT", "-, range of lower measurement uncertainty")
 
@@ -160,7 +163,7 @@ def _method(found: CaptureResults) -> "CodedConcept":
     if not protocol_id:
         return _own("markers", _("Markers seen by a depth camera"))
     return CodedConcept(
-        line(protocol_id),
+        _plain(protocol_id),
         SCHEME,
         line(f"{protocol_id} {revision}"),
         line(revision, LONGEST_SHORT_TEXT) or None,
@@ -170,7 +173,12 @@ def _method(found: CaptureResults) -> "CodedConcept":
 def _own(code: str, meaning: str) -> "CodedConcept":
     from highdicom.sr import CodedConcept
 
-    return CodedConcept(line(code), SCHEME, line(meaning))
+    return CodedConcept(_plain(code), SCHEME, line(meaning))
+
+
+def _plain(code: str) -> str:
+    """Return a code in ASCII without spaces; one with other letters gets a number of its own."""
+    return code if PLAIN.fullmatch(code) else stable_uid("code", code)
 
 
 def _observers(handover: Handover) -> "ObservationContext":

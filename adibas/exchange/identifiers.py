@@ -23,5 +23,6 @@ def stable_uid(*parts: str) -> str:
 
 
 def _uuid(*parts: str) -> uuid.UUID:
-    # Lengths keep ("ab", "c") apart from ("a", "bc").
-    return uuid.uuid5(NAMESPACE, "".join(f"{len(part)}:{part}" for part in parts))
+    # Lengths keep ("ab", "c") apart from ("a", "bc"); half a character may stand in what was typed.
+    escaped = [part.encode("unicode_escape").decode() for part in parts]
+    return uuid.uuid5(NAMESPACE, "".join(f"{len(part)}:{part}" for part in escaped))

@@ -1,9 +1,14 @@
 """A session as a clinic hands it over: a protocol, two views, a name, and notes that tell it."""
 
+import itertools
+from dataclasses import replace
+
 import numpy as np
 
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.measures import DistanceMeasure
 from adibas.data.posture import Provenance
+from adibas.data.report import CaptureReport
 from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.sessions import NewCapture
@@ -48,3 +53,23 @@ def secrets_in(data):
     """Return what of the identity is found in bytes, in any encoding that files use."""
     encodings = ("utf-8", "latin-1", "utf-16-le", "utf-16-be")
     return [secret for secret in SECRETS if any(secret.encode(one) in data for one in encodings)]
+
+
+def hostile(report):
+    """Return a session whose names try readers: scripts, marks of formats, what nobody can print.
+
+    One view comes twice, and one was not told.
+    """
+    names = ("l·l Ωμέγα", "<b>&amp;", "a\x00\x1b[2J", "back\\slash^=", "ñ" * 40, "\ud800")
+    first = report.captures[0].analysis
+    markers = tuple(
+        replace(marker, label=name) for marker, name in zip(first.markers, names, strict=False)
+    )
+    distances = tuple(
+        DistanceMeasure(a, b, 0.3, (0.299, 0.301)) for a, b in itertools.pairwise(names)
+    )
+    analysis = replace(first, markers=markers, distances=distances, angles=(), measures=None)
+    captures = tuple(
+        CaptureReport(replace(analysis, view=view)) for view in ("anterior", "anterior", "")
+    )
+    return replace(report, captures=captures, operator="Dr. \\ ^ \x07 Ñ" * 9, rotation_deg=90)

@@ -13,12 +13,12 @@ from adibas.cli import main
 from adibas.data.patients import Patient
 from adibas.data.report import PictureChoice
 from adibas.exchange.content import capture_results, hand_over
-from adibas.exchange.fhir_bundle import fhir_bundle
+from adibas.exchange.fhir_bundle import fhir_bundle, write_fhir
 from adibas.exchange.identifiers import stable_uid, stable_uuid
 from adibas.pipeline.stored_report import ReportWish, stored_report
 from adibas.reports import pdf
 from adibas.reports.rows import measure_rows
-from tests.unit.exchange_samples import NOTES, add_clinic_session, secrets_in
+from tests.unit.exchange_samples import NOTES, add_clinic_session, hostile, secrets_in
 from tests.unit.store_samples import IDENTITY, NAME, PASSPHRASE, START, open_sample
 
 
@@ -150,6 +150,14 @@ def test_without_a_protocol_all_distances_are_handed_over(folder):
     assert len(results) == len(report.captures[0].analysis.distances) > 0
     assert {one.unit for one in results} == {"mm"}
     assert results[0].code.startswith("D.")
+
+
+def test_names_of_any_script_are_a_bundle(report, tmp_path):
+    path = tmp_path / "bundle.json"
+    assert write_fhir(hand_over("ab12", hostile(report)), path) == 15
+    bundle = json.loads(path.read_text("utf-8"))
+    assert len({entry["fullUrl"] for entry in bundle["entry"]}) == len(bundle["entry"])
+    Bundle.model_validate(bundle)
 
 
 def test_nothing_tells_who_it_is_unless_that_was_asked_for(folder, session, tmp_path, capsys):
