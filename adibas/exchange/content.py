@@ -265,7 +265,7 @@ def _protocol(analysis: PostureAnalysis) -> tuple[str, str]:
 
 def _method(analysis: PostureAnalysis) -> str:
     """Return on what the numbers rest, in one line."""
-    parts = [_("markers seen by a depth camera"), view_name(analysis.view)]
+    parts = [_("Markers seen by a depth camera"), view_name(analysis.view)]
     measures = analysis.measures
     if measures is not None:
         protocol = measures.protocol

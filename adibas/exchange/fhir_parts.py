@@ -206,7 +206,7 @@ def _components(found: CaptureResults, result: Result) -> list[Json]:
     parts: list[Json] = [view]
     if result.number is not None:
         parts.append({"code": INTERVAL, "valueRange": _range(result.number, result.unit)})
-    for name, number in ((_("in the plane"), result.in_plane), (_("in space"), result.in_space)):
+    for name, number in ((_("In the plane"), result.in_plane), (_("In space"), result.in_space)):
         if number is not None:
             quantity = _quantity(number, result.unit)
             parts.append({"code": {"text": name}, "valueQuantity": quantity})
