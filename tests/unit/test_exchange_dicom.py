@@ -20,12 +20,14 @@ from adibas.exchange import dicom_pictures
 from adibas.exchange.content import capture_results, hand_over
 from adibas.exchange.dicom_common import line
 from adibas.exchange.dicom_files import dicom_datasets, write_dicom
+from adibas.exchange.orders import Order
 from adibas.pipeline.stored_report import ReportWish, stored_report
 from adibas.reports import pdf
 from tests.unit.exchange_samples import add_clinic_session, hostile, secrets_in
 from tests.unit.store_samples import IDENTITY, NAME, PASSPHRASE, START, open_sample
 
 SESSION = "7649b93c2f594bef8ef1"
+ORDER = Order("A-1", "", "HC-004711", "Ñandú^Ximena", "20140327", "F", "R-1", "Posture", "")
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -208,16 +210,17 @@ def test_long_texts_are_cut_where_a_reader_counts_bytes():
     shutil.which("dciodvfy") is None, reason="dciodvfy is missing: apt-get install dicom3tools"
 )
 @pytest.mark.parametrize(
-    ("language", "who", "changed"),
+    ("language", "who", "order", "changed"),
     [
-        ("en", None, hostile),
-        ("es", None, lambda report: report),
-        ("ca", person(), lambda report: report),
+        ("en", None, None, hostile),
+        ("es", None, None, lambda report: report),
+        ("ca", person(), None, lambda report: report),
+        ("en", None, ORDER, lambda report: report),
     ],
 )
-def test_a_validator_of_others_finds_no_error(report, tmp_path, language, who, changed):
+def test_a_validator_of_others_finds_no_error(report, tmp_path, language, who, order, changed):
     spoken = replace(changed(report), language=language)
-    write_dicom(hand_over(SESSION, spoken, who), tmp_path)
+    write_dicom(hand_over(SESSION, spoken, who, order), tmp_path)
     for path in tmp_path.iterdir():
         checked = subprocess.run(
             ["dciodvfy", str(path)], check=False, capture_output=True, text=True
