@@ -39,7 +39,7 @@ class Effort:
     too_unlikely: float
 
 
-QUICK = Effort(5, 1, 20.0)
+QUICK = Effort(5, 3, 20.0)
 THOROUGH = Effort(100, 5, 60.0)
 """Where the quick search leaves a doubt, or points are missing or too many."""
 SETTLED = 0.99
@@ -72,9 +72,12 @@ class PartsOdds:
     sure : float
         Least confidence of a name that is given: 0.5.
     side_sure : float
-        A name is not given where its mirror image is more probable than this: 0.25.
+        A name is not given where its mirror image is more probable than this: 0.1.
     n_anchored : int
         Cores from single points: 160, where the quick search leaves a doubt.
+    usual : float
+        The points of a person are 60 to 100 nats likelier than chance ones. Where the quick search
+        finds less than 55, it may have missed the person.
     """
 
     complete: float = 0.8
@@ -86,8 +89,9 @@ class PartsOdds:
     side_divisor: float = 7.0
     temperature: float = 1.0
     sure: float = 0.5
-    side_sure: float = 0.25
+    side_sure: float = 0.1
     n_anchored: int = 160
+    usual: float = 55.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,7 +133,8 @@ def find_by_parts(
     pool = _searched(model, points, starts, expected) if is_whole else None
     if pool is not None and len(pool.energies):
         found = _weighed(model, len(points), pool, expected, odds.temperature)
-        if _is_settled(found, len(model.names)):
+        is_usual = pool.energies.min() < -odds.usual
+        if is_usual and _is_settled(found, len(model.names)):
             return found
     expected = _expected(model, len(points), view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])

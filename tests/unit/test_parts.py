@@ -14,6 +14,7 @@ from adibas.shapes.parts_bone_kernels import MOST_ALIKE
 from adibas.shapes.parts_choice_kernels import judge_core
 from adibas.shapes.parts_limb_kernels import place_limb
 from adibas.shapes.parts_types import Odds, Pool
+from adibas.skeleton import parts_naming as naming
 from adibas.skeleton.bones_training import without_bones
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.model import SkeletonModel
@@ -86,6 +87,25 @@ def test_names_without_a_view_are_right_or_none(model):
     points, truth = shuffled(people(1, seed=7)[0] @ turn_back(1.0))
     for name, right in zip(Namer(model).label(points).names, truth, strict=True):
         assert name in (None, right)
+
+
+def test_a_person_who_is_unlikely_for_one_is_searched_thoroughly(parts, model, monkeypatch):
+    searches = []
+
+    def noted(*arguments):
+        searches.append(arguments[2])
+        return searched(*arguments)
+
+    searched = naming._searched
+    monkeypatch.setattr(naming, "_searched", noted)
+    prepared = prepare(model.space, PoseSpread())
+    person = people(1, seed=8)[0]
+    label_parts(parts, prepared, person, "anterior")
+    assert len(searches) == 1
+    hardly_ever = naming.PartsOdds(usual=1e6)
+    strange = label_parts(parts, prepared, person, "anterior", hardly_ever)
+    assert len(searches) == 3
+    assert strange.names == JOINT_NAMES
 
 
 def test_points_in_one_place_are_no_person(model):
