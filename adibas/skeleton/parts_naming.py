@@ -72,7 +72,7 @@ class PartsOdds:
     sure : float
         Least confidence of a name that is given: 0.5.
     side_sure : float
-        A name is not given where its mirror image is more probable than this: 0.1.
+        A name is not given where its mirror image is more probable than this: 0.25.
     n_anchored : int
         Cores from single points: 160, where the quick search leaves a doubt.
     usual : float
@@ -89,7 +89,7 @@ class PartsOdds:
     side_divisor: float = 7.0
     temperature: float = 1.0
     sure: float = 0.5
-    side_sure: float = 0.1
+    side_sure: float = 0.25
     n_anchored: int = 160
     usual: float = 55.0
 
