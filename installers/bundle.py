@@ -32,6 +32,9 @@ UNNEEDED = (
     "PySide6/*plugins/platforms/*minimal*",
     "PySide6/*plugins/platforms/*vkkhr*",
     "PySide6/*plugins/platforms/*vnc*",
+    "PySide6/*plugins/*wayland*",  # all was tried with X only; Wayland has X, too
+    "PySide6/*Qt6Wayland*",
+    "PySide6/*Qt6WlShell*",
     "PySide6/*plugins/egldeviceintegrations/*",
     "PySide6/*plugins/generic/*",
     "PySide6/*plugins/networkinformation/*",

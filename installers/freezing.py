@@ -61,12 +61,11 @@ def add_kernels(folder: Path) -> None:
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     (place / MARK_FILE).write_text(sources_mark() + "\n", encoding="utf-8")
-    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor() as threads:
-        built = {level: Path(name) / level for level in levels()}
-        for done in [threads.submit(compile_for, program, *item) for item in built.items()]:
+    kept = WORK / "kernels" / sources_mark()
+    with ThreadPoolExecutor() as threads:
+        for done in [threads.submit(compile_for, program, level, kept) for level in levels()]:
             done.result()
-        for level, kernels in built.items():
-            shutil.copytree(kernels / "numba", place / level)
+    shutil.copytree(kept, place, dirs_exist_ok=True)
 
 
 def levels() -> tuple[str, ...]:
@@ -77,13 +76,18 @@ def levels() -> tuple[str, ...]:
     return tuple(level for level, _features in X86_LEVELS)
 
 
-def compile_for(program: Path, level: str, folder: Path) -> None:
-    """Compile the hot loops for one kind of processor into ``folder/numba``."""
-    folder.mkdir(parents=True)
-    places = {"NUMBA_CACHE_DIR": str(folder / "numba"), "MPLCONFIGDIR": str(folder / "matplotlib")}
-    kind = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": ""}
-    environment = {**os.environ, **places, **kind}
-    subprocess.run([program, COMPILE, folder], check=True, env=environment)  # noqa: S603
+def compile_for(program: Path, level: str, kept: Path) -> None:
+    """Compile the hot loops for one kind of processor into ``kept/LEVEL``, unless they are there."""
+    if (kept / level).is_dir():
+        return
+    kept.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
+        made = Path(folder) / "numba"
+        places = {"NUMBA_CACHE_DIR": str(made), "MPLCONFIGDIR": str(Path(folder) / "matplotlib")}
+        kind = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": ""}
+        environment = {**os.environ, **places, **kind}
+        subprocess.run([program, COMPILE, folder], check=True, env=environment)  # noqa: S603
+        made.rename(kept / level)
 
 
 if __name__ == "__main__":

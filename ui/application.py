@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QLocale, QTimer
+from PySide6.QtCore import QLocale, QLoggingCategory, QTimer
 from PySide6.QtWidgets import QApplication, QToolTip
 
 from adibas.data.patients import Patient
@@ -332,6 +332,8 @@ def run(recordings: list[str]) -> int:
     app = QApplication(sys.argv[:1])
     app.setApplicationName("ADiBAS")
     app.setDesktopFileName("adibas")
+    if app.platformName() == "offscreen":  # it says of every window what it cannot do with it
+        QLoggingCategory.setFilterRules("default.warning=false")
     application = Application(app, PreferencesFile())
     application.to_open = tuple(Path(name).absolute() for name in recordings)
     signals = SignalWatch(application.end)
