@@ -77,7 +77,7 @@ def levels() -> tuple[str, ...]:
 
 
 def compile_for(program: Path, level: str, kept: Path) -> None:
-    """Compile the hot loops for one kind of processor into ``kept/LEVEL``, unless they are there."""
+    """Compile the hot loops for one kind of processor into ``kept/LEVEL``, where they are not."""
     if (kept / level).is_dir():
         return
     kept.mkdir(parents=True, exist_ok=True)
