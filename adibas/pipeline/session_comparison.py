@@ -33,13 +33,18 @@ class PatientTrends:
     n_without: int
 
 
+def is_earlier(first: Session, second: Session) -> bool:
+    """Say whether a session may stand before another one: it began before."""
+    return first.started_utc < second.started_utc
+
+
 def check_comparable(earlier: Session, later: Session) -> None:
-    """Refuse sessions of two patients or of two protocols.
+    """Refuse sessions of two patients or of two protocols, and those in the wrong order.
 
     Raises
     ------
     ReportError
-        They are.
+        They are, or the first one is not earlier than the second.
     """
     if earlier.patient != later.patient:
         raise ReportError(
@@ -52,6 +57,19 @@ def check_comparable(earlier: Session, later: Session) -> None:
             "compared.",
             first=earlier.setup.protocol,
             second=later.setup.protocol,
+        )
+    if earlier.session_id == later.session_id:
+        raise ReportError(
+            "Session {session} cannot be compared with itself. Choose an earlier session of the "
+            "patient.",
+            session=later.session_id,
+        )
+    if not is_earlier(earlier, later):
+        raise ReportError(
+            "Session {first} is not earlier than session {second}, and a change is told from the "
+            "earlier one to the later. Choose an earlier session, or change the two over.",
+            first=earlier.session_id,
+            second=later.session_id,
         )
 
 
@@ -71,8 +89,7 @@ def last_two_alike(
     later_ones = newest_first if until is None else [until, *newest_first]
     for later in later_ones:
         for earlier in newest_first:
-            is_before = earlier.started_utc < later.started_utc
-            if is_before and earlier.setup.protocol == later.setup.protocol:
+            if is_earlier(earlier, later) and earlier.setup.protocol == later.setup.protocol:
                 return earlier, later
     return None
 
@@ -89,7 +106,7 @@ def compare_by_protocol(
     Raises
     ------
     ReportError
-        They are of two patients or protocols.
+        They are of two patients or protocols, or in the wrong order.
     ProtocolError
         A session has no measure of the protocol, or the vertical of one is not known.
     StoreError

@@ -47,7 +47,8 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
     Raises
     ------
     ReportError
-        The session has no captures, or is compared with one of another patient or protocol.
+        The session has no captures, or is compared with one of another patient or protocol, or
+        with one that is not earlier.
     ProtocolError
         What is compared has no measures.
     StoreError

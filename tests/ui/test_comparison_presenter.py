@@ -131,6 +131,17 @@ def test_what_was_chosen_stays_where_the_screen_is_seen_again(presenter, view, v
     assert compared(view) == (sessions[1].session_id, sessions[2].session_id)
 
 
+def test_only_what_was_before_is_compared_with_a_session(presenter, view, visit):
+    first, second, third = (visit(0.01 * number) for number in range(3))
+    presenter.enter()
+    assert choices(view).nows == (third, second), "nothing was before the first"
+    assert choices(view).befores == (second, first)
+    presenter.choose_sessions(second.session_id, second.session_id)
+    assert compared(view) == (first.session_id, second.session_id)
+    assert choices(view).befores == (first,)
+    assert differences(view).refusal == ""
+
+
 def test_another_patient_begins_anew(presenter, view, visit, store, workspace):
     for height_m in (0.0, 0.01):
         visit(height_m)

@@ -26,6 +26,7 @@ from adibas.pipeline.protocol_measuring import (
     check_view,
     with_measures,
 )
+from adibas.pipeline.session_comparison import compare_by_protocol
 from adibas.pipeline.session_report import report_of_analysis
 from adibas.pipeline.stored_report import ReportWish, stored_report
 from adibas.reports import write_report
@@ -284,6 +285,20 @@ def test_sessions_of_other_patients_or_protocols_are_not_compared(clinic):
     joints = add_visit(store, patient, [0.0], protocol="joints-15")
     with pytest.raises(ReportError, match="different protocols"):
         stored_report(store, joints, ReportWish("en", compared_with=early))
+
+
+def test_a_session_is_compared_with_an_earlier_one_alone(clinic):
+    store, early, late = clinic
+    for before, now, told in (
+        (late, late, "with itself"),
+        (late, early, "not earlier than session"),
+    ):
+        with pytest.raises(ReportError, match=told):
+            stored_report(store, now, ReportWish("en", protocol=SAPO, compared_with=before))
+        with pytest.raises(ReportError, match=told):
+            compare_by_protocol(
+                store, store.sessions.get(before), store.sessions.get(now), SAPO, {}
+            )
 
 
 def test_a_session_names_its_protocol_or_that_it_is_lost(clinic):

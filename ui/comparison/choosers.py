@@ -49,9 +49,12 @@ class Choosers(QWidget):
         """Offer these."""
         self._choices = choices
         titles = dict(choices.protocols)
-        for box, chosen in ((self._earlier, choices.earlier), (self._later, choices.later)):
+        for box, offered, chosen in (
+            (self._earlier, choices.befores, choices.earlier),
+            (self._later, choices.nows, choices.later),
+        ):
             box.clear()
-            for session in choices.sessions:
+            for session in offered:
                 box.addItem(_session_text(session, titles), session.session_id)
             box.setCurrentIndex(-1 if chosen is None else box.findData(chosen.session_id))
         self._protocol.clear()

@@ -9,6 +9,7 @@ from adibas.data.reliability import Comparison, Reliability
 from adibas.data.sessions import Session
 from adibas.data.trends import Trend
 from adibas.pipeline.picture_overlay import PictureOverlay
+from adibas.pipeline.session_comparison import is_earlier
 
 Key = tuple[str, str]
 """View and measure."""
@@ -41,6 +42,17 @@ class Choices:
     protocol: str = ""
     operators: tuple[str, ...] = ()
     operator: str = ""
+
+    @property
+    def befores(self) -> tuple[Session, ...]:
+        """Return what the later session can be compared with: what was before it."""
+        later = self.later
+        return () if later is None else tuple(x for x in self.sessions if is_earlier(x, later))
+
+    @property
+    def nows(self) -> tuple[Session, ...]:
+        """Return what can be the later session: the first one has nothing before it."""
+        return self.sessions[:-1] or self.sessions
 
 
 @dataclass(frozen=True, slots=True, eq=False)

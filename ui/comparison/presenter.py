@@ -88,11 +88,14 @@ class ComparisonPresenter:
         self._workspace.show_screen(screen)
 
     def choose_sessions(self, earlier_id: str, later_id: str) -> None:
-        """Compare these two."""
+        """Compare these two; where the first is not the earlier one, what was before the second."""
         by_id = {one.session_id: one for one in self._choices.sessions}
-        self._choices = replace(
-            self._choices, earlier=by_id.get(earlier_id), later=by_id.get(later_id)
+        choices = replace(self._choices, later=by_id.get(later_id))
+        befores = choices.befores
+        earlier = next(
+            (x for x in befores if x.session_id == earlier_id), next(iter(befores), None)
         )
+        self._choices = replace(choices, earlier=earlier)
         if not self._is_protocol_chosen:
             self._choices = replace(self._choices, protocol=self._protocol_of(self._choices))
         self._show()

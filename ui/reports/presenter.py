@@ -8,6 +8,7 @@ from adibas.arrays import UInt8Array
 from adibas.data.report import PictureChoice, SessionReport
 from adibas.data.sessions import Session
 from adibas.errors import AdibasError
+from adibas.pipeline.session_comparison import is_earlier
 from adibas.pipeline.stored_report import ReportWish, StoredReports, stored_report
 from adibas.reports.batch import write_session_reports
 from adibas.reports.facts import (
@@ -236,7 +237,7 @@ def earlier_sessions(store: SessionStore, session_id: str) -> tuple[Session, ...
     return tuple(
         one
         for one in store.sessions.of_patient(session.patient)
-        if one.capture_ids and one.started_utc < session.started_utc
+        if one.capture_ids and is_earlier(one, session)
     )
 
 
