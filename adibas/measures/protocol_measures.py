@@ -6,8 +6,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-import numpy as np
-
 from adibas.data.markers import Marker
 from adibas.data.protocol_measures import (
     Estimate,
@@ -16,11 +14,12 @@ from adibas.data.protocol_measures import (
     ProtocolMeasures,
     VerticalOrigin,
 )
-from adibas.data.protocols import SIDEWAYS, VIEW_AXES, MeasureDefinition, Protocol, same_label
+from adibas.data.protocols import MeasureDefinition, Protocol, same_label
 from adibas.data.sentence import Sentence
 from adibas.measures.marker_errors import placed_markers
+from adibas.measures.protocol_sides import SidesSeen, patient_axis, see_sides
 from adibas.measures.protocol_values import Measurer, PlacedLandmarks, Sightline
-from adibas.measures.sight_plane import TO_PICTURES_RIGHT, Vertical
+from adibas.measures.sight_plane import Vertical
 from adibas.texts import message
 
 _NUMBERED = re.compile(r"m\d+")
@@ -43,6 +42,15 @@ NO_PLANE = message("the plane that was asked for is not seen: {names}")
 SWAPPED = message(
     "In this picture left and right are exchanged: the names of the markers, or the view, are "
     "wrong. Nothing was measured; correct them."
+)
+EXCHANGED = message("left and right are exchanged: {names}")
+LEFT_OUT_EXCHANGED = message(
+    "Left and right of these are exchanged, and nothing was measured with them. Correct their "
+    "names: {names}."
+)
+CROSSED = message(
+    "The left lies on the right here: crossed limbs, or exchanged names. Look before you trust "
+    "what was measured with them: {names}."
 )
 TWICE = message("{names} is named twice and was left out. Rename one of the two markers.")
 UNKNOWN_LABEL = message(
@@ -141,8 +149,16 @@ class _Labelled:
             *(Sentence(TWICE, {"names": name}) for name in twice),
             *([Sentence(UNKNOWN_LABEL, {"names": ", ".join(others)})] if others else []),
         ]
-        if self.are_exchanged(capturing):
-            self.notices.append(Sentence(SWAPPED))
+        self.sides = see_sides(
+            {
+                name: marker.position_m
+                for name, marker in self.markers.items()
+                if marker.position_m is not None
+            },
+            capturing.view,
+            capturing.vertical.up,
+        )
+        self.notices += _said_of_sides(self.sides)
 
     def placed(self) -> PlacedLandmarks:
         """Return those that have a position."""
@@ -152,24 +168,12 @@ class _Labelled:
         _markers, positions_m, errors = placed_markers([self.markers[name] for name in names])
         return PlacedLandmarks(names, positions_m, errors.of_all())
 
-    def are_exchanged(self, capturing: Capturing) -> bool:
-        """Say whether most pairs stand the other way round than the view shows them."""
-        if VIEW_AXES[capturing.view] != SIDEWAYS:
-            return False
-        placed = {
-            name: marker.position_m
-            for name, marker in self.markers.items()
-            if marker.position_m is not None
-        }
-        up = capturing.vertical.up
-        rightwards = np.cross(np.array([0.0, 0.0, 1.0]), up)
-        sign = TO_PICTURES_RIGHT[capturing.view, "left"]
-        sides = [
-            sign * float((place_m - placed[f"right_{name[5:]}"]) @ rightwards)
-            for name, place_m in placed.items()
-            if name.startswith("left_") and f"right_{name[5:]}" in placed
-        ]
-        return 2 * sum(side < 0 for side in sides) > len(sides)
+
+def _said_of_sides(sides: SidesSeen) -> list[Sentence]:
+    if sides.are_exchanged:
+        return [Sentence(SWAPPED)]
+    told = ((LEFT_OUT_EXCHANGED, sides.exchanged), (CROSSED, sides.crossed))
+    return [Sentence(text, {"names": ", ".join(sorted(names))}) for text, names in told if names]
 
 
 class _Results:
@@ -180,10 +184,11 @@ class _Results:
         self._labelled = labelled
         self._vertical = capturing.vertical
         self._placed = labelled.placed()
-        self._is_exchanged = labelled.are_exchanged(capturing)
         marks = _PLANE_MARKS[capturing.plane]
         seen = [mark for mark in marks if set(mark[:2]) <= set(self._placed.names)]
-        self._missing_plane = ", ".join(marks[0][:2]) if marks and not seen else ""
+        self._plane_names = ", ".join((seen or marks)[0][:2]) if marks else ""
+        self._is_plane_seen = not marks or bool(seen)
+        self._is_plane_turned = bool(seen) and not self._points_as_seen(seen[0], capturing)
         across, is_sideways = (seen[0][:2], seen[0][2]) if seen else ((), True)
         sight = Sightline(capturing.view, capturing.vertical, across, is_sideways)
         self._measurer = Measurer(protocol, self._placed, sight)
@@ -228,9 +233,12 @@ class _Results:
 
     def _missing(self, definition: MeasureDefinition) -> Sentence | None:
         """Return which landmarks a measure lacks."""
-        if self._is_exchanged:
+        if self._labelled.sides.are_exchanged:
             return Sentence(SWAPPED)
         needed = self._protocol.marked_for(definition.points)
+        exchanged = [name for name in needed if name in self._labelled.sides.exchanged]
+        if exchanged:
+            return Sentence(EXCHANGED, {"names": ", ".join(exchanged)})
         unmarked = [name for name in needed if name not in self._labelled.markers]
         if unmarked:
             return Sentence(NOT_MARKED, {"names": ", ".join(unmarked)})
@@ -241,9 +249,19 @@ class _Results:
         """Return why nothing can be projected."""
         if self._vertical.origin is VerticalOrigin.UNKNOWN:
             return Sentence(NO_VERTICAL)
-        if self._missing_plane:
-            return Sentence(NO_PLANE, {"names": self._missing_plane})
+        if not self._is_plane_seen:
+            return Sentence(NO_PLANE, {"names": self._plane_names})
+        if self._is_plane_turned:
+            return Sentence(EXCHANGED, {"names": self._plane_names})
         return None
+
+    def _points_as_seen(self, mark: tuple[str, str, bool], capturing: Capturing) -> bool:
+        """Say whether the two points of a plane lie as the view shows them."""
+        first, last, is_sideways = mark
+        axis = "left" if is_sideways else "anterior"
+        direction = patient_axis(axis, capturing.view, capturing.vertical.up)
+        places_m = [self._placed.positions_m[self._placed.names.index(n)] for n in (first, last)]
+        return bool((places_m[1] - places_m[0]) @ direction > 0)
 
     def _needs_vertical(self, definition: MeasureDefinition) -> bool:
         """Say whether a value in space is lacking the vertical that it rests on."""

@@ -15,9 +15,10 @@ from adibas.data.views import VIEWS
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.measures.protocol_measures import Capturing, measure_protocol
+from adibas.measures.protocol_sides import patient_axis
 from adibas.measures.protocol_store import find_protocol
 from adibas.measures.sight_plane import Vertical, vertical_of
-from tests.unit.standing_points import LEVEL, mirrored, seen_from, standing
+from tests.unit.standing_points import CAMERA_FROM_BODY, LEVEL, mirrored, seen_from, standing
 
 SAPO = find_protocol("sapo-1")
 
@@ -246,6 +247,85 @@ def test_exchanged_sides_are_refused_and_not_measured():
     assert any("exchanged" in notice.text for notice in found.notices)
     behind = measure_protocol(SAPO, markers, Capturing("posterior", LEVEL))
     assert not any("exchanged" in notice.text for notice in behind.notices)
+
+
+def exchanged_pair(places, name):
+    left, right = f"left_{name}", f"right_{name}"
+    return places | {left: places[right], right: places[left]}
+
+
+@pytest.mark.parametrize("view", ["anterior", "posterior"])
+@pytest.mark.parametrize("name", ["acromion", "greater_trochanter", "lateral_malleolus"])
+def test_one_exchanged_pair_is_left_out_of_what_is_measured(view, name):
+    right, wrong = standing(), exchanged_pair(standing(), name)
+    found = measure_protocol(SAPO, seen_from(view, wrong), Capturing(view, LEVEL))
+    true = results(view, right)
+    for result in found.results:
+        needed = SAPO.marked_for(result.definition.points)
+        if f"left_{name}" in needed or f"right_{name}" in needed:
+            assert result.main is None
+            assert "exchanged" in result.reason.text
+        else:
+            of_true = true[result.definition.measure_id]
+            assert (result.main is None) == (of_true.main is None)
+    assert sum("exchanged" in notice.text for notice in found.notices) == 1
+
+
+@pytest.mark.parametrize("view", ["anterior", "posterior"])
+@pytest.mark.parametrize("plane", [PlaneChoice.ACROMIA, PlaneChoice.ASIS])
+def test_an_exchanged_pair_does_not_turn_the_plane_that_it_spans(view, plane):
+    wrong = exchanged_pair(standing(), plane.value.replace("acromia", "acromion"))
+    one = results(view, wrong, capturing=Capturing(view, LEVEL, plane))
+    assert {result.projected for result in one.values()} == {None}
+    assert all(result.reason for result in one.values())
+
+
+def test_a_template_that_lies_the_wrong_way_round_is_no_plane():
+    places = standing()
+    places |= {"template_left": places["right_metatarsals"]}
+    places |= {"template_right": places["left_metatarsals"]}
+    capturing = Capturing("anterior", LEVEL, PlaneChoice.TEMPLATE)
+    one = results("anterior", places, capturing=capturing)
+    assert "exchanged" in one["ANT.ACR.H"].reason.text
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_side_view_of_the_other_side_is_refused(side):
+    other = {"right": "left", "left": "right"}[side]
+    places = {
+        name.replace(side, other): place for name, place in standing().items() if other not in name
+    }
+    markers = seen_from(f"{side}_lateral", places)
+    declared = Capturing(f"{other}_lateral", LEVEL)
+    found = measure_protocol(SAPO, markers, declared)
+    assert {result.main for result in found.results} == {None}
+    assert any("exchanged" in notice.text for notice in found.notices)
+
+
+def test_crossed_limbs_are_measured_and_told():
+    joints = find_protocol("joints-15")
+    places = {
+        "left_shoulder": np.array([0.18, 1.4, 0.0]),
+        "right_shoulder": np.array([-0.18, 1.4, 0.0]),
+        "left_hand": np.array([-0.1, 1.0, 0.2]),
+        "right_hand": np.array([0.1, 1.0, 0.25]),
+    }
+    found = measure_protocol(joints, seen_from("anterior", places), Capturing("anterior", LEVEL))
+    assert any("crossed" in notice.text for notice in found.notices)
+    assert any(result.main is not None for result in found.results)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_the_patients_directions_are_right_handed_in_every_view(view):
+    up = np.array([0.1, -1.0, 0.05])
+    up /= np.linalg.norm(up)
+    left, ahead = (patient_axis(axis, view, up) for axis in ("left", "anterior"))
+    np.testing.assert_allclose(np.cross(left, up), ahead, atol=1e-12)
+    np.testing.assert_allclose(patient_axis("right", view, up), -left)
+    np.testing.assert_allclose(patient_axis("posterior", view, up), -ahead)
+    body = CAMERA_FROM_BODY[view]
+    assert body[:, 0] @ left > 0.9
+    assert body[:, 2] @ ahead > 0.9
 
 
 def test_missing_hidden_and_doubled_landmarks_are_told():
