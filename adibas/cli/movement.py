@@ -5,7 +5,7 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
-from adibas.cli.recording_options import add_calibration, add_person
+from adibas.cli.recording_options import add_calibration, add_oldest_calibration, add_person
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.data.posture import VIEWS
 from adibas.errors import MarkerError
@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("of limbs, with --markerless; the program's own if not given"),
     )
     add_calibration(parser)
+    add_oldest_calibration(parser)
     parser.add_argument(
         "--view", choices=VIEWS, default="", help=_("which side is seen in the first frame")
     )
@@ -78,6 +79,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         arguments.view,
         arguments.patient,
         arguments.person,
+        arguments.oldest_calibration,
     )
     with console.progress(_("Analysing")) as progress:
         movement = measure_moving(request, progress)

@@ -6,9 +6,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out, positive_count
+from adibas.cli.options import add_json, add_out
 from adibas.cli.protocol_options import add_protocol, wished_protocol
-from adibas.cli.recording_options import add_calibration, add_frames, add_markers, add_recording
+from adibas.cli.recording_options import (
+    add_calibration,
+    add_frames,
+    add_markers,
+    add_oldest_calibration,
+    add_recording,
+)
 from adibas.cli.report_options import add_patient, add_report_options, check_report
 from adibas.data.posture import VIEWS
 from adibas.data.report import PictureChoice
@@ -30,12 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recording(parser)
     add_markers(parser)
     add_calibration(parser)
-    parser.add_argument(
-        "--oldest-calibration",
-        type=positive_count,
-        metavar=_("DAYS"),
-        help=_("refuse a calibration that is older; of any age if not given"),
-    )
+    add_oldest_calibration(parser)
     add_protocol(parser)
     parser.add_argument(
         "--labels",
@@ -54,8 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Analyse the burst and write the report."""
-    from adibas.clock import utc_now
-    from adibas.pipeline.calibration_age import check_age
+    from adibas.pipeline.posture_checks import NOT_COUNTED
     from adibas.pipeline.session import PostureRequest, analyse_recording
     from adibas.pipeline.session_report import report_of_analysis
     from adibas.reports.json_report import posture_to_json
@@ -71,19 +71,16 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         patient=arguments.patient,
         protocol=protocol,
         labels=arguments.labels,
+        oldest_calibration_days=arguments.oldest_calibration,
     )
     with console.progress(_("Analysing")) as progress:
         analysis = analyse_recording(request, progress)
-    if arguments.oldest_calibration is not None:
-        check_age(analysis.calibration, arguments.oldest_calibration, utc_now())
     pictures = PictureChoice(arguments.pictures)
     write_report(report_of_analysis(analysis, arguments.language, pictures), arguments.out)
     for notice in analysis.notices:
         console.warn(_(notice))
     for reason, count in Counter(one.reason for one in analysis.rejected).most_common():
-        console.warn(
-            _("Not counted as a marker ({n}): {reason}.").format(n=count, reason=_(reason))
-        )
+        console.warn(_(NOT_COUNTED).format(n=count, reason=_(reason)))
     _tell_measures(analysis, console)
     n_markers, n_distances, n_angles = (
         len(found) for found in (analysis.markers, analysis.distances, analysis.angles)

@@ -24,6 +24,16 @@ def add_calibration(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_oldest_calibration(parser: argparse.ArgumentParser) -> None:
+    """Offer `--oldest-calibration`, None if not given."""
+    parser.add_argument(
+        "--oldest-calibration",
+        type=positive_count,
+        metavar=_("DAYS"),
+        help=_("refuse a calibration that is older; of any age if not given"),
+    )
+
+
 def add_markers(parser: argparse.ArgumentParser) -> None:
     """Ask for `--markers`."""
     parser.add_argument(

@@ -25,12 +25,16 @@ class MergedParams:
         1.21; two stickers of 4 pixels whose centres are 3 pixels apart have 1.38 to 1.55.
     greatest_axis_ratio : float
         Short over long axis; a larger marker beside small ones is as round as they are: 0.8.
+    least_radius : float
+        And its disc has this many times the median radius: 0, however small, since what stands
+        still is long for no other reason.
     least_markers : int
         Fewer have no median worth the name: 4.
     """
 
     least_length: float = 1.35
     greatest_axis_ratio: float = 0.8
+    least_radius: float = 0.0
     least_markers: int = 4
 
 
@@ -52,5 +56,6 @@ def are_merged(
     if len(known) < params.least_markers:
         return np.zeros(len(radii_m), np.bool_)
     is_long = lengths_m > params.least_length * float(np.median(known))
-    found: BoolArray = is_long & (axis_ratios < params.greatest_axis_ratio)
+    is_large = radii_m > params.least_radius * float(np.nanmedian(radii_m))
+    found: BoolArray = is_long & is_large & (axis_ratios < params.greatest_axis_ratio)
     return found

@@ -6,14 +6,18 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.errors import CalibrationError
 
 
-def check_age(calibration: RgbdCalibration, most_days: int, now_utc: datetime) -> None:
+def check_age(calibration: RgbdCalibration, most_days: int | None, now_utc: datetime) -> None:
     """Refuse a calibration that is older than so many days, or does not say when it was made.
+
+    Where nothing is allowed or forbidden (None), any age will do.
 
     Raises
     ------
     CalibrationError
         It is.
     """
+    if most_days is None:
+        return
     n_days = age_days(calibration, now_utc)
     if n_days is None:
         raise CalibrationError(

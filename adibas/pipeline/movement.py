@@ -1,13 +1,13 @@
 """From a moving recording, or a table of joints, to joint angles over time."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from adibas import __version__
-from adibas.arrays import FloatArray
+from adibas.arrays import FloatArray, IntArray
 from adibas.calibration.files import check_fits
 from adibas.clock import NS_PER_S, Clock, to_text, utc_now
 from adibas.data.calibration import RgbdCalibration
@@ -18,22 +18,20 @@ from adibas.data.posture import Provenance
 from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.errors import MarkerError, RecordingError
-from adibas.markers.disparity import DisparitySum
-from adibas.markers.position import PositionFinder
+from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import MovementParams, MovementSource, measure_movement
+from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.learning import read_target
+from adibas.pipeline.movement_markers import (
+    FrameMarkers,
+    doubts_about_frames,
+    markers_of_frame,
+)
 from adibas.pipeline.pose import PoseRequest, pose_recording
 from adibas.pipeline.pose_following import PoseParams
-from adibas.pipeline.posture import (
-    N_THREADS,
-    MarkerTarget,
-    PostureParams,
-    check_selective,
-    detect,
-)
+from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.session import calibration_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
@@ -45,7 +43,7 @@ from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.sides import BACK, FRONT
-from adibas.skeleton.tracking import name_movement
+from adibas.skeleton.tracking import TrackedNames, name_movement
 from adibas.texts import message
 
 JOINT_FILE = ".csv"
@@ -79,6 +77,8 @@ class MovementRequest:
         Of the first frame, one of `VIEWS` or empty; a pseudonym or empty.
     person : int or None
         Of a table, or without markers; None: the one who was seen longest.
+    oldest_calibration_days : int or None
+        An older calibration is refused; None: of any age.
     """
 
     source: Path
@@ -89,6 +89,7 @@ class MovementRequest:
     view: str = ""
     patient: str = ""
     person: int | None = None
+    oldest_calibration_days: int | None = None
     posture: PostureParams = field(default_factory=PostureParams)
     movement: MovementParams = field(default_factory=MovementParams)
 
@@ -103,7 +104,8 @@ def measure_moving(
     RecordingError
         The source is missing, broken, or empty, or has no such person.
     CalibrationError
-        The recording has no calibration, or one for another resolution.
+        The recording has no calibration, or one that is too old or for another resolution; or
+        the source is a table, and an age is asked for.
     MarkerError
         No joint was found in any frame, or the colour model fits everything.
     LimbError
@@ -117,6 +119,12 @@ def measure_moving(
 
 
 def _of_table(request: MovementRequest, clock: Clock) -> Movement:
+    if request.oldest_calibration_days is not None:
+        raise CalibrationError(
+            "{file} does not say when the sensor was calibrated. Give the recording, or leave "
+            "--oldest-calibration out.",
+            file=request.source.name,
+        )
     read = read_joints_csv(request.source)
     tracks = {track.person: track for track in read.tracks}
     longest = max(read.tracks, key=lambda track: int(track.seen.any(axis=1).sum()))
@@ -145,6 +153,7 @@ def _without_markers(request: MovementRequest, progress: Progress, clock: Clock)
             request.model,
             request.calibration,
             pose=PoseParams(view=view),
+            oldest_calibration_days=request.oldest_calibration_days,
         ),
         progress,
         clock,
@@ -177,7 +186,8 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
         if len(recording) == 0:
             raise RecordingError("The recording holds no whole frame. Record the session again.")
         calibration = calibration_of(recording, request.calibration)
-        joints, unnamed_share = _follow(recording, calibration, target, request, progress)
+        check_age(calibration, request.oldest_calibration_days, clock())
+        joints, doubts = _follow(recording, calibration, target, request, progress)
         notice = recording.notice
     if not joints.seen.any():
         raise MarkerError(
@@ -195,10 +205,7 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
     notices: tuple[Sentence, ...] = ()
     if notice is not None:
         notices += (Sentence(message("{notice}"), {"notice": notice}),)
-    if unnamed_share > 0:
-        fields = {"percent": 100.0 * unnamed_share}
-        notices += (Sentence(SPARE_MARKERS, fields, decimals=0),)
-    source = MovementSource("markers", provenance, request.patient, up, notices)
+    source = MovementSource("markers", provenance, request.patient, up, (*notices, *doubts))
     return measure_movement(joints, source, request.movement)
 
 
@@ -208,57 +215,46 @@ def _follow(
     target: MarkerTarget,
     request: MovementRequest,
     progress: Progress,
-) -> tuple[SkeletonTrack, float]:
-    """Return the joints in the colour camera's axes, and the share of frames with unnamed ones."""
+) -> tuple[SkeletonTrack, tuple[Sentence, ...]]:
+    """Return the joints in the colour camera's axes, and what the reader must know of them."""
     upright_from_camera = upright_turn(vertical_of(calibration).up)
     n_frames = len(recording)
     timestamps_ns = np.asarray(recording.timestamps_ns, np.int64)
     times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
-    points_m: list[FloatArray] = []
+    seen: list[FrameMarkers] = []
 
-    def work(frame: RgbdFrame) -> FloatArray:
-        return marker_points(frame, calibration, target, request.posture)
+    def work(frame: RgbdFrame) -> FrameMarkers:
+        return markers_of_frame(frame, calibration, target, request.posture)
 
-    def upright(found: Iterable[FloatArray]) -> Iterator[FloatArray]:
-        for of_frame_m in found:
-            points_m.append(of_frame_m)
-            progress(len(points_m), n_frames)
-            yield of_frame_m @ upright_from_camera.T
+    def upright(found: Iterable[FrameMarkers]) -> Iterator[FloatArray]:
+        for of_frame in found:
+            seen.append(of_frame)
+            progress(len(seen), n_frames)
+            yield of_frame.points_m @ upright_from_camera.T
 
     with in_order(work, _frames(recording, calibration), N_THREADS) as found:
         named = name_movement(shipped_namer(), upright(found), times_s.tolist(), request.view)
-    joints_m = np.full((n_frames, len(JOINT_NAMES), 3), np.nan)
-    confidence = np.full((n_frames, len(JOINT_NAMES)), np.nan)
+    joints = _joints(timestamps_ns, [one.points_m for one in seen], named)
+    return joints, (*_spare(named), *doubts_about_frames(seen))
+
+
+def _joints(
+    timestamps_ns: IntArray, points_m: Sequence[FloatArray], named: Sequence[TrackedNames]
+) -> SkeletonTrack:
+    """Return the points that have a name, each in its joint's place."""
+    joints_m = np.full((len(named), len(JOINT_NAMES), 3), np.nan)
+    confidence = np.full((len(named), len(JOINT_NAMES)), np.nan)
     for number, (of_frame_m, one) in enumerate(zip(points_m, named, strict=True)):
         for name, point_m, sure in zip(one.names, of_frame_m, one.confidences, strict=True):
             if name is not None:
                 place = JOINT_NAMES.index(name)
                 joints_m[number, place], confidence[number, place] = point_m, sure
-    n_unnamed = sum(None in one.names for one in named)
-    return SkeletonTrack(timestamps_ns, joints_m, confidence), n_unnamed / n_frames
+    return SkeletonTrack(timestamps_ns, joints_m, confidence)
 
 
-def marker_points(
-    frame: RgbdFrame, calibration: RgbdCalibration, target: MarkerTarget, params: PostureParams
-) -> FloatArray:
-    """Return (N, 3) positions of the markers of one frame, colour camera, metres.
-
-    Raises
-    ------
-    MarkerError
-        The colour model fits everything.
-    """
-    detections = detect(frame, calibration, target, params)
-    if detections is None:
-        return np.empty((0, 3))
-    check_selective(detections, target, params)
-    depth = DisparitySum(calibration.depth_bias, calibration.depth)
-    depth.add(frame.depth_m)
-    disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
-    finder = PositionFinder(disparity, calibration, params.position)
-    found = (finder.locate(np.array([b.u, b.v]), b.covariance_px2) for b in detections.blobs)
-    positions = [position.position_m for position in found if position is not None]
-    return np.array(positions).reshape(-1, 3)
+def _spare(named: Sequence[TrackedNames]) -> Iterator[Sentence]:
+    if n_unnamed := sum(None in one.names for one in named):
+        yield Sentence(SPARE_MARKERS, {"percent": 100.0 * n_unnamed / len(named)}, decimals=0)
 
 
 def _frames(recording: RecordingReader, calibration: RgbdCalibration) -> Iterator[RgbdFrame]:

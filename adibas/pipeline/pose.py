@@ -21,6 +21,7 @@ from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, RecordingError
 from adibas.limbs.model import LimbModel, load_model
 from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
@@ -57,6 +58,8 @@ class PoseRequest:
     least_frames : int
         Somebody seen in fewer frames, or in less than half of a shorter recording, is left out:
         5. What is no person seldom has bones that fit for long.
+    oldest_calibration_days : int or None
+        An older calibration is refused; None: of any age.
     """
 
     recording: Path
@@ -68,6 +71,7 @@ class PoseRequest:
     least_joints: int = 6
     least_frames: int = 5
     access: RecordingAccess = FILES
+    oldest_calibration_days: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,7 +133,7 @@ def pose_recording(
     RecordingError
         It is missing, broken, or has no such frames, or no depth.
     CalibrationError
-        There is none of the depth camera, or one for another resolution.
+        There is none of the depth camera, or one that is too old or for another resolution.
     LimbError
         Nobody was found, or the model is for other limbs.
     FileError
@@ -139,6 +143,7 @@ def pose_recording(
     with request.access.open(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
+        check_age(calibration, request.oldest_calibration_days, clock())
         found = _Found(request, calibration, model)
         for number, index in enumerate(wanted, 1):
             found.take(recording, index)

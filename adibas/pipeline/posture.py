@@ -178,7 +178,7 @@ def analyse_burst(
     found = tracker.markers()
     finder = PositionFinder(disparity, calibration, params.position, pixels_uv(found))
     measured = tuple(_measured(one, finder) for one in found)
-    focal_px = _cameras(calibration)[0].intrinsics.fx
+    focal_px = cameras_of(calibration)[0].intrinsics.fx
     single, merged = apart_from_merged(found, measured, focal_px)
     markers = tuple(replace(one, label=f"m{number:02d}") for number, one in enumerate(single, 1))
     n_people, beside = _look_about(newest, calibration, target, params, measured)
@@ -193,13 +193,11 @@ def _look_about(
     markers: tuple[Marker, ...],
 ) -> tuple[int, tuple[RejectedBlob, ...]]:
     """Return how many people a frame shows, and what looks like a marker and is on nobody."""
-    _, depth = _cameras(calibration)
-    depth_m = calibration.corrected_depth(frame.depth_m)
-    floor = calibration.floor or find_floor(depth_m, depth, params.up)
-    sight = see_person(depth_m, floor, calibration, params)
+    sight = look_for_person(frame, calibration, params)
     if sight is None:
         return 1, ()
-    n_people = count_people(depth_m, depth, floor, sight.body)
+    _, depth = cameras_of(calibration)
+    n_people = count_people(sight.depth_m, depth, sight.floor, sight.body)
     beside = replace(sight, outline=~sight.outline)
     seen = find_markers(frame.color_rgb, beside, calibration, target, params)
     return n_people, refuse_beside(seen, markers, _greatest_share(target, params))
@@ -212,13 +210,20 @@ def detect(
     params: PostureParams,
 ) -> Detections | None:
     """Return the blobs of one frame; None where nobody is seen."""
-    _, depth = _cameras(calibration)
-    depth_m = calibration.corrected_depth(frame.depth_m)
-    floor = calibration.floor or find_floor(depth_m, depth, params.up)
-    sight = see_person(depth_m, floor, calibration, params)
+    sight = look_for_person(frame, calibration, params)
     if sight is None:
         return None
     return find_markers(frame.color_rgb, sight, calibration, target, params)
+
+
+def look_for_person(
+    frame: RgbdFrame, calibration: RgbdCalibration, params: PostureParams
+) -> Sight | None:
+    """Return the person in one frame; None where nobody is seen."""
+    _, depth = cameras_of(calibration)
+    depth_m = calibration.corrected_depth(frame.depth_m)
+    floor = calibration.floor or find_floor(depth_m, depth, params.up)
+    return see_person(depth_m, floor, calibration, params)
 
 
 def see_person(
@@ -236,7 +241,7 @@ def see_person(
     floor : Plane or None
         In the depth camera's axes; None where no floor is seen.
     """
-    color, depth = _cameras(calibration)
+    color, depth = cameras_of(calibration)
     body = find_body(depth_m, depth, floor)
     if body is None:
         return None
@@ -253,7 +258,7 @@ def find_markers(
     params: PostureParams,
 ) -> Detections:
     """Return the blobs on the person in the (H', W', 3) colour image of the same moment."""
-    focal_px = _cameras(calibration)[0].intrinsics.fx
+    focal_px = cameras_of(calibration)[0].intrinsics.fx
     registered_m = sight.registration.depth_m
     if isinstance(target, LedParams):
         return find_led_markers(color_rgb, sight.outline, registered_m, focal_px, target)
@@ -283,7 +288,8 @@ def _greatest_share(target: MarkerTarget, params: PostureParams) -> float:
     return params.greatest_matched_share
 
 
-def _cameras(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraCalibration]:
+def cameras_of(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraCalibration]:
+    """Return the colour and the depth camera."""
     if calibration.color is None or calibration.depth is None:
         raise ValueError("posture needs both cameras")
     return calibration.color, calibration.depth

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
-from adibas.arrays import Float32Array
+from adibas.arrays import BoolArray, Float32Array, FloatArray
 from adibas.body.people import find_people
 from adibas.data.calibration import CameraCalibration
 from adibas.data.markers import Marker, RejectedBlob
@@ -13,10 +14,11 @@ from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
 from adibas.markers.burst import BurstMarker
 from adibas.markers.detection import Detections
-from adibas.markers.merged import MERGED, are_merged
+from adibas.markers.merged import MERGED, MergedParams, are_merged
 from adibas.texts import message
 
 BESIDE = message("not on the patient")
+NOT_COUNTED = message("Not counted as a marker ({n}): {reason}.")
 OWN_SHARE = 0.5
 """Of a piece's pixels that the body has, too: from there on it is no other person."""
 MOST_BESIDE = 10
@@ -58,6 +60,39 @@ def refuse_beside(
     return tuple(RejectedBlob(one.u, one.v, BESIDE) for one in spots[:MOST_BESIDE])
 
 
+class Spot(Protocol):
+    """How a marker looks."""
+
+    @property
+    def radius_px(self) -> float:
+        """Of the disc with its area."""
+        ...
+
+    @property
+    def axis_ratio(self) -> float:
+        """Short over long axis."""
+        ...
+
+
+def are_two_in_one(
+    spots: Sequence[Spot],
+    depths_m: FloatArray,
+    focal_px: float,
+    params: MergedParams | None = None,
+) -> BoolArray:
+    """Say of each spot of the colour picture whether it is two markers.
+
+    Parameters
+    ----------
+    depths_m : (N,) array
+        Of the spots, colour camera; NaN where not known.
+    focal_px : float
+        Of the colour camera.
+    """
+    radii_m = np.array([one.radius_px for one in spots]) * depths_m / focal_px
+    return are_merged(radii_m, np.array([one.axis_ratio for one in spots]), params)
+
+
 def apart_from_merged(
     found: tuple[BurstMarker, ...], markers: tuple[Marker, ...], focal_px: float
 ) -> tuple[tuple[Marker, ...], tuple[RejectedBlob, ...]]:
@@ -73,8 +108,7 @@ def apart_from_merged(
     depths_m = np.array(
         [np.nan if one.position_m is None else one.position_m[2] for one in markers]
     )
-    radii_m = np.array([one.radius_px for one in markers]) * depths_m / focal_px
-    is_merged = are_merged(radii_m, np.array([one.axis_ratio for one in found]))
+    is_merged = are_two_in_one(found, depths_m, focal_px)
     kept = tuple(one for one, out in zip(markers, is_merged, strict=True) if not out)
     refused = (one for one, out in zip(markers, is_merged, strict=True) if out)
     return kept, tuple(RejectedBlob(one.u, one.v, MERGED) for one in refused)

@@ -12,6 +12,7 @@ from adibas.data.frames import RgbdFrame
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.labels import read_labels, with_labels
 from adibas.pipeline.learning import read_target
 from adibas.pipeline.namers import namer_of
@@ -48,6 +49,8 @@ class PostureRequest:
         What to measure besides distances and angles.
     labels : Path or None
         A file that names the markers.
+    oldest_calibration_days : int or None
+        An older calibration is refused; None: of any age.
     """
 
     recording: Path
@@ -59,6 +62,7 @@ class PostureRequest:
     params: PostureParams = field(default_factory=PostureParams)
     protocol: ProtocolWish | None = None
     labels: Path | None = None
+    oldest_calibration_days: int | None = None
 
 
 def analyse_recording(
@@ -71,7 +75,7 @@ def analyse_recording(
     RecordingError
         The recording is missing, broken, or has no such frames.
     CalibrationError
-        There is no calibration, or it is for another resolution.
+        There is no calibration, or it is too old, or for another resolution.
     MarkerError
         Fewer than two markers have a position, or the colour model fits everything; or the labels
         name markers that are not there.
@@ -85,6 +89,7 @@ def analyse_recording(
     with open_recording(request.recording) as recording:
         begin, end = _burst_range(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
+        check_age(calibration, request.oldest_calibration_days, clock())
         burst = _Burst(recording, calibration, begin, end, progress)
         findings = analyse_burst(burst, calibration, target, request.params)
         notices = tuple(notice for notice in (recording.notice,) if notice)

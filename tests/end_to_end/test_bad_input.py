@@ -300,10 +300,11 @@ def measured(demo, tmp_path, capsys):
     return run
 
 
-def test_of_two_people_the_larger_one_is_measured_and_that_is_told(
-    demo, changed, calibration, measured
-):
-    def with_a_second_one(frame):
+@pytest.fixture
+def with_a_second_one(calibration):
+    """Show the patient twice in a frame, side by side."""
+
+    def twice(frame):
         depth_m = calibration.corrected_depth(depth_in_metres(frame.depth_raw, 0.001))
         pixels = find_body(depth_m, calibration.depth, calibration.floor).pixels
         rows, columns = np.nonzero(pixels)
@@ -313,6 +314,12 @@ def test_of_two_people_the_larger_one_is_measured_and_that_is_told(
         depth_raw[rows, columns + 200] = frame.depth_raw[rows, columns]
         return replace(frame, depth_raw=depth_raw)
 
+    return twice
+
+
+def test_of_two_people_the_larger_one_is_measured_and_that_is_told(
+    demo, changed, with_a_second_one, measured
+):
     document, told = measured(changed(with_a_second_one))
     assert any("Several people are seen" in notice for notice in document["notices"])
     assert "Several people are seen" in told
@@ -355,6 +362,54 @@ def test_two_stickers_that_overlap_are_no_marker_between_them(demo, changed, mea
     labels = [one["label"] for one in document["markers"]]
     assert len(labels) == len(demo.said["posture"]["markers"]) - 1
     assert labels == [f"m{number:02d}" for number in range(1, len(labels) + 1)]
+
+
+@pytest.fixture
+def notices_of_movement(demo, tmp_path, capsys):
+    """Measure the movement of a recording; return what is told of it."""
+
+    def run(recording):
+        words = ["movement", recording, "--markers", demo.colors, "--view", "anterior", "--json"]
+        capsys.readouterr()
+        assert main([str(word) for word in (*words, "--out", tmp_path / "m.csv")]) == 0
+        return " ".join(json.loads(capsys.readouterr().out)["notices"])
+
+    return run
+
+
+def test_a_movement_says_in_how_many_frames_several_people_are_seen(
+    demo, changed, with_a_second_one, notices_of_movement
+):
+    assert "Several people" not in notices_of_movement(demo.recording)
+    told = notices_of_movement(changed(with_a_second_one))
+    assert "Several people are seen" in told
+    assert f"(In {demo.n_frames} of {demo.n_frames} frames.)" in told
+
+
+def test_a_movement_is_not_measured_on_two_stickers_that_overlap(
+    demo, changed, notices_of_movement
+):
+    with open_recording(demo.recording) as recording:
+        info = recording.info
+    marker = demo.said["posture"]["markers"][5]
+    u, v = marker["u"], marker["v"]
+    told = notices_of_movement(changed(lambda frame: painted(frame, info, (u, v), (u + 4, v))))
+    assert "as long as two markers side by side" in told
+    assert "as long as two" not in notices_of_movement(demo.recording)
+
+
+@pytest.mark.parametrize("how", [("--markers", "led"), ("--markerless",)])
+def test_a_movement_refuses_a_calibration_that_is_too_old(how, calibration, demo, tmp_path, capsys):
+    write_calibration(tmp_path / "old.json", replace(calibration, created_utc="2020-01-01"))
+    words = ["movement", demo.recording, *how, "--calibration", tmp_path / "old.json"]
+    words += ["--oldest-calibration", 30, "--out", tmp_path / "m.csv"]
+    assert "at most 30 are allowed" in fails(capsys, *words)
+
+
+def test_the_age_of_a_calibration_is_not_asked_of_a_table(tmp_path, capsys):
+    words = ["movement", tmp_path / "joints.csv", "--oldest-calibration", 30]
+    said = fails(capsys, *words, "--out", tmp_path / "m.csv")
+    assert "does not say when the sensor was calibrated" in said
 
 
 @pytest.mark.parametrize("name", ["report.txt", "report", "report.docx", "."])

@@ -19,6 +19,10 @@ def test_one_that_is_young_enough_is_taken(made):
         check_age(calibration, 8, NOW)
 
 
+def test_where_no_age_is_asked_for_any_will_do():
+    check_age(RgbdCalibration(created_utc="1999-01-01"), None, NOW)
+
+
 @pytest.mark.parametrize("made", ["", "last week"])
 def test_one_of_unknown_age_is_refused(made):
     with pytest.raises(CalibrationError, match="does not say when"):

@@ -7,7 +7,7 @@ from adibas.data.markers import Marker
 from adibas.markers.blobs import Blob
 from adibas.markers.burst import BurstMarker
 from adibas.markers.detection import Detections
-from adibas.markers.merged import are_merged
+from adibas.markers.merged import MergedParams, are_merged
 from adibas.pipeline.posture_checks import MOST_BESIDE, apart_from_merged, refuse_beside
 
 
@@ -34,6 +34,14 @@ def test_a_disc_is_as_long_however_it_is_turned():
 def test_a_spot_as_long_as_two_is_two_unless_it_is_round(ratio, is_two):
     long_one = (0.0075 * np.sqrt(ratio), ratio)
     assert judged(*[seen(0.3)] * 4, long_one) == [*[False] * 4, is_two]
+
+
+def test_a_spot_drawn_long_by_its_motion_is_one_marker_where_size_counts_too():
+    ratio = 0.5
+    drawn, two = (0.005, ratio), (0.007, ratio)
+    radii_m, ratios = np.array([*[seen(0.0)] * 5, drawn, two]).T
+    found = are_merged(radii_m, ratios, MergedParams(least_radius=1.1))
+    assert found.tolist() == [*[False] * 6, True]
 
 
 def test_three_markers_have_no_usual_length():
