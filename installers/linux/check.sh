@@ -21,7 +21,9 @@ failures=0
 
 end() {
     [ -z "${xvfb:-}" ] || kill "$xvfb" 2>/dev/null || true
-    umount "$root/dev/shm" "$root/proc" 2>/dev/null || true
+    for place in tmp/.X11-unix dev/shm proc; do
+        umount "$root/$place" 2>/dev/null || true
+    done
     rm -rf --one-file-system "$root"
 }
 inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
@@ -98,6 +100,8 @@ display=$((90 + RANDOM % 9000))
 Xvfb ":$display" -screen 0 1400x1000x24 -nolisten tcp >"$report/xvfb" 2>&1 &
 xvfb=$!
 sleep 2
+mkdir -p "$root/tmp/.X11-unix"
+mount --bind /tmp/.X11-unix "$root/tmp/.X11-unix"
 .venv/bin/python -m installers.first_window --display ":$display" --picture "$report/window.xwd" \
     --root "$root" --user clinician --source "$source_program" --at-most "$most_times_slower" \
     2>"$report/stderr" && seen=ok || seen=no
