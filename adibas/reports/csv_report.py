@@ -3,85 +3,134 @@
 import csv
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 from adibas.data.posture import PostureAnalysis
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.files import written_whole
 from adibas.reports.cells import neutralised
-from adibas.reports.facts import capture_names
-from adibas.reports.rows import angle_rows, distance_rows, free_rows, marker_rows, measure_rows
+from adibas.reports.facts import notice_texts
+from adibas.reports.rows import (
+    MeasureRow,
+    NumberRow,
+    angle_rows,
+    distance_rows,
+    free_remark,
+    free_rows,
+    marker_rows,
+    measure_rows,
+    remark,
+)
 from adibas.texts import speaking
 
-HEADER = ("quantity", "a", "vertex", "b", "value", "unit", "ci95_low", "ci95_high")
 AXES = ("x", "y", "z")
 
-Row = tuple[str | float, ...]
+
+class Line(NamedTuple):
+    """One row after capture and view; its fields name the columns, and empty is not told."""
+
+    quantity: str
+    a: str = ""
+    vertex: str = ""
+    b: str = ""
+    value: float | str = ""
+    unit: str = ""
+    ci95_low_instrument_only: float | str = ""
+    ci95_high_instrument_only: float | str = ""
+    protocol: str = ""
+    revision: str = ""
+    plane: str = ""
+    remark: str = ""
 
 
 def write_csv(report: SessionReport, path: Path) -> None:
-    """Write every marker position, distance and angle; empty = not measured.
+    """Write every measure, marker position, distance and angle, and the notices of each capture.
 
-    Where there are several captures each row begins with the view.
+    A value that is empty was not measured; the remark says why, in the report's language.
 
     Raises
     ------
     FileError
         The disk is full, or the folder cannot be written.
     """
-    with speaking(report.language):
-        names = capture_names(report)
     with (
+        speaking(report.language),
         written_whole(path) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.writer(file)
-        is_single = len(names) == 1
-        writer.writerow(HEADER if is_single else ("view", *HEADER))
-        for name, capture in zip(names, report.captures, strict=True):
-            for row in _rows(capture):
-                whole = row if is_single else (name, *row)
+        writer.writerow(("capture", "view", *Line._fields))
+        for number, capture in enumerate(report.captures, 1):
+            for line in _lines(capture):
+                row = (number, capture.analysis.view, *line)
                 writer.writerow(
-                    [neutralised(cell) if isinstance(cell, str) else cell for cell in whole]
+                    [neutralised(cell) if isinstance(cell, str) else cell for cell in row]
                 )
 
 
-def _rows(capture: CaptureReport) -> Iterator[Row]:
+def _lines(capture: CaptureReport) -> Iterator[Line]:
     yield from _measures(capture.analysis)
-    yield from _markers(capture.analysis)
+    yield from _markers(capture)
     yield from _distances(capture.analysis)
     yield from _angles(capture.analysis)
     yield from _free_measures(capture)
+    for text in notice_texts(capture.analysis):
+        yield Line("notice", remark=text)
 
 
-def _measures(analysis: PostureAnalysis) -> Iterator[Row]:
-    for row in measure_rows(analysis):
-        parts = (("measure", row.main), ("measure_plane", row.projected))
-        for quantity, numbers in (*parts, ("measure_space", row.spatial)):
-            values = ("", "", "") if numbers is None else (numbers.value, numbers.low, numbers.high)
-            yield quantity, row.measure_id, "", "", values[0], row.unit, *values[1:]
+def _measures(analysis: PostureAnalysis) -> Iterator[Line]:
+    measures = analysis.measures
+    if measures is None:
+        return
+    plane = measures.plane.value
+    for result, row in zip(measures.results, measure_rows(analysis), strict=True):
+        of_main = "" if result.definition.is_spatial else plane
+        for quantity, numbers, in_plane in (
+            ("measure", row.main, of_main),
+            ("measure_plane", row.projected, plane),
+            ("measure_space", row.spatial, ""),
+        ):
+            line = _measure(quantity, row, numbers)
+            followed = measures.protocol
+            yield line._replace(
+                protocol=followed.protocol_id, revision=followed.revision, plane=in_plane
+            )
 
 
-def _markers(analysis: PostureAnalysis) -> Iterator[Row]:
-    for marker in marker_rows(analysis):
-        yield "u", marker.label, "", "", marker.u_px, "px", "", ""
-        yield "v", marker.label, "", "", marker.v_px, "px", "", ""
+def _measure(quantity: str, row: MeasureRow, numbers: NumberRow | None) -> Line:
+    line = Line(quantity, row.measure_id, unit=row.unit, remark=row.remark)
+    if numbers is None:
+        return line
+    return line._replace(
+        value=numbers.value,
+        ci95_low_instrument_only=numbers.low,
+        ci95_high_instrument_only=numbers.high,
+    )
+
+
+def _markers(capture: CaptureReport) -> Iterator[Line]:
+    for marker in marker_rows(capture.analysis):
+        line = Line("", marker.label, remark=remark(capture, marker) or "")
+        yield line._replace(quantity="u", value=marker.u_px, unit="px")
+        yield line._replace(quantity="v", value=marker.v_px, unit="px")
         position_mm: tuple[float | str, ...] = marker.position_mm or ("", "", "")
         for axis, value_mm in zip(AXES, position_mm, strict=True):
-            yield axis, marker.label, "", "", value_mm, "mm", "", ""
+            yield line._replace(quantity=axis, value=value_mm, unit="mm")
 
 
-def _distances(analysis: PostureAnalysis) -> Iterator[Row]:
+def _distances(analysis: PostureAnalysis) -> Iterator[Line]:
     for row in distance_rows(analysis):
-        yield "distance", row.a, "", row.b, row.mm, "mm", row.low_mm, row.high_mm
+        yield Line("distance", row.a, "", row.b, row.mm, "mm", row.low_mm, row.high_mm)
 
 
-def _angles(analysis: PostureAnalysis) -> Iterator[Row]:
+def _angles(analysis: PostureAnalysis) -> Iterator[Line]:
     for row in angle_rows(analysis):
-        yield "angle", row.a, row.vertex, row.c, row.deg, "deg", row.low_deg, row.high_deg
+        yield Line("angle", row.a, row.vertex, row.c, row.deg, "deg", row.low_deg, row.high_deg)
 
 
-def _free_measures(capture: CaptureReport) -> Iterator[Row]:
+def _free_measures(capture: CaptureReport) -> Iterator[Line]:
     for row in free_rows(capture):
         quantity = "free_angle" if row.vertex else "free_distance"
-        numbers = ["" if number is None else number for number in (row.value, row.low, row.high)]
-        yield quantity, row.a, row.vertex, row.c, numbers[0], row.unit, *numbers[1:]
+        value, low, high = ("" if one is None else one for one in (row.value, row.low, row.high))
+        line = Line(quantity, row.a, row.vertex, row.c, value, row.unit, low, high)
+        yield line._replace(remark=free_remark(row) or "")

@@ -26,6 +26,7 @@ from adibas.reports.rows import (
     NumberRow,
     angle_rows,
     distance_rows,
+    free_remark,
     free_rows,
     marker_rows,
     measure_rows,
@@ -217,9 +218,8 @@ def _free_columns() -> tuple[Column, ...]:
 def _free_measures(capture: CaptureReport) -> Rows:
     for row in free_rows(capture):
         kind = _("Angle") if row.vertex else _("Distance")
-        missing = None if row.value is not None else _("not measured: a marker has no position")
         corners = map(landmark_text, (row.a, row.vertex, row.c))
-        yield kind, *corners, row.value, _(row.unit), row.low, row.high, missing
+        yield kind, *corners, row.value, _(row.unit), row.low, row.high, free_remark(row)
 
 
 def _interval_columns(unit: str) -> tuple[Column, Column]:

@@ -152,6 +152,12 @@ def notices(analysis: PostureAnalysis) -> Pairs:
     return facts
 
 
+def notice_texts(analysis: PostureAnalysis) -> tuple[str, ...]:
+    """Return what the reader must know about the input and the protocol's measures."""
+    of_measures = () if analysis.measures is None else analysis.measures.notices
+    return (*(_(notice) for notice in analysis.notices), *(one.text for one in of_measures))
+
+
 def calibration_text(analysis: PostureAnalysis) -> str:
     """Return sensor, date and identity of the calibration, as far as they are known."""
     calibration = analysis.calibration

@@ -209,6 +209,11 @@ def remark(capture: CaptureReport, row: MarkerRow) -> str | None:
     return _("the depth gives no position here")
 
 
+def free_remark(row: FreeRow) -> str | None:
+    """Return why a measure that was asked for has no value."""
+    return None if row.value is not None else _("not measured: a marker has no position")
+
+
 def _millimetres(
     marker: Marker,
 ) -> tuple[tuple[float, float, float] | None, tuple[float, float, float] | None]:

@@ -15,6 +15,7 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.patients import Identity
 from adibas.data.posture import PostureAnalysis, Provenance
 from adibas.data.protocol_measures import INSTRUMENT_ONLY
+from adibas.data.sentence import Sentence
 from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError, MarkerError, ProtocolError, ReportError
 from adibas.geometry.pinhole import Intrinsics
@@ -108,6 +109,30 @@ def test_the_same_measures_stand_in_excel_csv_and_json(analysis, tmp_path):
     assert "Measures of SAPO-1" in text
     assert "2-3 deg and 3-6 mm" in text
     assert "no normal value" in " ".join(text.split())
+
+
+def test_the_csv_table_tells_protocol_plane_and_notices_and_whose_intervals(analysis, tmp_path):
+    measured = with_measures(replace(analysis, notices=()), SAPO)
+    told = replace(measured.measures, notices=(Sentence("Stood on a slope."),))
+    report = report_of_analysis(replace(measured, measures=told), "en")
+    write_report(report, tmp_path / "report.csv")
+    with (tmp_path / "report.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    by_quantity = {row["quantity"]: row for row in rows if row["a"] in ("ANT.ACR.H", "")}
+    in_plane = by_quantity["measure_plane"]
+    assert [in_plane[key] for key in ("view", "protocol", "plane")] == [
+        "anterior",
+        "sapo-1",
+        "sensor",
+    ]
+    assert in_plane["revision"] == SAPO.protocol.revision
+    assert by_quantity["measure"]["plane"] == "sensor"
+    assert by_quantity["measure_space"]["plane"] == ""
+    low, high = (float(in_plane[f"ci95_{end}_instrument_only"]) for end in ("low", "high"))
+    assert low < float(in_plane["value"]) < high
+    assert by_quantity["notice"]["remark"] == "Stood on a slope."
+    head = next(row for row in rows if row["a"] == "ANT.HEAD.H")
+    assert (head["value"], head["remark"]) == ("", "not marked: right_tragus, left_tragus")
 
 
 def test_a_report_speaks_the_language_of_the_protocol_s_reader(analysis, tmp_path):

@@ -151,6 +151,31 @@ def test_free_measures_have_the_numbers_of_the_tables_in_every_format(report, tm
     assert "90.0 deg" in text
 
 
+def csv_rows(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_csv_table_has_the_same_columns_for_one_capture_and_for_many(report, tmp_path):
+    rows = csv_rows(written(report, ".csv", tmp_path))
+    seen = list(dict.fromkeys((row["capture"], row["view"]) for row in rows))
+    assert seen == [("1", "anterior"), ("2", "left_lateral"), ("3", "anterior")]
+    single = csv_rows(written(replace(report, captures=report.captures[:1]), ".csv", tmp_path))
+    assert single == [row for row in rows if row["capture"] == "1"]
+
+
+def test_the_csv_table_says_why_a_value_is_missing_and_what_must_be_known(report, tmp_path):
+    rows = csv_rows(written(report, ".csv", tmp_path))
+    nowhere = [row for row in rows if row["quantity"] in "xyz" and not row["value"]]
+    assert nowhere
+    assert all("the depth gives no position here" in row["remark"] for row in nowhere)
+    missing = [row for row in rows if row["quantity"] == "free_distance" and not row["value"]]
+    assert [row["remark"] for row in missing] == ["not measured: a marker has no position"]
+    notices = [row["remark"] for row in rows if row["quantity"] == "notice"]
+    assert len(notices) == len(report.captures)
+    assert "cut" in notices[0]
+
+
 def test_every_distance_of_the_pdf_is_the_workbook_s_to_a_tenth(report, tmp_path):
     single = replace(report, captures=report.captures[:1])
     text = pdf_text(written(single, ".pdf", tmp_path))
@@ -162,7 +187,6 @@ def test_every_distance_of_the_pdf_is_the_workbook_s_to_a_tenth(report, tmp_path
         assert re.search(r"\s+".join(map(re.escape, cells)), text)
     with written(single, ".csv", tmp_path).open(encoding="utf-8", newline="") as file:
         reader = csv.DictReader(file)
-        assert "view" not in reader.fieldnames
         numbers = [float(row["value"]) for row in reader if row["quantity"] == "distance"]
     assert numbers == [row["Distance [mm]"] for row in rows]
     assert "3 angles of all triplets" in text
