@@ -7,6 +7,7 @@ from typing import Any
 
 from adibas.data.movement import Movement
 from adibas.files import written_whole
+from adibas.recordings.joints_csv import ORIGIN
 from adibas.reports.movement_rows import range_rows, symmetry_rows
 
 
@@ -57,6 +58,8 @@ def movement_to_json(movement: Movement) -> dict[str, Any]:
 def write_movement_csv(movement: Movement, path: Path) -> None:
     """Write every angle over time, degrees; empty = not seen.
 
+    The last column says in every row where the joints come from, as tables of joints do.
+
     Raises
     ------
     FileError
@@ -67,9 +70,8 @@ def write_movement_csv(movement: Movement, path: Path) -> None:
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("time_s", *(f"{curve.name}_deg" for curve in movement.curves)))
+        writer.writerow(("time_s", *(f"{curve.name}_deg" for curve in movement.curves), ORIGIN))
         for row, time_s in enumerate(movement.times_s.tolist()):
             cells = (float(curve.deg[row]) for curve in movement.curves)
-            writer.writerow(
-                (f"{time_s:.6f}", *("" if math.isnan(deg) else f"{deg:.4f}" for deg in cells))
-            )
+            texts = ("" if math.isnan(deg) else f"{deg:.4f}" for deg in cells)
+            writer.writerow((f"{time_s:.6f}", *texts, movement.origin))

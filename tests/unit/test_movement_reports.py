@@ -75,6 +75,15 @@ def test_csv_has_every_angle_at_every_time(movement, tmp_path):
     assert len(rows) == len(movement.times_s)
 
 
+@pytest.mark.parametrize("origin", ["markers", "markerless", "unknown"])
+def test_csv_says_in_every_row_where_the_joints_come_from(origin, tmp_path):
+    file = tmp_path / "m.csv"
+    write_movement(measure_movement(bending(), source(origin=origin)), file, "en")
+    with file.open(newline="") as opened:
+        rows = list(csv.DictReader(opened))
+    assert {row["origin"] for row in rows} == {origin}
+
+
 def test_c3d_gives_the_joints_back_upright_and_in_millimetres(movement, tmp_path):
     file = tmp_path / "m.c3d"
     write_movement(movement, file, "en")
