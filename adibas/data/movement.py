@@ -110,7 +110,7 @@ class Movement:
     up : (3,) array
         Against gravity, camera axes.
     is_up_measured : bool
-        False where the camera's own upper side stands for it.
+        False where the camera's own upper side stands for it, in files with upright axes.
     curves : tuple of AngleCurve
     ranges : tuple of AngleRange
         Of the curves that are known anywhere.

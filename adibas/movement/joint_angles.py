@@ -62,12 +62,12 @@ def joint_angles(joints_m: FloatArray, up: FloatArray) -> dict[str, FloatArray]:
     joints_m : (..., 15, 3) array
         In the order of `JOINT_NAMES`; NaN where not seen.
     up : (3,) array
-        Against gravity, in the same axes, length 1.
+        Against gravity, in the same axes, length 1; NaN where it is not known.
 
     Returns
     -------
     angles_rad : dict of (...) arrays
-        NaN where a joint that it needs was not seen.
+        NaN where a joint that it needs was not seen, or the vertical is not known.
     """
     body = body_of(joints_m, up)
     return {name: angle_of(body) for name, angle_of in ANGLES.items()}

@@ -20,6 +20,10 @@ SLOW = message(
     "The recording has {rate} frames a second: movements are not smoothed, and fast ones are cut. "
     "Record with 30 frames a second."
 )
+NO_VERTICAL = message(
+    "The trunk's angles against the vertical are left out: the vertical is not measured. It is "
+    "known of recordings with a calibration that saw the floor, and not of a table of joints."
+)
 OFTEN_HIDDEN = message(
     "In {percent} % of the time not one joint angle is known. Let the whole body be seen."
 )
@@ -37,11 +41,15 @@ class MovementParams:
         Where the mean range of both sides is smaller, their symmetry means nothing: 5.
     hidden_share : float
         Of the time without any angle, from which on the reader is told: 0.2.
+    takes_upright : bool
+        Where the vertical is not known, the camera's own upper side stands for it. No: angles
+        against it are left out. Yes where two movements before one camera are compared.
     """
 
     lowpass: LowpassParams = field(default_factory=LowpassParams)
     least_range_deg: float = 5.0
     hidden_share: float = 0.2
+    takes_upright: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +84,8 @@ def measure_movement(
 
     Times are even and begin with 0 at the first frame. Positions are smoothed before angles are
     taken of them, so that a hidden joint hides no other.
+
+    Where the vertical is not known, angles against it are NaN.
     """
     params = params or MovementParams()
     times_s = even_times(track.times_s - track.times_s[0])
@@ -85,7 +95,9 @@ def measure_movement(
     rate_hz = _rate_hz(times_s)
     joints_m = lowpass(measured_m, rate_hz, params.lowpass)
     up = np.array(CAMERA_UP) if source.up is None else np.asarray(source.up, float)
-    curves = tuple(_curves(measured_m, joints_m, up, times_s, params.lowpass))
+    is_up_missing = source.up is None and not params.takes_upright
+    against = np.full(3, np.nan) if is_up_missing else up
+    curves = tuple(_curves(measured_m, joints_m, against, times_s, params.lowpass))
     ranges = tuple(found for curve in curves if (found := range_of(curve, times_s)) is not None)
     return Movement(
         times_s,
@@ -99,7 +111,11 @@ def measure_movement(
         source.patient,
         source.provenance,
         asdict(params.lowpass),
-        (*source.notices, *_notices(curves, rate_hz, params)),
+        (
+            *source.notices,
+            *((Sentence(NO_VERTICAL),) if is_up_missing else ()),
+            *_notices(curves, rate_hz, params),
+        ),
     )
 
 

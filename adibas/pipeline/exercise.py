@@ -19,6 +19,7 @@ from adibas.gestures.exercise import (
     exercise_model,
     repetitions,
 )
+from adibas.movement.measuring import MovementParams
 from adibas.pipeline.movement import MovementRequest, measure_moving
 from adibas.recordings.checksum import recording_sha256
 from adibas.texts import message
@@ -88,9 +89,12 @@ def check_exercise(request: ExerciseRequest, clock: Clock = utc_now) -> Exercise
     RecordingError, GestureError
         A table cannot be used, or the therapist's has no movement.
     """
-    shown = measure_moving(MovementRequest(request.therapist), _say_nothing, clock)
+    beside = MovementParams(takes_upright=True)
+    shown = measure_moving(MovementRequest(request.therapist, movement=beside), _say_nothing, clock)
     done = measure_moving(
-        MovementRequest(request.patient, person=request.person), _say_nothing, clock
+        MovementRequest(request.patient, person=request.person, movement=beside),
+        _say_nothing,
+        clock,
     )
     rate_hz = request.params.rate_hz
     model = exercise_model(_part(angle_track(shown, rate_hz), request.shown_s), request.params)

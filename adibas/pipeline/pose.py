@@ -25,6 +25,7 @@ from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
+from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
@@ -165,7 +166,7 @@ def pose_recording(
         up = calibration.color_from_depth.rotation.T @ vertical.up
     provenance = Provenance(
         request.access.sha256(request.recording),
-        "",
+        identity_of(calibration),
         __version__,
         to_text(clock()),
         {**asdict(request.pose), **asdict(request.smoothing), "model": _model_name(request)},

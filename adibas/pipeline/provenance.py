@@ -21,14 +21,19 @@ def provenance_of(
     now: datetime,
 ) -> Provenance:
     """Return the provenance of markers found in a recording; no `target`: none were looked for."""
-    canonical = json.dumps(calibration_to_json(calibration), sort_keys=True)
     return Provenance(
         recording_sha256=recording_sha256,
-        calibration=f"sha256:{hashlib.sha256(canonical.encode()).hexdigest()}",
+        calibration=identity_of(calibration),
         version=__version__,
         created_utc=now.isoformat(timespec="seconds"),
         parameters={**asdict(params), "markers": _described(target)},
     )
+
+
+def identity_of(calibration: RgbdCalibration) -> str:
+    """Return ``sha256:`` and the hash of a calibration's canonical JSON."""
+    canonical = json.dumps(calibration_to_json(calibration), sort_keys=True)
+    return f"sha256:{hashlib.sha256(canonical.encode()).hexdigest()}"
 
 
 def _described(target: MarkerTarget | None) -> dict[str, object]:

@@ -3,6 +3,7 @@
 import math
 
 from adibas.data.movement import Movement
+from adibas.data.protocol_measures import INSTRUMENT_ONLY, VERTICAL_TEXTS, VerticalOrigin
 from adibas.reports.facts import analysed, intended_use
 from adibas.texts import Message, decimal_text, message
 from adibas.texts import translate as _
@@ -30,9 +31,15 @@ def movement_facts(movement: Movement) -> Pairs:
         (_("Vertical"), _vertical_text(movement)),
         (_("Smoothing"), smoothing_text(movement)),
         (_("Random error"), _error_text()),
+        (_("Intervals of measures"), _(INSTRUMENT_ONLY) if rests_on_markers(movement) else ""),
     ]
     told = [(name, value) for name, value in told if value]
     return [*told, *((_("Notice"), notice.text) for notice in movement.notices)]
+
+
+def rests_on_markers(movement: Movement) -> bool:
+    """Return whether where markers sit may be part of the error: all but markerless joints."""
+    return movement.origin != "markerless"
 
 
 def general_facts(movement: Movement) -> Pairs:
@@ -65,7 +72,7 @@ def _rate_text(movement: Movement) -> str:
 def _vertical_text(movement: Movement) -> str:
     if movement.is_up_measured:
         return _("measured: the trunk's angles are against it")
-    return _("not measured: the camera's own upper side stands for it")
+    return _(VERTICAL_TEXTS[VerticalOrigin.UNKNOWN])
 
 
 def _error_text() -> str:

@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from adibas.data.movement import Movement
+from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.files import written_whole
 from adibas.recordings.joints_csv import ORIGIN
+from adibas.reports.movement_facts import rests_on_markers
 from adibas.reports.movement_rows import range_rows, symmetry_rows
 
 
@@ -21,6 +23,7 @@ def movement_to_json(movement: Movement) -> dict[str, Any]:
         "duration_s": float(movement.times_s[-1] - movement.times_s[0]),
         "rate_hz": None if math.isnan(movement.rate_hz) else movement.rate_hz,
         "vertical_measured": movement.is_up_measured,
+        "intervals": INSTRUMENT_ONLY if rests_on_markers(movement) else None,
         "smoothing": dict(movement.smoothing),
         "ranges": [
             {

@@ -50,6 +50,7 @@ def pose_to_json(posed: PosedRecording, paths: Sequence[Path]) -> dict[str, Any]
         "notices": [notice.text for notice in posed.notices],
         "provenance": {
             "recording_sha256": provenance.recording_sha256,
+            "calibration": provenance.calibration,
             "version": provenance.version,
             "parameters": dict(provenance.parameters),
         },

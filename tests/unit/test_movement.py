@@ -8,8 +8,10 @@ from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import track_of
 from adibas.movement.joint_angles import ANGLES, INDEX
 from adibas.movement.measuring import (
+    NO_VERTICAL,
     OFTEN_HIDDEN,
     SLOW,
+    MovementParams,
     measure_movement,
     range_of,
     symmetries,
@@ -26,6 +28,8 @@ from tests.unit.movement_samples import (
     source,
 )
 from tests.unit.test_joint_angles import standing
+
+UP = np.array([0.0, -1.0, 0.0])
 
 
 def by_name(found):
@@ -113,13 +117,28 @@ def test_up_is_the_measured_one_where_there_is_one():
     assert movement.is_up_measured
     leaning = by_name(movement.ranges)["trunk_flexion"].greatest_deg
     assert leaning == pytest.approx(-np.degrees(0.1))
-    assert not measure_movement(bending(), source()).is_up_measured
+
+
+def test_without_a_vertical_the_trunks_angles_against_it_are_left_out_and_the_reader_is_told():
+    movement = measure_movement(bending(), source())
+    assert not movement.is_up_measured
+    given = by_name(movement.ranges)
+    assert not {"trunk_flexion", "trunk_side_bending"} & set(given)
+    assert set(given) == set(ANGLES) - {"trunk_flexion", "trunk_side_bending"}
+    assert [notice.message for notice in movement.notices] == [NO_VERTICAL]
+    assert not measure_movement(bending(), source(up=UP)).notices
+
+
+def test_movements_before_one_camera_are_compared_by_its_upper_side():
+    movement = measure_movement(bending(), source(), MovementParams(takes_upright=True))
+    assert "trunk_flexion" in by_name(movement.ranges)
+    assert not movement.notices
 
 
 def test_a_slow_recording_is_not_smoothed_and_says_so():
     times_s = np.arange(40) / 8.0
     track = track_of(times_s, np.repeat(standing()[None], 40, axis=0))
-    movement = measure_movement(track, source())
+    movement = measure_movement(track, source(up=UP))
     assert [notice.message for notice in movement.notices] == [SLOW]
     assert np.isnan(movement.curves[0].sd_deg)
 
@@ -129,7 +148,7 @@ def test_a_patient_who_is_hardly_seen_is_told():
     joints_m = track.joints_m.copy()
     joints_m[50:] = np.nan
     before = Sentence(message("Before."))
-    movement = measure_movement(track_of(track.times_s, joints_m), source(notices=(before,)))
+    movement = measure_movement(track_of(track.times_s, joints_m), source(up=UP, notices=(before,)))
     assert [notice.message for notice in movement.notices] == ["Before.", OFTEN_HIDDEN]
 
 

@@ -10,12 +10,14 @@ import pypdf
 import pytest
 
 from adibas.data.joints import JOINT_NAMES
+from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.data.skeleton_track import track_of
 from adibas.errors import FileError, ReportError
 from adibas.movement.joint_angles import INDEX
 from adibas.movement.measuring import measure_movement
 from adibas.reports.motion_files import upright_axes, write_c3d
 from adibas.reports.movement import MOVEMENT_KINDS, write_movement
+from adibas.reports.movement_facts import movement_facts
 from adibas.reports.movement_json import movement_to_json
 from tests.unit.movement_samples import bending, source
 
@@ -82,6 +84,22 @@ def test_csv_says_in_every_row_where_the_joints_come_from(origin, tmp_path):
     with file.open(newline="") as opened:
         rows = list(csv.DictReader(opened))
     assert {row["origin"] for row in rows} == {origin}
+
+
+@pytest.mark.parametrize(
+    ("origin", "intervals"), [("markers", INSTRUMENT_ONLY), ("markerless", None)]
+)
+def test_intervals_are_said_to_be_of_the_instrument_only_where_markers_are_placed(
+    origin, intervals
+):
+    movement = measure_movement(bending(), source(origin=origin))
+    assert movement_to_json(movement)["intervals"] == intervals
+    told = dict(movement_facts(movement)).get("Intervals of measures")
+    assert told == intervals
+
+
+def test_what_rests_on_no_vertical_does_not_say_that_it_does(movement):
+    assert dict(movement_facts(movement))["Vertical"] == "not measured"
 
 
 def test_c3d_gives_the_joints_back_upright_and_in_millimetres(movement, tmp_path):

@@ -10,7 +10,8 @@ import pytest
 from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.limb_training import merge_model
-from adibas.recordings import create_recording
+from adibas.pipeline.provenance import identity_of
+from adibas.recordings import create_recording, open_recording
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.resources import resource_path
 from adibas.simulation.scenes import open_scene
@@ -101,6 +102,8 @@ def test_a_movement_is_measured_without_markers(recorded, tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told["origin"] == "markerless"
     assert told["vertical_measured"]
+    with open_recording(recorded[0]) as recording:
+        assert told["provenance"]["calibration"] == identity_of(recording.info.calibration)
     knees = [one for one in told["ranges"] if one["angle"] == "left_knee_flexion"]
     assert abs(knees[0]["greatest_deg"]) < 30
     assert out.exists()
