@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,6 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_overwrite(exporting)
     repeating = add("reliability", _("How well measures repeat in this clinic."), tell_reliability)
     add_reliability_arguments(repeating)
+    calling = add(
+        "repeat", _("Say that a session repeats the one before it, markers placed anew."), _repeat
+    )
+    calling.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
+    calling.add_argument("--no", action="store_true", help=_("it is no repeat"))
     verifying = add("verify", _("Check the database, the audit log and every file."), _verify)
     verifying.add_argument(
         "--entries",
@@ -138,6 +144,15 @@ def _show(store: "SessionStore", arguments: argparse.Namespace, console: Console
             ],
         }
     )
+    return 0
+
+
+def _repeat(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    session = store.sessions.get(arguments.session)
+    setup = replace(session.setup, is_repeat=not arguments.no)
+    changed = store.sessions.change(session.session_id, setup=setup)
+    console.say(_session_line(changed))
+    console.give({**_session_document(changed), "is_repeat": changed.setup.is_repeat})
     return 0
 
 

@@ -1,8 +1,9 @@
 """How well the measures of a protocol repeat in one clinic, from the sessions that its store keeps.
 
-Sessions of one patient on one day by one operator are repeats with the markers placed anew;
-captures of one view in one session are repeats with the same markers. Of a patient with several
-such days the one with most repeats counts, since between days a patient may have changed.
+Sessions that the operator calls repeats, with the one before them on that day, are repeats with the
+markers placed anew; captures of one view in one session are repeats with the same markers. Of
+several such series of a patient the one with most repeats counts: between them a patient may have
+changed, on one day by what was treated.
 """
 
 from collections import Counter
@@ -86,13 +87,13 @@ def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
 def _of_patient(
     store: SessionStore, wish: ProtocolWish, sessions: tuple[Session, ...], listed: set[str]
 ) -> dict[Key, list[Repeat]]:
-    """Return the repeats of each measure on the day that has most of them; sessions oldest first.
+    """Return the repeats of each measure in the series that has most; sessions oldest first.
 
-    A day without repeats tells nothing and is not measured, but for views that are not `listed`
+    A series without repeats tells nothing and is not measured, but for views that are not `listed`
     yet: a measure without repeats is told as well.
     """
     best: dict[Key, list[Repeat]] = {}
-    for _day, some in groupby(sessions, key=lambda session: session.started_utc.date()):
+    for some in _series(sessions):
         visits = [_known(store, session.session_id, wish) for session in some]
         counts = Counter(capture.view for captures in visits for capture in captures)
         if max(counts.values(), default=0) < LEAST_REPEATS and set(counts) <= listed:
@@ -106,6 +107,24 @@ def _of_patient(
             if len(repeats) >= len(best.get(key, ())):
                 best[key] = repeats
     return best
+
+
+def _series(sessions: tuple[Session, ...]) -> Iterator[tuple[Session, ...]]:
+    """Give each session with the repeats that follow it on its day."""
+    series: list[Session] = []
+    for session in sessions:
+        if series and not is_repeat_of(session, series[-1]):
+            yield tuple(series)
+            series.clear()
+        series.append(session)
+    if series:
+        yield tuple(series)
+
+
+def is_repeat_of(session: Session, before: Session) -> bool:
+    """Say whether a session repeats the one before it."""
+    is_same_day = session.started_utc.date() == before.started_utc.date()
+    return session.setup.is_repeat and is_same_day
 
 
 def _of_session(

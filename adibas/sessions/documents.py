@@ -15,7 +15,7 @@ from adibas.data.corrections import (
     MarkerCorrection,
     MeasureCorrection,
 )
-from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.markers import AutomaticName, Marker, RejectedBlob
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
 from adibas.sessions.json_line import to_json
@@ -72,7 +72,9 @@ def provenance_from_json(text: str) -> Provenance:
 def setup_to_json(setup: SessionSetup) -> str:
     """Return the line of `setup`."""
     # What was not done is left out, so that a program from before this key reads the line.
-    wand = {} if setup.wand is None else {"wand": dict(setup.wand)}
+    more: dict[str, object] = {} if setup.wand is None else {"wand": dict(setup.wand)}
+    if setup.is_repeat:
+        more["is_repeat"] = True
     return to_json(
         {
             "source": setup.source,
@@ -80,7 +82,7 @@ def setup_to_json(setup: SessionSetup) -> str:
             "markers": None if setup.markers is None else dict(setup.markers),
             "rotation_deg": setup.rotation_deg,
             "protocol": setup.protocol,
-            **wand,
+            **more,
         }
     )
 
@@ -126,6 +128,7 @@ def _marker_to(marker: Marker) -> dict[str, object]:
         "position_m": _list(marker.position_m),
         "covariance_m2": _list(marker.covariance_m2),
         "shared_m": _list(marker.shared_m),
+        **_named_by_to(marker.named_by),
     }
 
 
@@ -139,7 +142,19 @@ def _marker_from(part: Mapping[str, Any]) -> Marker:
         position_m=_array(part["position_m"]),
         covariance_m2=_array(part["covariance_m2"]),
         shared_m=_array(part.get("shared_m")),
+        named_by=_named_by_from(part.get("named_by")),
     )
+
+
+def _named_by_to(name: AutomaticName | None) -> dict[str, object]:
+    """Return nothing for names by hand: what older versions kept stays the same text."""
+    if name is None:
+        return {}
+    return {"named_by": {"model": name.model, "confidence": name.confidence}}
+
+
+def _named_by_from(part: Mapping[str, Any] | None) -> AutomaticName | None:
+    return None if part is None else AutomaticName(part["model"], part["confidence"])
 
 
 def _list(array: FloatArray | None) -> object:

@@ -1,5 +1,6 @@
 """A patient with sessions of named landmarks, photographed from the front, in a real store."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import cv2
@@ -86,10 +87,12 @@ def add_patient(store, name="Somebody"):
 
 
 def fill_clinic(store, clock, n_patients=10):
-    """Measure patients twice on one day, a millimetre apart or so."""
+    """Measure patients twice, markers placed anew, a millimetre apart or so."""
     rng = np.random.default_rng(7)
     for number in range(n_patients):
         patient = add_patient(store, f"Patient {number}").pseudonym
-        for _visit in range(2):
-            add_session(store, patient, 0.004 * number, rng=rng)
+        for is_repeat in (False, True):
+            session = add_session(store, patient, 0.004 * number, rng=rng)
+            setup = replace(session.setup, is_repeat=is_repeat)
+            store.sessions.change(session.session_id, setup=setup)
         clock.days_pass(1)

@@ -350,6 +350,27 @@ def test_the_last_session_is_continued_or_repeated_with_its_set_up(screen, store
     assert screen.wanted == ["capture", "capture"]
 
 
+def test_the_second_session_of_a_day_can_be_called_a_repeat_and_the_next_one_is_none(
+    screen, store, ana
+):
+    first, second = (store.sessions.start(ana.pseudonym, SessionSetup()) for _n in range(2))
+    screen.patients.choose(ana.pseudonym)
+    assert screen.shown_history().can_repeat == {second.session_id}
+    screen.sessions.continue_last()
+    screen.sessions.call_repeat(second.session_id, is_repeat=True)
+    assert store.sessions.get(second.session_id).setup.is_repeat
+    assert screen.workspace.session.setup.is_repeat, "what is saved next keeps it"
+    assert not store.sessions.get(first.session_id).setup.is_repeat
+    screen.sessions.start_like_last()
+    assert not screen.workspace.session.setup.is_repeat
+    screen.sessions.call_repeat(second.session_id, is_repeat=False)
+    assert not store.sessions.get(second.session_id).setup.is_repeat
+    screen.sessions.call_repeat("gone", is_repeat=True)
+    store.sessions.delete(first.session_id)
+    screen.sessions.refresh()
+    assert second.session_id not in screen.shown_history().can_repeat
+
+
 def test_a_session_opens_in_review_at_the_wanted_or_first_capture(screen, store, ana):
     session = store.sessions.start(ana.pseudonym, SessionSetup())
     first, second = add_capture(store, session), add_capture(store, session, "posterior")

@@ -405,6 +405,20 @@ def test_every_control_can_be_named_aloud(screen, store, ana):
     assert screen.pages.history.list.accessibleName()
 
 
+def test_a_repeat_is_ticked_beside_the_list_of_sessions(screen, store, workspace, ana):
+    repeat, sessions = screen.pages.history._repeat, screen.pages.history.list
+    _first, second = (add_session(store, ana, "anterior") for _n in range(2))
+    workspace.choose_patient(ana)
+    for ticked in (False, True, False):
+        sessions.setCurrentIndex(sessions.shown_model.index(1))
+        assert repeat.isHidden(), "nothing was before the first one"
+        sessions.setCurrentIndex(sessions.shown_model.index(0))
+        assert not repeat.isHidden()
+        assert repeat.isChecked() == ticked
+        QTest.mouseClick(repeat, LEFT, pos=QPoint(8, repeat.height() // 2))
+        assert store.sessions.get(second.session_id).setup.is_repeat != ticked
+
+
 def test_two_sessions_with_pictures_can_be_compared(screen, store, workspace, ana, wanted):
     compare, protocol = screen.pages.history._compare, screen.pages.history._protocol
     add_session(store, ana, "anterior")

@@ -232,9 +232,15 @@ def add_visit(store, patient, heights_m, *, protocol="sapo-1"):
     return session.session_id
 
 
+def call_repeat(store, session_id):
+    """Say that a session repeats the one before it."""
+    setup = replace(store.sessions.get(session_id).setup, is_repeat=True)
+    store.sessions.change(session_id, setup=setup)
+
+
 @pytest.fixture
 def clinic(tmp_path, monkeypatch):
-    """Ten patients with two visits on one day, and one who comes again after a month."""
+    """Ten patients with a visit and its repeat, and one who comes again after a month."""
     monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
     rng = np.random.default_rng(2)
     now = [datetime(2026, 11, 2, 9, 0, tzinfo=UTC)]
@@ -249,8 +255,8 @@ def clinic(tmp_path, monkeypatch):
             patient = store.patients.add(Identity(f"Somebody {number}")).pseudonym
             first = first or patient
             slope = 0.004 * number
-            for _visit in range(2):
-                add_visit(store, patient, [slope + rng.normal(0, 0.001)])
+            add_visit(store, patient, [slope + rng.normal(0, 0.001)])
+            call_repeat(store, add_visit(store, patient, [slope + rng.normal(0, 0.001)]))
         early = store.sessions.of_patient(first)[0].session_id
         now[0] += timedelta(days=30)
         late = add_visit(store, first, [0.03])
@@ -374,6 +380,32 @@ def test_captures_of_one_session_are_repeats_with_the_same_markers(tmp_path):
     assert found.sem == pytest.approx(np.degrees(0.002 / 0.36) / np.sqrt(2), rel=1e-3)
     assert found.mdc95 is None
     assert "placed anew" in found.reasons[0].text
+
+
+def test_two_sessions_of_a_day_are_repeats_only_where_somebody_says_so(tmp_path, monkeypatch):
+    from adibas.pipeline.clinic_repeats import reliability_in_clinic
+
+    def found(store):
+        return reliability_in_clinic(store, SAPO, "op").by_measure["anterior", "ANT.ACR.H"]
+
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
+    folder = tmp_path / "store"
+    with open_sample(folder) as store:
+        patient = store.patients.add(Identity("Somebody")).pseudonym
+        add_visit(store, patient, [0.001])
+        treated = add_visit(store, patient, [0.030])
+        again = add_visit(store, patient, [0.032])
+        assert found(store).mdc95 is None, "one may lie before and one after a treatment"
+        assert found(store).n_patients == 0
+    assert main(["sessions", "repeat", again, "--store", str(folder)]) == 0
+    with open_sample(folder) as store:
+        sem = np.degrees(0.002 / 0.36) / np.sqrt(2)
+        assert found(store).mdc95 == pytest.approx(1.96 * np.sqrt(2) * sem, rel=1e-2)
+    for session in (again, treated):
+        assert main(["sessions", "repeat", session, "--no", "--store", str(folder)]) == 0
+    with open_sample(folder) as store:
+        assert found(store).mdc95 is None
+        assert not store.sessions.get(again).setup.is_repeat
 
 
 def test_the_command_line_lists_shows_and_checks_protocols(tmp_path, capsys):

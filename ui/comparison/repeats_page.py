@@ -89,8 +89,9 @@ class RepeatsPage(QWidget):
         self._save.setText(_("Save the &plot..."))
         self._how.setText(
             _(
-                "Sessions of one patient on one day count as repeats with the markers placed anew. "
-                "SEM: standard deviation within a patient. MDC95: smallest detectable change."
+                "Repeats with the markers placed anew are the sessions that you call so beside a "
+                "patient's list. SEM: standard deviation within a patient. MDC95: smallest "
+                "detectable change."
             )
         )
         self.show_operators(self._operators, self._operator.currentText())

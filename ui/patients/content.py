@@ -44,13 +44,17 @@ class ShownPatient:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class History:
-    """The chosen patient's sessions, newest first, and what can be done now."""
+    """The chosen patient's sessions, newest first, and what can be done now.
+
+    Of the sessions some can be repeats: by their operator another one was before on their day.
+    """
 
     sessions: "tuple[Session, ...]"
     can_start: bool
     can_continue: bool
     can_change: bool
     is_read_only: bool
+    can_repeat: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

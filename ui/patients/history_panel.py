@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QComboBox, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QComboBox, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
 from ui.patients.content import History, PurgeQuestion, Thumbnail
@@ -34,6 +34,8 @@ class HistoryPanel(QWidget):
     purge_asked = Signal(str)
     purge_confirmed = Signal(str)
     """A session's id."""
+    repeat_called = Signal(str, bool)
+    """A session's id, and whether it repeats the one before it."""
     pictures_wanted = Signal(tuple)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -45,6 +47,7 @@ class HistoryPanel(QWidget):
             QPushButton(self) for _n in range(4)
         )
         self._compare = QPushButton(self)
+        self._repeat = QCheckBox(self)
         self._protocol, self._protocol_label = QComboBox(self), QLabel(self)
         self._protocol_label.setBuddy(self._protocol)
         self._protocols: tuple[tuple[str, Wording], ...] = ()
@@ -75,6 +78,7 @@ class HistoryPanel(QWidget):
         column.addWidget(self._empty)
         column.addWidget(self.list, 1)
         column.addLayout(in_a_flow(*actions))
+        column.addWidget(self._repeat)
         column.addStretch(0)
 
     def _connect(self) -> None:
@@ -82,6 +86,9 @@ class HistoryPanel(QWidget):
         self._protocol.activated.connect(self._on_protocol)
         self._continue.clicked.connect(self.continue_asked)
         self._like_last.clicked.connect(self.start_like_last_asked)
+        self._repeat.clicked.connect(
+            lambda is_on: self._send(lambda one: self.repeat_called.emit(one, is_on))
+        )
         self._compare.clicked.connect(
             lambda: self.compare_asked.emit(self.list.chosen_session() or "")
         )
@@ -113,6 +120,13 @@ class HistoryPanel(QWidget):
         self._open.setToolTip(_("Review this session (Enter)"))
         self._compare.setText(_("Co&mpare"))
         self._compare.setToolTip(_("See what changed between two sessions of this patient"))
+        self._repeat.setText(_("A repeat with markers placed anew"))
+        self._repeat.setToolTip(
+            _(
+                "Since the session before on this day the markers were placed anew, and nothing "
+                "was treated: the two tell how well measures repeat"
+            )
+        )
         self._delete.setText(_("Delete"))
         self._delete.setToolTip(_("Hide this session; it can be undone (Delete)"))
         self._restore.setText(_("Restore"))
@@ -197,6 +211,10 @@ class HistoryPanel(QWidget):
         self._restore.setVisible(has_list and is_deleted)
         self._purge.setVisible(has_list and is_deleted)
         self._compare.setVisible(has_list and not is_deleted and self._n_comparable() >= TWO)
+        can_repeat = set() if self._history is None else self._history.can_repeat
+        self._repeat.setVisible(session is not None and session.session_id in can_repeat)
+        self._repeat.setChecked(session is not None and session.setup.is_repeat)
+        self._repeat.setEnabled(can_change)
         self._open.setEnabled(session is not None)
         for button in (self._delete, self._restore, self._purge):
             button.setEnabled(session is not None and can_change)

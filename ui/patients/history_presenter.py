@@ -1,5 +1,6 @@
 """The sessions of the chosen patient: started, continued, opened, hidden. Knows nothing of Qt."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.errors import AdibasError
@@ -90,6 +91,7 @@ class HistoryPresenter:
                 can_continue=can_change and self._last() is not None,
                 can_change=not is_read_only,
                 is_read_only=is_read_only,
+                can_repeat=can_repeat(self._sessions),
             )
         )
         session = self._workspace.session
@@ -114,7 +116,7 @@ class HistoryPresenter:
         """Begin a session that is set up as the last one was."""
         last = self._last()
         if last is not None:
-            self._start(last.setup)
+            self._start(replace(last.setup, is_repeat=False))
 
     def continue_last(self) -> None:
         """Go on with the last session."""
@@ -145,6 +147,22 @@ class HistoryPresenter:
         if session is not None and not session.is_deleted:
             self._workspace.choose_session(session)
         self._workspace.show_screen("comparison")
+
+    def call_repeat(self, session_id: str, *, is_repeat: bool) -> None:
+        """Note whether a session repeats the one before it, with the markers placed anew."""
+        session = self._listed(session_id)
+        if session is None or self._workspace.store.is_read_only:
+            return
+        setup = replace(session.setup, is_repeat=is_repeat)
+        sessions, current = self._workspace.store.sessions, self._workspace.session
+
+        def change() -> None:
+            changed = sessions.change(session_id, setup=setup)
+            if current is not None and current.session_id == session_id:
+                self._workspace.choose_session(changed)
+
+        self._workspace.attempt(change)
+        self.refresh()
 
     def delete(self, session_id: str) -> None:
         """Hide a session; it can be undone."""
@@ -250,6 +268,19 @@ class HistoryPresenter:
 
     def _listed(self, session_id: str) -> "Session | None":
         return next((one for one in self._sessions if one.session_id == session_id), None)
+
+
+def can_repeat(sessions: "tuple[Session, ...]") -> frozenset[str]:
+    """Return the ids of sessions before which there was another on their day by their operator."""
+    first: dict[tuple[object, str], str] = {}
+    found = set()
+    for session in sorted(sessions, key=lambda one: one.started_utc):
+        if session.is_deleted:
+            continue
+        of_day = (session.started_utc.date(), session.operator)
+        if first.setdefault(of_day, session.session_id) != session.session_id:
+            found.add(session.session_id)
+    return frozenset(found)
 
 
 def read_thumbnails(store: "SessionStore", session: "Session") -> tuple[Thumbnail, ...]:

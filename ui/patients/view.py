@@ -87,6 +87,9 @@ class PatientsScreen(Screen):
         panel.opened.connect(presenter.open)
         panel.protocol_chosen.connect(presenter.choose_protocol)
         panel.compare_asked.connect(presenter.compare)
+        panel.repeat_called.connect(
+            lambda session_id, is_repeat: presenter.call_repeat(session_id, is_repeat=is_repeat)
+        )
         panel.delete_asked.connect(presenter.delete)
         panel.restore_asked.connect(presenter.restore)
         panel.purge_asked.connect(presenter.ask_purge)
