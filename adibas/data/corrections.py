@@ -5,7 +5,7 @@ was measured then. So it can be undone, done again, and read as an audit trail, 
 has neither the recording nor the sensor.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, TypeVar
 
 from adibas.data.markers import Marker
@@ -178,8 +178,9 @@ def _with_correction(markers: dict[str, Marker], correction: MarkerCorrection) -
     corrected: dict[str, Marker] = {}
     for label, marker in markers.items():
         if before is not None and label == before.label:
-            if after is not None:
-                corrected[after.label] = after
+            if after is not None:  # a marker that is only moved keeps who named it
+                named_by = marker.named_by if after.label == label else None
+                corrected[after.label] = replace(after, named_by=named_by)
         else:
             corrected[label] = marker
     return corrected

@@ -1,5 +1,6 @@
 """Markers found on the patient."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Protocol
@@ -7,6 +8,8 @@ from typing import Protocol
 import numpy as np
 
 from adibas.arrays import FloatArray, check_shape, read_only
+
+NUMBERED = re.compile(r"m(\d+)")
 
 
 class InPicture(Protocol):
@@ -24,6 +27,27 @@ class InPicture(Protocol):
 def pixels_uv(things: Iterable[InPicture]) -> FloatArray:
     """Return the (N, 2) pixels of things in the colour image."""
     return np.array([(one.u, one.v) for one in things], float).reshape(-1, 2)
+
+
+def is_numbered(label: str) -> bool:
+    """Say whether a label is only the program's number."""
+    return NUMBERED.fullmatch(label) is not None
+
+
+@dataclass(frozen=True, slots=True)
+class AutomaticName:
+    """Who gave a marker its name, where no hand did.
+
+    Attributes
+    ----------
+    model : str
+        Which: see `adibas.skeleton.namer.Namer.identity`.
+    confidence : float
+        In the name, 0 to 1.
+    """
+
+    model: str
+    confidence: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +72,8 @@ class Marker:
         How `position_m` moves under n independent causes of variance 1 that all markers of one
         calibration share; that part of `covariance_m2` is ``shared_m @ shared_m.T``. None where
         nothing is known of it.
+    named_by : AutomaticName or None
+        None where a hand gave the name, where it has none yet, and where nobody kept it.
     """
 
     label: str
@@ -58,6 +84,7 @@ class Marker:
     position_m: FloatArray | None = None
     covariance_m2: FloatArray | None = None
     shared_m: FloatArray | None = None
+    named_by: AutomaticName | None = None
 
     def __post_init__(self) -> None:
         check_shape("covariance_px2", self.covariance_px2, (2, 2))

@@ -1,12 +1,11 @@
 """The measures of a protocol on the markers of one capture."""
 
-import re
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from adibas.data.markers import Marker
+from adibas.data.markers import Marker, is_numbered
 from adibas.data.protocol_measures import (
     Estimate,
     MeasureResult,
@@ -22,7 +21,6 @@ from adibas.measures.protocol_values import Measurer, PlacedLandmarks, Sightline
 from adibas.measures.sight_plane import Vertical
 from adibas.texts import message
 
-_NUMBERED = re.compile(r"m\d+")
 _PLANE_MARKS: dict[PlaneChoice, tuple[tuple[str, str, bool], ...]] = {
     PlaneChoice.SENSOR: (),
     PlaneChoice.TEMPLATE: (
@@ -142,9 +140,7 @@ class _Labelled:
             name for name, one in self.markers.items() if one.label in capturing.by_hand
         }
         twice = [name for name, count in counts.items() if count > 1]
-        others = [
-            one.label for name, one in known if name is None and not _NUMBERED.fullmatch(one.label)
-        ]
+        others = [one.label for name, one in known if name is None and not is_numbered(one.label)]
         self.notices = [
             *(Sentence(TWICE, {"names": name}) for name in twice),
             *([Sentence(UNKNOWN_LABEL, {"names": ", ".join(others)})] if others else []),

@@ -29,11 +29,12 @@ from adibas.pipeline.posture import (
 )
 from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.skeleton_names import with_names
+from adibas.pipeline.skeleton_names import with_namer, with_names
 from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
 from adibas.sessions import NewCapture, SessionStore
+from adibas.skeleton.namer import Namer
 from adibas.texts import message
 
 POLL_S = 0.1
@@ -150,16 +151,24 @@ def take_capture(
                 raise
             raise told from error
         undo.pop_all()
+    namer = _namer(store, request)
     new = NewCapture(
         view=request.view,
         recording_id=writer.recording_id,
         first_frame=0,
         n_frames=len(burst),
         calibration=calibration,
-        detected=_named(store, request, findings.markers, calibration),
+        detected=(
+            findings.markers
+            if namer is None
+            else with_names(namer, findings.markers, request.view, calibration)
+        ),
         rejected=findings.rejected,
-        provenance=provenance_of(
-            recording_sha256(writer.path), calibration, request.target, params, clock()
+        provenance=with_namer(
+            provenance_of(
+                recording_sha256(writer.path), calibration, request.target, params, clock()
+            ),
+            namer,
         ),
         captured_utc=begun_utc,
         notices=(*findings.notices, *_doubts_about_age(calibration, request, begun_utc)),
@@ -175,16 +184,10 @@ def _doubts_about_age(
     return (TOO_OLD,) if allowed is not None and age is not None and age > allowed else ()
 
 
-def _named(
-    store: SessionStore,
-    request: CaptureRequest,
-    markers: tuple[Marker, ...],
-    calibration: RgbdCalibration,
-) -> tuple[Marker, ...]:
-    """Return the markers with names where the landmarks of the session's protocol are known."""
+def _namer(store: SessionStore, request: CaptureRequest) -> Namer | None:
+    """Return who knows the landmarks of the session's protocol; None where nobody does."""
     wish, _notices = wish_of_session(store.sessions.get(request.session_id))
-    namer = None if wish is None else namer_of(wish.protocol, request.view)
-    return markers if namer is None else with_names(namer, markers, request.view, calibration)
+    return None if wish is None else namer_of(wish.protocol, request.view)
 
 
 def calibration_in_use(live: LiveView) -> RgbdCalibration:

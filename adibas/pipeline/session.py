@@ -19,7 +19,7 @@ from adibas.pipeline.namers import namer_of
 from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst, doubts_about
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.skeleton_names import with_names
+from adibas.pipeline.skeleton_names import with_namer, with_names
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -111,8 +111,11 @@ def analyse_recording(
         angles=all_angles(markers),
         picture_rgb=burst.picture_rgb(),
         calibration=calibration,
-        provenance=provenance_of(
-            recording_sha256(request.recording), calibration, target, request.params, clock()
+        provenance=with_namer(
+            provenance_of(
+                recording_sha256(request.recording), calibration, target, request.params, clock()
+            ),
+            namer,
         ),
         notices=(*notices, *doubts_about(findings)),
         surface_per_m=findings.surface.mean_per_m,

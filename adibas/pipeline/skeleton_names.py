@@ -1,6 +1,6 @@
 """Markers of a posture analysis get the names of landmarks, where the model is sure."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -8,7 +8,8 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.markers import Marker, pixels_uv
+from adibas.data.markers import AutomaticName, Marker, pixels_uv
+from adibas.data.posture import Provenance
 from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
 from adibas.skeleton.namer import Namer
@@ -17,6 +18,8 @@ Names: TypeAlias = tuple[str | None, ...]
 
 UP = np.array([0.0, -1.0, 0.0])
 OPPOSITE = 1e-6
+TOLD = ("source", "version", "created_utc")
+"""What a report says of the model that named."""
 
 
 def with_names(
@@ -39,21 +42,47 @@ def with_names(
         As declared; empty: left and right only where the shape tells them.
     named_by_hand : frozenset of str
         Labels that stay; no other marker gets one of them.
+
+    Returns
+    -------
+    markers : tuple of Marker
+        Those that got a name tell from which model, and how sure it is.
     """
     placed = tuple(marker for marker in markers if marker.position_m is not None)
     if not placed:
         return markers
     turn = upright_turn(vertical_of(calibration).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
-    found = namer.label(positions_m @ turn.T, view).names
+    alone = namer.label(positions_m @ turn.T, view)
+    found, sure = alone.names, alone.confidences
     flat, flat_m = _as_far_away(markers, positions_m, calibration)
-    more: Names = ()
     if flat:
-        places_m = np.vstack([positions_m, flat_m])
-        found, more = _agreed(found, namer.label(places_m @ turn.T, view).names)
-    names = _given(placed, found, named_by_hand)
-    names |= _given(flat, more, named_by_hand | set(names.values()))
-    return tuple(replace(marker, label=names.get(marker.label, marker.label)) for marker in markers)
+        together = namer.label(np.vstack([positions_m, flat_m]) @ turn.T, view)
+        agreed, more = _agreed(found, together.names)
+        found = (*agreed, *more)
+        sure = np.concatenate([sure, together.confidences[len(placed) :]])
+    names: dict[str, tuple[str, float]] = {}
+    for marker, name, confidence in zip((*placed, *flat), found, sure.tolist(), strict=True):
+        taken = named_by_hand | {given for given, _confidence in names.values()}
+        if name is not None and name not in taken and marker.label not in named_by_hand:
+            names[marker.label] = name, confidence
+    return tuple(_named(marker, names.get(marker.label), namer.identity) for marker in markers)
+
+
+def with_namer(provenance: Provenance, namer: Namer | None) -> Provenance:
+    """Return the provenance with the model that named the markers; None: there was none."""
+    if namer is None:
+        return provenance
+    told = {key: namer.provenance[key] for key in TOLD if key in namer.provenance}
+    names = {"model": namer.identity, **told}
+    return replace(provenance, parameters={**provenance.parameters, "names": names})
+
+
+def _named(marker: Marker, found: tuple[str, float] | None, model: str) -> Marker:
+    if found is None:
+        return marker
+    name, confidence = found
+    return replace(marker, label=name, named_by=AutomaticName(model, confidence))
 
 
 def _agreed(alone: Names, together: Names) -> tuple[Names, Names]:
@@ -67,15 +96,6 @@ def _agreed(alone: Names, together: Names) -> tuple[Names, Names]:
         one if other in (None, one) else None for one, other in zip(alone, again, strict=True)
     )
     return agreed, more if agreed == alone else (None,) * len(more)
-
-
-def _given(markers: Sequence[Marker], found: Names, taken: Set[str]) -> dict[str, str]:
-    """Return the new name of each marker that gets one, by its label."""
-    return {
-        marker.label: name
-        for marker, name in zip(markers, found, strict=True)
-        if name is not None and name not in taken and marker.label not in taken
-    }
 
 
 def _as_far_away(

@@ -40,6 +40,8 @@ class Line(NamedTuple):
     protocol: str = ""
     revision: str = ""
     plane: str = ""
+    named_by: str = ""
+    name_confidence: float | str = ""
     remark: str = ""
 
 
@@ -110,7 +112,13 @@ def _measure(quantity: str, row: MeasureRow, numbers: NumberRow | None) -> Line:
 
 def _markers(capture: CaptureReport) -> Iterator[Line]:
     for marker in marker_rows(capture.analysis):
-        line = Line("", marker.label, remark=remark(capture, marker) or "")
+        line = Line(
+            "",
+            marker.label,
+            named_by=marker.named_by,
+            name_confidence="" if marker.name_confidence is None else marker.name_confidence,
+            remark=remark(capture, marker) or "",
+        )
         yield line._replace(quantity="u", value=marker.u_px, unit="px")
         yield line._replace(quantity="v", value=marker.v_px, unit="px")
         position_mm: tuple[float | str, ...] = marker.position_mm or ("", "", "")

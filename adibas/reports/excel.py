@@ -23,6 +23,7 @@ from adibas.reports.facts import (
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.pictures import draw_markers, picture_of
 from adibas.reports.rows import (
+    USER,
     NumberRow,
     angle_rows,
     distance_rows,
@@ -122,6 +123,8 @@ def _marker_columns() -> tuple[Column, ...]:
         Column("v [px]", 10, FINE_DECIMALS),
         *(Column(f"{axis} [mm]", 11, DECIMALS) for axis in "xyz"),
         *(Column(_("sd {axis} [mm]").format(axis=axis), 11, FINE_DECIMALS) for axis in "xyz"),
+        Column(_("Named by"), 34),
+        Column(_("Confidence of the name"), 13, FINE_DECIMALS),
         Column(_("Remark"), 34),
     )
 
@@ -130,7 +133,11 @@ def _markers(capture: CaptureReport) -> Rows:
     nowhere = (None, None, None)
     for row in marker_rows(capture.analysis):
         place, deviation = row.position_mm or nowhere, row.deviation_mm or nowhere
-        yield landmark_text(row.label), row.u_px, row.v_px, *place, *deviation, remark(capture, row)
+        named_by = _("a person") if row.named_by == USER else row.named_by or None
+        yield (
+            *(landmark_text(row.label), row.u_px, row.v_px, *place, *deviation),
+            *(named_by, row.name_confidence, remark(capture, row)),
+        )
 
 
 def _distance_columns() -> tuple[Column, ...]:

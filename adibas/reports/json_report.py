@@ -18,6 +18,7 @@ from adibas.reports.rows import (
     distance_rows,
     free_rows,
     measure_rows,
+    name_origin,
 )
 from adibas.texts import speaking
 
@@ -195,8 +196,11 @@ def _protocol(analysis: PostureAnalysis) -> dict[str, Any] | None:
 
 def _marker(marker: Marker) -> dict[str, Any]:
     covariance = marker.covariance_m2
+    named_by, confidence = name_origin(marker)
     return {
         "label": marker.label,
+        "named_by": named_by or None,
+        "name_confidence": confidence,
         "u": marker.u,
         "v": marker.v,
         "position_m": None if marker.position_m is None else marker.position_m.tolist(),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.data.markers import Marker
+from adibas.data.markers import Marker, is_numbered
 from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import Estimate
 from adibas.data.protocols import CONVENTION, MeasureDefinition, ReferenceValue
@@ -15,17 +15,29 @@ from adibas.texts import decimal_text
 from adibas.texts import translate as _
 
 MM_PER_M = 1000.0
+USER = "user"
+"""Who named a marker by hand, or by a file of labels; files for programs have this word."""
 
 
 @dataclass(frozen=True, slots=True)
 class MarkerRow:
-    """A marker in pixels and millimetres; None where there is no position."""
+    """A marker in pixels and millimetres; None where there is no position.
+
+    Attributes
+    ----------
+    named_by : str
+        `USER`, or the model that gave the name; empty where it has none but a number.
+    name_confidence : float or None
+        0 to 1; None where no model gave the name.
+    """
 
     label: str
     u_px: float
     v_px: float
     position_mm: tuple[float, float, float] | None
     deviation_mm: tuple[float, float, float] | None
+    named_by: str
+    name_confidence: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +160,15 @@ def _in_unit(estimate: Estimate | None, definition: MeasureDefinition) -> Number
 def marker_rows(analysis: PostureAnalysis) -> Iterator[MarkerRow]:
     """Yield the markers in their order."""
     for marker in analysis.markers:
-        yield MarkerRow(marker.label, marker.u, marker.v, *_millimetres(marker))
+        named = name_origin(marker)
+        yield MarkerRow(marker.label, marker.u, marker.v, *_millimetres(marker), *named)
+
+
+def name_origin(marker: Marker) -> tuple[str, float | None]:
+    """Return who named a marker and how sure that is, as `MarkerRow` has it."""
+    if marker.named_by is not None:
+        return marker.named_by.model, marker.named_by.confidence
+    return "" if is_numbered(marker.label) else USER, None
 
 
 def distance_rows(analysis: PostureAnalysis) -> Iterator[DistanceRow]:

@@ -1,5 +1,7 @@
 """A skeleton model at work: it chooses its part that fits the points, and keeps it prepared."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from adibas.arrays import FloatArray
@@ -30,6 +32,18 @@ class Namer:
     def names(self) -> tuple[str, ...]:
         """Return the names that points can get."""
         return self._model.names
+
+    @property
+    def identity(self) -> str:
+        """Return which model it is: when it was made, and by which version of the program."""
+        told = self._model.provenance
+        created, version = (told.get(key, "unknown") for key in ("created_utc", "version"))
+        return f"model {created} ({version})"
+
+    @property
+    def provenance(self) -> Mapping[str, object]:
+        """Return what the model was learned from."""
+        return self._model.provenance
 
     def knows(self, n_dimensions: int) -> bool:
         """Say whether the model has a part for points of so many dimensions."""

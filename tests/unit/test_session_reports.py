@@ -17,12 +17,12 @@ from adibas.data.corrections import (
     MarkerCorrection,
     MeasureCorrection,
 )
-from adibas.data.markers import Marker
+from adibas.data.markers import AutomaticName, Marker
 from adibas.data.report import CaptureReport, PictureChoice, SessionReport
 from adibas.data.sessions import Capture, Session, SessionSetup
 from adibas.errors import ReportError
 from adibas.measures.geometry_tables import all_distances
-from adibas.pipeline.session_report import capture_report, report_of_session
+from adibas.pipeline.session_report import capture_report, report_of_analysis, report_of_session
 from adibas.reports import batch, pdf, sheets, write_report
 from adibas.reports.batch import PICTURES, report_stem, write_session_reports
 from adibas.reports.facts import capture_facts
@@ -174,6 +174,25 @@ def test_the_csv_table_says_why_a_value_is_missing_and_what_must_be_known(report
     notices = [row["remark"] for row in rows if row["quantity"] == "notice"]
     assert len(notices) == len(report.captures)
     assert "cut" in notices[0]
+
+
+def test_every_format_but_the_pdf_tells_who_named_a_marker(analysis, tmp_path):
+    by_model, by_user, *numbered = analysis.markers
+    by_model = replace(by_model, label="neck", named_by=AutomaticName("model of May", 0.93))
+    markers = (by_model, replace(by_user, label="head"), replace(numbered[0], label="m03"))
+    single = report_of_analysis(
+        replace(analysis, markers=markers, distances=(), angles=()), language="en"
+    )
+    rows = table(openpyxl.load_workbook(written(single, ".xlsx", tmp_path))["Markers"])
+    found = [(row["Named by"], row["Confidence of the name"]) for row in rows]
+    assert found == [("model of May", 0.93), ("a person", None), (None, None)]
+    document = json.loads(written(single, ".json", tmp_path).read_text(encoding="utf-8"))
+    markers = document["captures"][0]["markers"]
+    found = [(one["named_by"], one["name_confidence"]) for one in markers]
+    assert found == [("model of May", 0.93), ("user", None), (None, None)]
+    rows = [row for row in csv_rows(written(single, ".csv", tmp_path)) if row["quantity"] == "u"]
+    found = [(row["named_by"], row["name_confidence"]) for row in rows]
+    assert found == [("model of May", "0.93"), ("user", ""), ("", "")]
 
 
 def test_every_distance_of_the_pdf_is_the_workbook_s_to_a_tenth(report, tmp_path):

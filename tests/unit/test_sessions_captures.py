@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +20,11 @@ from adibas.data.corrections import (
     MarkerCorrection,
     MeasureCorrection,
 )
+from adibas.data.markers import AutomaticName
 from adibas.errors import StoreError
 from adibas.recordings import open_recording
 from adibas.sessions import images
-from adibas.sessions.documents import correction_to_json, markers_to_json
+from adibas.sessions.documents import correction_to_json, markers_from_json, markers_to_json
 from tests.unit.recorded_frames import CALIBRATION, INFO, assert_same_frame, make_frames
 from tests.unit.store_samples import (
     add_capture,
@@ -90,6 +92,14 @@ def test_a_capture_comes_back_to_the_last_bit(folder):
     np.testing.assert_array_equal(kept.mean_per_m, given_surface.mean_per_m)
     np.testing.assert_array_equal(kept.n_readings, given_surface.n_readings)
     assert kept.n_frames == given_surface.n_frames
+
+
+def test_a_capture_keeps_who_named_a_marker_and_old_texts_stay_the_same():
+    by_model = AutomaticName("a model", 0.93)
+    plain, named = marker("m01"), replace(marker("neck"), named_by=by_model)
+    text = markers_to_json((plain, named))
+    assert text.count("named_by") == 1
+    assert [one.named_by for one in markers_from_json(text)] == [None, by_model]
 
 
 def test_a_capture_may_have_no_surface(store):

@@ -7,15 +7,17 @@ import numpy as np
 import pytest
 
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.corrections import CorrectionHistory, MarkerCorrection
 from adibas.data.joints import JOINT_NAMES
-from adibas.data.markers import Marker
+from adibas.data.markers import AutomaticName, Marker
+from adibas.data.posture import Provenance
 from adibas.geometry.distortion import FoldWarning, project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline import skeleton_names
 from adibas.pipeline.namers import namer_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
-from adibas.pipeline.skeleton_names import with_names
+from adibas.pipeline.skeleton_names import with_namer, with_names
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
@@ -59,6 +61,40 @@ def test_markers_get_names_however_the_sensor_is_mounted(joints_m, tilted_by, an
     tilted_by(turn @ [0.0, -1.0, 0.0])
     named = with_names(shipped_namer(), markers_at(joints_m @ turn.T), "anterior", None)
     assert tuple(marker.label for marker in named) == JOINT_NAMES
+
+
+def test_a_name_tells_which_model_gave_it_and_how_sure_it_is(joints_m, tilted_by):
+    tilted_by([0.0, -1.0, 0.0])
+    namer = shipped_namer()
+    markers = list(markers_at(joints_m))
+    markers[0] = replace(markers[0], label="neck")
+    by_hand, *others = with_names(namer, tuple(markers), "anterior", None, frozenset(["neck"]))
+    assert by_hand.named_by is None
+    named = [one for one in others if one.label in JOINT_NAMES]
+    assert len(named) >= 12
+    assert {one.named_by.model for one in named} == {namer.identity}
+    assert all(0.5 <= one.named_by.confidence <= 1.0 for one in named)
+    assert all(one.named_by is None for one in others if one.label not in JOINT_NAMES)
+
+
+def test_the_provenance_tells_which_model_named():
+    plain = Provenance("", "", "0.1.0", "2026-11-22T10:00:00+00:00", {"detection": {}})
+    assert with_namer(plain, None) is plain
+    told = with_namer(plain, shipped_namer()).parameters
+    assert told["detection"] == {}
+    assert told["names"]["model"] == shipped_namer().identity
+    assert told["names"]["created_utc"] in shipped_namer().identity
+
+
+def test_a_name_that_a_hand_changes_is_the_model_s_no_more():
+    by_model = AutomaticName("a model", 0.9)
+    found = replace(markers_at(np.zeros((1, 3)))[0], label="neck", named_by=by_model)
+    moved = MarkerCorrection(found, replace(found, u=5.0, named_by=None))
+    renamed = MarkerCorrection(found, replace(found, label="head"))
+    (one,) = CorrectionHistory().after(moved).markers((found,))
+    assert (one.u, one.named_by) == (5.0, by_model)
+    (one,) = CorrectionHistory().after(renamed).markers((found,))
+    assert (one.label, one.named_by) == ("head", None)
 
 
 def test_names_by_hand_stay_and_are_not_given_twice(joints_m, tilted_by):
@@ -113,7 +149,10 @@ def test_markers_that_can_be_read_in_two_ways_get_no_name(seen_flat):
     together = ("right_hand", "left_knee", *(None,) * (n_placed - 2), "left_foot", "head")
     says = {n_placed: alone, len(markers): together}
     namer = SimpleNamespace(
-        label=lambda points_m, _view: SimpleNamespace(names=says[len(points_m)])
+        identity="two ways",
+        label=lambda points_m, _view: SimpleNamespace(
+            names=says[len(points_m)], confidences=np.ones(len(points_m))
+        ),
     )
     labels = [marker.label for marker in markers]
     named = with_names(namer, markers, "anterior", calibration)

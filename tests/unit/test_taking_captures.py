@@ -180,6 +180,8 @@ def test_markers_on_joints_have_their_names_where_the_protocol_marks_joints(stor
     named = [one for one in taken.markers() if one.label in truth]
     assert len(named) >= 12
     assert max(offset_px(truth[one.label], one) for one in named) < 2.0
+    models = {one.named_by.model for one in named}
+    assert models == {taken.provenance.parameters["names"]["model"]}
 
 
 def test_the_recording_of_a_capture_is_sealed_whole_and_named_in_it(

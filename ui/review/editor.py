@@ -1,6 +1,5 @@
 """The corrections of one capture: each is saved before it is shown. Knows nothing of Qt."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -13,11 +12,9 @@ from adibas.data.corrections import (
     MeasureCorrection,
 )
 from adibas.data.landmark_texts import landmark_text
-from adibas.data.markers import Marker
+from adibas.data.markers import NUMBERED, Marker
 from adibas.data.sessions import Capture
 from adibas.errors import MarkerError
-
-NUMBERED = re.compile(r"m(\d+)")
 
 
 class CaptureEditor:
@@ -146,8 +143,3 @@ class CaptureEditor:
 def alike(labels: tuple[str, ...], others: tuple[str, ...]) -> bool:
     """Whether two measures are the same one, whichever end was clicked first."""
     return labels in (others, others[::-1])
-
-
-def is_numbered(label: str) -> bool:
-    """Whether a label is only the program's number."""
-    return NUMBERED.fullmatch(label) is not None

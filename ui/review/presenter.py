@@ -5,13 +5,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.arrays import UInt8Array
+from adibas.data.markers import is_numbered
 from adibas.data.sessions import Capture, Session
 from adibas.errors import AdibasError, MarkerError
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.ports import JobControl
 from ui.review.content import CaptureItem, Space
-from ui.review.editor import is_numbered
 from ui.review.points_presenter import Opened, PointsPresenter, PointsView
 from ui.workspace import Workspace
 
