@@ -23,16 +23,19 @@ class AngleCurve:
     deg : (T,) array
         Smoothed, degrees; NaN where a joint was not seen.
     speed_deg_s : (T,) array
-        Its derivative, degrees a second.
+        Its derivative, degrees a second; NaN also next to where the curve begins or ends.
     sd_deg : float
         Standard deviation of what random noise of the joints leaves in the curve; NaN where it is
         not known. Where markers or joints lie wrongly all the time is not in it.
+    speed_sd_deg_s : float
+        The same of the speed.
     """
 
     name: str
     deg: FloatArray
     speed_deg_s: FloatArray
     sd_deg: float
+    speed_sd_deg_s: float = float("nan")
 
     def __post_init__(self) -> None:
         check_shape("deg", self.deg, (None,))
@@ -59,6 +62,11 @@ class AngleRange:
         Of the time in which the angle is known, 0 to 1.
     sd_deg : float
         Of one extreme, from noise alone; NaN where it is not known.
+    speed_sd_deg_s : float
+        Of one speed, likewise.
+    noise_deg_s : float
+        The greatest speed that noise alone shows in 1 of 100 such recordings; NaN where it is
+        not known.
     """
 
     name: str
@@ -69,6 +77,13 @@ class AngleRange:
     fastest_deg_s: float
     seen_share: float
     sd_deg: float
+    speed_sd_deg_s: float = float("nan")
+    noise_deg_s: float = float("nan")
+
+    @property
+    def is_speed_noise(self) -> bool:
+        """Whether the greatest speed is not told from what noise alone would show."""
+        return self.fastest_deg_s <= self.noise_deg_s
 
     @property
     def range_deg(self) -> float:

@@ -13,6 +13,7 @@ from adibas.data.skeleton_track import SkeletonTrack
 from adibas.movement.joint_angles import ANGLES, joint_angles
 from adibas.texts import message
 from adibas.timeseries.lowpass import LowpassParams, even_times, lowpass, noise_share, resample
+from adibas.timeseries.speeds import SpeedNoise, speed_noise, speeds
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 
@@ -98,7 +99,9 @@ def measure_movement(
     is_up_missing = source.up is None and not params.takes_upright
     against = np.full(3, np.nan) if is_up_missing else up
     curves = tuple(_curves(measured_m, joints_m, against, times_s, params.lowpass))
-    ranges = tuple(found for curve in curves if (found := range_of(curve, times_s)) is not None)
+    noise = speed_noise(rate_hz, params.lowpass)
+    each = (range_of(curve, times_s, noise) for curve in curves)
+    ranges = tuple(found for found in each if found is not None)
     return Movement(
         times_s,
         joints_m,
@@ -119,22 +122,30 @@ def measure_movement(
     )
 
 
-def range_of(curve: AngleCurve, times_s: FloatArray) -> AngleRange | None:
+def range_of(
+    curve: AngleCurve, times_s: FloatArray, noise: SpeedNoise | None = None
+) -> AngleRange | None:
     """Return the extremes of a curve; None where it is known nowhere."""
     seen = np.isfinite(curve.deg)
     if not seen.any():
         return None
     least, greatest = int(np.nanargmin(curve.deg)), int(np.nanargmax(curve.deg))
-    speeds = np.abs(curve.speed_deg_s[np.isfinite(curve.speed_deg_s)])
+    known_deg_s = np.abs(curve.speed_deg_s[np.isfinite(curve.speed_deg_s)])
+    peak_deg_s = float("nan")
+    if noise is not None and len(known_deg_s):
+        known_s = len(known_deg_s) * float(times_s[1] - times_s[0])
+        peak_deg_s = noise.peak(curve.speed_sd_deg_s, known_s)
     return AngleRange(
         curve.name,
         float(curve.deg[least]),
         float(curve.deg[greatest]),
         float(times_s[least]),
         float(times_s[greatest]),
-        float(speeds.max()) if len(speeds) else float("nan"),
+        float(known_deg_s.max()) if len(known_deg_s) else float("nan"),
         float(seen.mean()),
         curve.sd_deg,
+        curve.speed_sd_deg_s,
+        peak_deg_s,
     )
 
 
@@ -165,11 +176,19 @@ def _curves(
     params: LowpassParams,
 ) -> Iterator[AngleCurve]:
     smooth, raw = joint_angles(joints_m, up), joint_angles(measured_m, up)
-    share = noise_share(_rate_hz(times_s), params) if len(times_s) > 1 else float("inf")
+    rate_hz = _rate_hz(times_s)
+    noise = speed_noise(rate_hz, params)
+    shares = (float("inf"), float("inf"))
+    if noise is not None:
+        shares = (noise_share(rate_hz, params), noise.share_hz)
+    # Half a period of the cutoff: closer to an end the filter's slope is not to be trusted.
+    edge_s = 0.0 if noise is None else 0.5 / params.cutoff_hz
     for name in ANGLES:
         smooth_deg = np.degrees(unwrapped(smooth[name]))
         taken_rad = np.angle(np.exp(1j * (raw[name] - smooth[name])))
-        yield AngleCurve(name, smooth_deg, _speed(smooth_deg, times_s), _sd_deg(taken_rad, share))
+        speed_deg_s = speeds(smooth_deg, times_s, edge_s)
+        sd_deg, speed_sd_deg_s = (_sd_deg(taken_rad, share) for share in shares)
+        yield AngleCurve(name, smooth_deg, speed_deg_s, sd_deg, speed_sd_deg_s)
 
 
 def unwrapped(angles_rad: FloatArray) -> FloatArray:
@@ -181,12 +200,6 @@ def unwrapped(angles_rad: FloatArray) -> FloatArray:
     whole = np.array(angles_rad, float)
     whole[seen] = np.unwrap(whole[seen])
     return whole
-
-
-def _speed(deg: FloatArray, times_s: FloatArray) -> FloatArray:
-    if len(times_s) <= 1:
-        return np.full(len(deg), np.nan)
-    return np.asarray(np.gradient(deg, times_s))
 
 
 def _sd_deg(taken_rad: FloatArray, share: float) -> float:

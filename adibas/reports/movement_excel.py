@@ -1,17 +1,14 @@
 """The Excel report of a movement."""
 
-import math
-from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 from openpyxl import Workbook
 
 from adibas.data.movement import Movement
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.movement_facts import general_facts, movement_facts
 from adibas.reports.movement_plots import movement_picture
-from adibas.reports.movement_rows import range_rows, symmetry_rows
+from adibas.reports.movement_rows import curve_table, range_rows, symmetry_rows
 from adibas.reports.movement_texts import angle_text
 from adibas.reports.sheets import (
     Column,
@@ -48,8 +45,12 @@ def _add_sheets(workbook: Workbook, movement: Movement) -> None:
     add_table(workbook, _("Ranges"), _range_columns(), _ranges(movement), footer)
     add_table(workbook, _("Symmetry"), _symmetry_columns(), _symmetries(movement), footer)
     columns = [Column(_("Time [s]"), 10, THREE)]
-    columns += [Column(f"{angle_text(curve.name)} [°]", 16, TWO) for curve in movement.curves]
-    add_table(workbook, _("Angles over time"), columns, _curves(movement), footer)
+    columns += [
+        Column(f"{angle_text(curve.name)} [{unit}]", 16, TWO)
+        for curve in movement.curves
+        for unit in ("°", "°/s")
+    ]
+    add_table(workbook, _("Angles over time"), columns, list(curve_table(movement)), footer)
 
 
 def _range_columns() -> tuple[Column, ...]:
@@ -62,7 +63,9 @@ def _range_columns() -> tuple[Column, ...]:
         Column(_("Least at [s]"), 11, TWO),
         Column(_("Greatest at [s]"), 11, TWO),
         Column(_("Fastest [deg/s]"), 11, ONE),
+        Column(_("Speed plus or minus [deg/s]"), 12, ONE),
         Column(_("Seen [%]"), 9, ONE),
+        Column(_("Remark"), 40),
     )
 
 
@@ -77,7 +80,9 @@ def _ranges(movement: Movement) -> list[tuple[Value, ...]]:
             row.least_at_s,
             row.greatest_at_s,
             row.fastest_deg_s,
+            row.sure_deg_s,
             row.seen_percent,
+            _("fastest: not told from noise") if row.is_speed_noise else None,
         )
         for row in range_rows(movement)
     ]
@@ -106,8 +111,3 @@ def _symmetries(movement: Movement) -> list[tuple[Value, ...]]:
         )
         for row in symmetry_rows(movement)
     ]
-
-
-def _curves(movement: Movement) -> Sequence[tuple[Value, ...]]:
-    table = np.column_stack([movement.times_s, *(curve.deg for curve in movement.curves)])
-    return [tuple(None if math.isnan(cell) else cell for cell in row) for row in table.tolist()]

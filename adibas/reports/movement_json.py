@@ -10,7 +10,7 @@ from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.files import written_whole
 from adibas.recordings.joints_csv import ORIGIN
 from adibas.reports.movement_facts import rests_on_markers
-from adibas.reports.movement_rows import range_rows, symmetry_rows
+from adibas.reports.movement_rows import curve_table, range_rows, symmetry_rows
 
 
 def movement_to_json(movement: Movement) -> dict[str, Any]:
@@ -35,6 +35,8 @@ def movement_to_json(movement: Movement) -> dict[str, Any]:
                 "least_at_s": row.least_at_s,
                 "greatest_at_s": row.greatest_at_s,
                 "fastest_deg_s": row.fastest_deg_s,
+                "speed_ci95_deg_s": row.sure_deg_s,
+                "fastest_is_noise": row.is_speed_noise,
                 "seen_percent": row.seen_percent,
             }
             for found, row in ranges
@@ -59,7 +61,7 @@ def movement_to_json(movement: Movement) -> dict[str, Any]:
 
 
 def write_movement_csv(movement: Movement, path: Path) -> None:
-    """Write every angle over time, degrees; empty = not seen.
+    """Write every angle over time, degrees, and its speed, degrees a second; empty = not known.
 
     The last column says in every row where the joints come from, as tables of joints do.
 
@@ -73,8 +75,9 @@ def write_movement_csv(movement: Movement, path: Path) -> None:
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("time_s", *(f"{curve.name}_deg" for curve in movement.curves), ORIGIN))
-        for row, time_s in enumerate(movement.times_s.tolist()):
-            cells = (float(curve.deg[row]) for curve in movement.curves)
-            texts = ("" if math.isnan(deg) else f"{deg:.4f}" for deg in cells)
+        names = (curve.name for curve in movement.curves)
+        columns = (f"{name}_{unit}" for name in names for unit in ("deg", "deg_s"))
+        writer.writerow(("time_s", *columns, ORIGIN))
+        for time_s, *cells in curve_table(movement):
+            texts = ("" if cell is None else f"{cell:.4f}" for cell in cells)
             writer.writerow((f"{time_s:.6f}", *texts, movement.origin))

@@ -10,7 +10,7 @@ from adibas.data.movement import Movement
 from adibas.reports.facts import intended_use
 from adibas.reports.movement_facts import general_facts, movement_facts
 from adibas.reports.movement_plots import movement_figure
-from adibas.reports.movement_rows import range_rows, symmetry_rows
+from adibas.reports.movement_rows import RangeRow, range_rows, symmetry_rows
 from adibas.reports.pdf_document import write_document
 from adibas.reports.pdf_layout import WIDTH, facts_table, note, number_table, title
 from adibas.reports.vector_figures import FigureFlowable
@@ -18,6 +18,10 @@ from adibas.texts import decimal_text, message
 from adibas.texts import translate as _
 
 HEADING = message("Movement report")
+NOISE = message(
+    "Fastest: no value where it is not told from noise, which alone would show as much in more "
+    "than 1 of 100 recordings of this length."
+)
 PLOTS_HEIGHT = 620.0
 NAME_WIDTH = 190.0
 LETTER_WIDTH = 4.6
@@ -46,6 +50,8 @@ def _story(movement: Movement) -> Iterator[Flowable]:
     yield facts_table([*movement_facts(movement), *general_facts(movement)])
     yield title(_("Ranges of movement"), level=2)
     yield _ranges(movement)
+    if any(found.is_speed_noise for found in movement.ranges):
+        yield note(_(NOISE))
     if movement.symmetries:
         yield title(_("Symmetry"), level=2)
         yield _symmetry(movement)
@@ -77,7 +83,7 @@ def _ranges(movement: Movement) -> Flowable:
             decimal_text(row.greatest_deg, 1),
             decimal_text(row.range_deg, 1),
             _text(row.sure_deg, 2),
-            _text(row.fastest_deg_s, 0),
+            _fastest(row),
             decimal_text(row.seen_percent, 0),
         ]
         for row in range_rows(movement)
@@ -111,6 +117,11 @@ def _table(header: list[str], rows: list[list[str]]) -> Flowable:
     widths = [NAME_WIDTH, *[width] * (len(header) - 1)]
     broken = ["\n".join(textwrap.wrap(name, int(width / LETTER_WIDTH))) for name in header[1:]]
     return number_table([header[0], *broken], rows, widths, text_columns=(0,))
+
+
+def _fastest(row: RangeRow) -> str:
+    known = [_text(value, 0) for value in (row.fastest_deg_s, row.sure_deg_s) if value is not None]
+    return "" if row.fastest_deg_s is None else " ± ".join(known)
 
 
 def _text(value: float | None, n_decimals: int) -> str:

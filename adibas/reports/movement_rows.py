@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from adibas.data.movement import Movement
 from adibas.reports.movement_facts import SURE
 from adibas.reports.movement_texts import JOINT_MOTIONS, angle_text
@@ -12,7 +14,7 @@ from adibas.texts import translate as _
 
 @dataclass(frozen=True, slots=True)
 class RangeRow:
-    """How far one angle went; None where it is not known."""
+    """How far one angle went; None where it is not known, or a speed is not told from noise."""
 
     angle: str
     least_deg: float
@@ -22,6 +24,8 @@ class RangeRow:
     least_at_s: float
     greatest_at_s: float
     fastest_deg_s: float | None
+    sure_deg_s: float | None
+    is_speed_noise: bool
     seen_percent: float
 
 
@@ -47,7 +51,9 @@ def range_rows(movement: Movement) -> Iterator[RangeRow]:
             _known(SURE * found.sd_deg),
             found.least_at_s,
             found.greatest_at_s,
-            _known(found.fastest_deg_s),
+            None if found.is_speed_noise else _known(found.fastest_deg_s),
+            _known(SURE * found.speed_sd_deg_s),
+            found.is_speed_noise,
             100.0 * found.seen_share,
         )
 
@@ -62,6 +68,15 @@ def symmetry_rows(movement: Movement) -> Iterator[SymmetryRow]:
             found.right_deg - found.left_deg,
             found.index_percent,
         )
+
+
+def curve_table(movement: Movement) -> Iterator[tuple[float | None, ...]]:
+    """Yield a row for each time: seconds, then degrees and degrees a second of every angle."""
+    columns = [movement.times_s]
+    for curve in movement.curves:
+        columns += [curve.deg, curve.speed_deg_s]
+    for row in np.column_stack(columns).tolist():
+        yield tuple(_known(cell) for cell in row)
 
 
 def _known(value: float) -> float | None:

@@ -127,15 +127,28 @@ def noise_share(rate_hz: float, params: LowpassParams | None = None) -> float:
     With it the noise left in a smooth curve is known from the differences to what was measured.
     Infinite where nothing is taken away.
     """
+    response = impulse_response(rate_hz, params)
+    if response is None:
+        return float("inf")
+    return float(np.linalg.norm(response) / np.linalg.norm(taken_away(response)))
+
+
+def impulse_response(rate_hz: float, params: LowpassParams | None = None) -> FloatArray | None:
+    """Return what the filter makes of a 1 in the middle of zeros; None where it does nothing."""
     params = params or LowpassParams()
     sections = _sections(rate_hz, params.cutoff_hz)
     if sections is None:
-        return float("inf")
+        return None
     impulse = np.zeros(N_SAMPLES_OF_RESPONSE)
     impulse[N_SAMPLES_OF_RESPONSE // 2] = 1.0
-    response = _both_ways(sections, impulse)
-    taken = impulse - response
-    return float(np.linalg.norm(response) / np.linalg.norm(taken))
+    return _both_ways(sections, impulse)
+
+
+def taken_away(response: FloatArray) -> FloatArray:
+    """Return what a filter of that response takes from a 1 in the middle of zeros."""
+    taken = -response
+    taken[len(response) // 2] += 1.0
+    return taken
 
 
 def _sections(rate_hz: float, cutoff_hz: float) -> FloatArray | None:

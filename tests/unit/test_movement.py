@@ -66,6 +66,38 @@ def test_noise_is_smoothed_and_its_rest_is_known():
     assert 0.1 < curve.sd_deg < 2.0
 
 
+def test_the_noise_of_speeds_is_known():
+    track = bending(n_frames=900, noise_m=0.004, seed=3)
+    movement = measure_movement(track, source())
+    curve = by_name(movement.curves)["right_elbow_flexion"]
+    true_deg_s = np.gradient(elbow_deg(movement.times_s, RIGHT_DEG), movement.times_s)
+    errors_deg_s = (curve.speed_deg_s - true_deg_s)[np.isfinite(curve.speed_deg_s)]
+    assert errors_deg_s.std() == pytest.approx(curve.speed_sd_deg_s, rel=0.25)
+    assert not by_name(movement.ranges)["right_elbow_flexion"].is_speed_noise
+
+
+def test_what_stands_still_seldom_looks_faster_than_noise():
+    n_runs, n_frames = 40, 150
+    still_m = np.repeat(standing()[None], n_frames, axis=0)
+    told = []
+    for seed in range(n_runs):
+        noise_m = np.random.default_rng(seed).normal(scale=0.003, size=still_m.shape)
+        track = track_of(np.arange(n_frames) / 30.0, still_m + noise_m)
+        ranges = by_name(measure_movement(track, source(up=UP)).ranges)
+        told += [not ranges[name].is_speed_noise for name in ("neck_flexion", "left_hip_flexion")]
+    assert ranges["neck_flexion"].fastest_deg_s > 30, "it looks fast"
+    assert np.mean(told) < 0.05
+
+
+def test_a_speed_next_to_the_beginning_or_a_gap_is_not_given():
+    track = bending()
+    joints_m = track.joints_m.copy()
+    joints_m[60:90, INDEX["left_hand"]] = np.nan
+    movement = measure_movement(track_of(track.times_s, joints_m), source())
+    is_known = np.isfinite(by_name(movement.curves)["left_elbow_flexion"].speed_deg_s)
+    assert np.flatnonzero(np.diff(is_known.astype(int))).tolist() == [2, 56, 92, 146]
+
+
 def test_the_symmetry_index_is_the_difference_over_the_mean():
     movement = measure_movement(bending(), source())
     elbows = by_name(movement.symmetries)["elbow_flexion"]

@@ -30,6 +30,10 @@ def movement():
     return measure_movement(track_of(track.times_s, joints_m), source(patient="P-7"))
 
 
+def curve_of(movement, name):
+    return next(curve for curve in movement.curves if curve.name == name)
+
+
 def test_the_workbook_holds_ranges_symmetry_and_curves_as_numbers(movement, tmp_path):
     file = tmp_path / "m.xlsx"
     write_movement(movement, file, "en")
@@ -37,11 +41,19 @@ def test_the_workbook_holds_ranges_symmetry_and_curves_as_numbers(movement, tmp_
     assert book.sheetnames == ["Summary", "Ranges", "Symmetry", "Angles over time"]
     ranges = {row[0]: row[1:] for row in book["Ranges"].iter_rows(min_row=2, values_only=True)}
     elbow = next(one for one in movement.ranges if one.name == "right_elbow_flexion")
-    least, greatest, span, sure, *_times, seen = ranges["Elbow: flexion, right side"]
+    least, greatest, span, sure, *_times, fastest, sure_speed, seen, remark = ranges[
+        "Elbow: flexion, right side"
+    ]
     expected = (elbow.least_deg, elbow.greatest_deg, elbow.range_deg)
     assert (least, greatest, span) == pytest.approx(expected)
     assert sure == pytest.approx(1.96 * elbow.sd_deg)
     assert seen == 100.0
+    assert (fastest, sure_speed) == pytest.approx(
+        (elbow.fastest_deg_s, 1.96 * elbow.speed_sd_deg_s)
+    )
+    assert remark is None
+    *_numbers, still, _sure, _seen, remark = ranges["Neck: flexion"]
+    assert (still, remark) == (None, "fastest: not told from noise")
     sides = {row[0]: row for row in book["Symmetry"].iter_rows(min_row=2, values_only=True)}
     assert sides["Elbow: flexion"][4] == pytest.approx(-28.6, abs=4)
     assert sides["Knee: flexion"][4] is None
@@ -50,7 +62,9 @@ def test_the_workbook_holds_ranges_symmetry_and_curves_as_numbers(movement, tmp_
     assert len(rows) == len(movement.times_s)
     at = [cell.value for cell in book["Angles over time"][1]].index("Elbow: flexion, left side [°]")
     assert rows[50][at] is None
-    assert rows[10][at] == pytest.approx(movement.curves[at - 1].deg[10])
+    left = curve_of(movement, "left_elbow_flexion")
+    assert rows[10][at : at + 2] == pytest.approx((left.deg[10], left.speed_deg_s[10]))
+    assert book["Angles over time"][1][at + 1].value == "Elbow: flexion, left side [°/s]"
     words = {cell.value for row in book["Summary"].iter_rows() for cell in row}
     assert {"P-7", "5.0"} <= words
     assert any("markers on the skin" in str(word) for word in words)
@@ -63,6 +77,7 @@ def test_the_pdf_says_it_in_the_readers_language(movement, tmp_path):
     text = "".join(page.extract_text() for page in pypdf.PdfReader(file).pages)
     elbow = next(one for one in movement.ranges if one.name == "right_elbow_flexion")
     assert f"{elbow.greatest_deg:.1f}".replace(".", ",") in text
+    assert f"{elbow.fastest_deg_s:.0f} ± {1.96 * elbow.speed_sd_deg_s:.0f}" in text
     assert "Movement report" not in text
 
 
@@ -73,7 +88,11 @@ def test_csv_has_every_angle_at_every_time(movement, tmp_path):
         header, *rows = csv.reader(opened)
     at = header.index("left_elbow_flexion_deg")
     assert rows[50][at] == ""
-    assert float(rows[10][at]) == pytest.approx(movement.curves[at - 1].deg[10], abs=1e-4)
+    left = curve_of(movement, "left_elbow_flexion")
+    assert float(rows[10][at]) == pytest.approx(left.deg[10], abs=1e-4)
+    assert header[at + 1] == "left_elbow_flexion_deg_s"
+    assert float(rows[10][at + 1]) == pytest.approx(left.speed_deg_s[10], abs=1e-4)
+    assert rows[0][at + 1] == "", "no speed at the very beginning"
     assert len(rows) == len(movement.times_s)
 
 
@@ -152,6 +171,10 @@ def test_json_says_no_number_where_there_is_none(movement):
     document = json.loads(json.dumps(movement_to_json(movement), allow_nan=False))
     by_name = {one["angle"]: one for one in document["ranges"]}
     assert by_name["left_elbow_flexion"]["seen_percent"] == pytest.approx(80.0)
+    assert by_name["neck_flexion"]["fastest_deg_s"] is None
+    assert by_name["neck_flexion"]["fastest_is_noise"]
+    assert by_name["neck_flexion"]["speed_ci95_deg_s"] > 0
+    assert not by_name["right_elbow_flexion"]["fastest_is_noise"]
     assert document["duration_s"] == pytest.approx(149 / 30)
     single = measure_movement(bending(n_frames=1), source())
     assert movement_to_json(single)["rate_hz"] is None
