@@ -9,14 +9,16 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+import cv2
 import numpy as np
 
-from adibas.arrays import FloatArray, check_shape, read_only
+from adibas.arrays import FloatArray, UInt8Array, check_shape, read_only
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.markers import Marker
 from adibas.data.protocol_measures import VerticalOrigin
-from adibas.data.sessions import Capture
 from adibas.geometry.pinhole import Intrinsics, project
 from adibas.measures.sight_plane import vertical_of
+from adibas.texts import Message, message
 
 LEAST_SHARED = 2
 """Markers of one name with a position in both pictures."""
@@ -33,6 +35,31 @@ class OverlayWay(Enum):
     """The middle of the shared markers and the vertical; at one scale."""
     PICTURE = "picture"
     """The pictures as they were taken."""
+
+
+WAYS: dict[OverlayWay, Message] = {
+    OverlayWay.FLOOR: message(
+        "Laid over one another by the floor and the plumb line through the body's middle, at the "
+        "same scale."
+    ),
+    OverlayWay.MIDDLE: message(
+        "Laid over one another by the body's middle and the vertical, at the same scale. The floor "
+        "is not known in both sessions."
+    ),
+    OverlayWay.PICTURE: message(
+        "Laid over one another as they were taken: fewer than two markers of one name have a "
+        "position in both sessions."
+    ),
+}
+"""Of each, a sentence for the reader."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedMarkers:
+    """The markers in a picture, as corrected, and the calibration that they were measured with."""
+
+    markers: tuple[Marker, ...]
+    calibration: RgbdCalibration
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +86,16 @@ class PictureOverlay:
         place = self.later_from_earlier @ (u, v, 1.0)
         return float(place[0]), float(place[1])
 
+    def laid(self, earlier_rgb: UInt8Array, shape: tuple[int, ...]) -> UInt8Array:
+        """Return the earlier picture in the pixels of the later one, of (height, width, ...)."""
+        laid = cv2.warpAffine(earlier_rgb, self.later_from_earlier, (shape[1], shape[0]))
+        return np.asarray(laid, np.uint8)
+
+
+def mixed(laid_rgb: UInt8Array, later_rgb: UInt8Array, share: float) -> UInt8Array:
+    """Return two pictures of the same pixels in one; `share` of the later one, 0 to 1."""
+    return np.asarray(cv2.addWeighted(laid_rgb, 1.0 - share, later_rgb, share, 0.0), np.uint8)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Anchor:
@@ -69,8 +106,8 @@ class _Anchor:
     px_per_m: float
 
 
-def lay_over(earlier: Capture, later: Capture) -> PictureOverlay:
-    """Return how the picture of an earlier capture is laid over that of a later one.
+def lay_over(earlier: PlacedMarkers, later: PlacedMarkers) -> PictureOverlay:
+    """Return how an earlier picture is laid over a later one.
 
     The markers that both have by name, with a position, say where the body is. Where fewer than
     two are shared nothing is moved but the size of the picture.
@@ -87,8 +124,8 @@ def lay_over(earlier: Capture, later: Capture) -> PictureOverlay:
         for one in (earlier, later)
     )
     anchors = [
-        _anchor(positions_m.mean(axis=0), capture.calibration, camera, on_floor=has_floor)
-        for positions_m, capture, camera in (
+        _anchor(positions_m.mean(axis=0), seen.calibration, camera, on_floor=has_floor)
+        for positions_m, seen, camera in (
             (first, earlier, old.intrinsics),
             (second, later, new.intrinsics),
         )
@@ -97,11 +134,11 @@ def lay_over(earlier: Capture, later: Capture) -> PictureOverlay:
     return PictureOverlay(way, _similarity(*anchors))
 
 
-def _shared(earlier: Capture, later: Capture) -> tuple[FloatArray, FloatArray]:
+def _shared(earlier: PlacedMarkers, later: PlacedMarkers) -> tuple[FloatArray, FloatArray]:
     """Return the (n, 3) positions of the markers that both have, in the same order."""
     places = [
-        {one.label: one.position_m for one in capture.markers() if one.position_m is not None}
-        for capture in (earlier, later)
+        {one.label: one.position_m for one in seen.markers if one.position_m is not None}
+        for seen in (earlier, later)
     ]
     names = [name for name in places[0] if name in places[1]]
     first, second = (np.array([place[name] for name in names]) for place in places)

@@ -7,7 +7,8 @@ from openpyxl import Workbook
 from adibas.data.reliability import Comparison
 from adibas.data.report import SessionReport
 from adibas.data.trends import Trend
-from adibas.reports.comparison_pictures import picture_pairs
+from adibas.pipeline.picture_overlay import WAYS
+from adibas.reports.comparison_pictures import OVERLAY_LEGEND, picture_pairs
 from adibas.reports.facts import comparison_facts, verdict_text, view_name
 from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
 from adibas.reports.trend_plots import plotted, trend_legend, trend_pictures
@@ -37,6 +38,8 @@ def _parts(report: SessionReport) -> list[Part]:
     for pair in picture_pairs(report, PICTURE_HEIGHT_PX):
         days = [(_("Before, at the left"), pair.before_day), (_("Now, at the right"), pair.now_day)]
         parts.append(Part(pair.name, days, pair.beside_rgb))
+        how_laid = [(_("Overlaid"), _(WAYS[pair.way])), (_("How to read it"), _(OVERLAY_LEGEND))]
+        parts.append(Part(pair.name, how_laid, pair.both_rgb))
     shown = () if report.comparison is None else plotted(report.comparison.trends)
     how: list[tuple[str, Value]] = [(_("How to read it"), trend_legend())]
     plots = trend_pictures(shown, PLOTS_WIDTH_PT, ROW_HEIGHT_PT)

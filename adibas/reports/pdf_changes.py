@@ -5,7 +5,8 @@ from reportlab.platypus import CondPageBreak, Flowable, PageBreak
 from adibas.data.reliability import Comparison, Verdict
 from adibas.data.report import SessionReport
 from adibas.data.trends import Trend
-from adibas.reports.comparison_pictures import picture_pairs
+from adibas.pipeline.picture_overlay import WAYS
+from adibas.reports.comparison_pictures import OVERLAY_LEGEND, picture_pairs
 from adibas.reports.facts import comparison_facts, verdict_text, view_name
 from adibas.reports.pdf_layout import (
     SMALL_NAME,
@@ -46,13 +47,15 @@ def change_flowables(report: SessionReport) -> list[Flowable]:
 
 
 def _pictures(report: SessionReport) -> list[Flowable]:
-    """Return each view before and now."""
-    named = []
+    """Return each view before, now, and both overlaid."""
+    found: list[Flowable] = []
     for pair in picture_pairs(report, PICTURE_HEIGHT_PX):
         before = _("{view}, before ({day})").format(view=pair.name, day=pair.before_day)
         now = _("{view}, now ({day})").format(view=pair.name, day=pair.now_day)
-        named += [(before, pair.before_rgb), (now, pair.now_rgb)]
-    return [picture_row(named)] if named else []
+        both = _("{view}, overlaid").format(view=pair.name)
+        named = [(before, pair.before_rgb), (now, pair.now_rgb), (both, pair.both_rgb)]
+        found += [picture_row(named), note(_(WAYS[pair.way]))]
+    return [*found, note(_(OVERLAY_LEGEND))] if found else []
 
 
 def _table(found: Comparison) -> list[Flowable]:

@@ -11,7 +11,8 @@ from adibas.data.sessions import Capture
 from adibas.geometry.pinhole import Intrinsics, project
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import rotation_from_vector
-from adibas.pipeline.picture_overlay import OverlayWay, lay_over
+from adibas.pipeline.picture_overlay import OverlayWay, PlacedMarkers
+from adibas.pipeline.picture_overlay import lay_over as lay_over_placed
 from tests.unit.standing_points import seen_from, standing
 from tests.unit.store_samples import START
 
@@ -40,6 +41,13 @@ def capture(
     provenance = Provenance("", "", "1", "2026-01-01T00:00:00+00:00", {})
     return Capture(
         "c", "s", "anterior", START, "", 0, 1, calibration, tuple(markers), (), provenance
+    )
+
+
+def lay_over(earlier, later):
+    """Lay one capture over another."""
+    return lay_over_placed(
+        *(PlacedMarkers(one.markers(), one.calibration) for one in (earlier, later))
     )
 
 

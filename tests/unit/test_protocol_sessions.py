@@ -15,6 +15,7 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.patients import Identity
 from adibas.data.posture import PostureAnalysis, Provenance
 from adibas.data.protocol_measures import INSTRUMENT_ONLY
+from adibas.data.report import PictureChoice
 from adibas.data.sentence import Sentence
 from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError, MarkerError, ProtocolError, ReportError
@@ -30,7 +31,8 @@ from adibas.pipeline.protocol_measuring import (
 from adibas.pipeline.session_comparison import compare_by_protocol
 from adibas.pipeline.session_report import report_of_analysis
 from adibas.pipeline.stored_report import ReportWish, stored_report
-from adibas.reports import write_report
+from adibas.reports import pictures, write_report
+from adibas.reports.comparison_pictures import EARLIER_RGB, picture_pairs
 from adibas.sessions import NewCapture
 from tests.unit.standing_points import seen_from, standing
 from tests.unit.store_samples import PASSPHRASE, open_sample
@@ -282,7 +284,9 @@ def test_the_report_of_a_session_follows_its_protocol_and_tells_what_changed(cli
     workbook = openpyxl.load_workbook(tmp_path / "report.xlsx")
     told = {row[1]: row for row in workbook["Changes"].iter_rows(values_only=True)}
     assert told["ANT.ACR.H"][-1] == "beyond MDC95"
-    assert len(workbook["Comparison"]._images) == 2, "the view before and now, and the plots"
+    assert len(workbook["Comparison"]._images) == 3, (
+        "the view before and now, overlaid, and the plots"
+    )
     trend = [row for row in workbook["Trends"].values if row[1] == "ANT.ACR.H"]
     assert len(trend) == 3, "two visits on one day, and the reported one"
     assert (trend[0][8], trend[0][10], trend[2][10]) == (None, None, "beyond MDC95")
@@ -294,12 +298,32 @@ def test_the_report_of_a_session_follows_its_protocol_and_tells_what_changed(cli
     text = "".join(page.extract_text() for page in PdfReader(tmp_path / "report.pdf").pages)
     assert "if nothing had changed" in " ".join(text.split())
     assert "anterior, before (2026-11-02)" in " ".join(text.split())
+    assert "anterior, overlaid" in " ".join(text.split())
     assert "Measures over the sessions" in text
     old = stored_report(
         store, early, ReportWish("en", protocol=SAPO, compared_with=first_of(store))
     )
     times = {point.taken_utc for one in old.comparison.trends for point in one.points}
     assert max(times) == store.sessions.get(early).started_utc, "nothing of what came later"
+
+
+def test_the_overlaid_picture_shows_the_markers_of_the_earlier_session(clinic):
+    store, early, late = clinic
+    report = stored_report(store, late, ReportWish("en", protocol=SAPO, compared_with=early))
+    (pair,) = picture_pairs(report, 240)
+    colors = set(map(tuple, pair.both_rgb.reshape(-1, 3).tolist()))
+    assert pair.both_rgb.shape[0] == 240
+    assert EARLIER_RGB in colors
+
+
+def test_the_overlaid_picture_shows_no_more_than_is_wished(clinic, monkeypatch):
+    store, early, late = clinic
+    wish = ReportWish("en", PictureChoice.BLURRED, SAPO, early)
+    report = stored_report(store, late, wish)
+    monkeypatch.setattr(pictures, "blurred", lambda one, _deg: np.zeros_like(one.picture_rgb))
+    (pair,) = picture_pairs(report, 240)
+    assert np.median(pair.both_rgb) == 0
+    assert np.median(report.captures[0].analysis.picture_rgb) > 0
 
 
 def test_sessions_of_other_patients_or_protocols_are_not_compared(clinic):

@@ -1,12 +1,9 @@
 """Markers of two sessions over a picture, and two pictures in one."""
 
-import cv2
-import numpy as np
-
 from adibas.arrays import UInt8Array
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker
-from adibas.pipeline.picture_overlay import PictureOverlay
+from adibas.pipeline.picture_overlay import PictureOverlay, mixed
 from ui.comparison.content import Pair
 from ui.widgets.overlays import Dot, Line, Overlay, Role
 
@@ -41,8 +38,7 @@ def blended(pair: Pair, share: float) -> UInt8Array | None:
     """Return the picture of both; `share` of the later one."""
     if pair.laid_rgb is None or pair.later is None:
         return None
-    mixed = cv2.addWeighted(pair.laid_rgb, 1.0 - share, pair.later.picture_rgb, share, 0.0)
-    return np.asarray(mixed, np.uint8)
+    return mixed(pair.laid_rgb, pair.later.picture_rgb, share)
 
 
 def _moved(marker: Marker, overlay: PictureOverlay) -> tuple[float, float]:

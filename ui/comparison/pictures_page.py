@@ -13,7 +13,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from adibas.pipeline.picture_overlay import OverlayWay
+from adibas.pipeline.picture_overlay import WAYS
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.comparison.content import Pair, Seen
@@ -24,20 +24,6 @@ from ui.widgets.flow import FlowLayout
 from ui.widgets.image_view import ImageView
 from ui.widgets.overlays import Role
 
-WAYS = {
-    OverlayWay.FLOOR: message(
-        "Laid over one another by the floor and the plumb line through the body's middle, at the "
-        "same scale."
-    ),
-    OverlayWay.MIDDLE: message(
-        "Laid over one another by the body's middle and the vertical, at the same scale. The floor "
-        "is not known in both sessions."
-    ),
-    OverlayWay.PICTURE: message(
-        "Laid over one another as they were taken: fewer than two markers of one name have a "
-        "position in both sessions."
-    ),
-}
 NOT_BOTH = message("Only one of the two sessions has a picture of this view.")
 PERCENT = 100
 HALF = 50

@@ -2,12 +2,9 @@
 
 from typing import Protocol
 
-import cv2
-import numpy as np
-
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
-from adibas.pipeline.picture_overlay import lay_over
+from adibas.pipeline.picture_overlay import PlacedMarkers, lay_over
 from adibas.sessions import SessionStore
 from adibas.texts import translate as _
 from ui.comparison.content import Pair, Seen
@@ -80,10 +77,12 @@ def read_pair(
     first, second = captures
     if first is None or second is None or earlier is None or later is None:
         return views, Pair(view, earlier, later)
-    overlay = lay_over(first, second)
-    height, width = later.picture_rgb.shape[:2]
-    laid = cv2.warpAffine(earlier.picture_rgb, overlay.later_from_earlier, (width, height))
-    return views, Pair(view, earlier, later, overlay, np.asarray(laid, np.uint8))
+    overlay = lay_over(
+        PlacedMarkers(earlier.markers, first.calibration),
+        PlacedMarkers(later.markers, second.calibration),
+    )
+    laid_rgb = overlay.laid(earlier.picture_rgb, later.picture_rgb.shape)
+    return views, Pair(view, earlier, later, overlay, laid_rgb)
 
 
 def _by_view(store: SessionStore, session: Session | None) -> dict[str, Capture]:
