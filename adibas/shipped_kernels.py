@@ -16,12 +16,10 @@ from typing import Any
 from adibas.resources import resource_path
 
 MARK_FILE = "sources.txt"
-X86_LEVELS = (
-    ("x86-64-v3", frozenset({"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"})),
-    ("x86-64-v2", frozenset({"popcnt", "sse4.1", "sse4.2", "ssse3"})),
-)
-"""What compilers call a kind of processor, with LLVM's names of what it must have; best first.
-Less than the last one numpy does not run on either."""
+X86_KIND = "x86-64-v2"
+X86_FEATURES = frozenset({"popcnt", "sse4.1", "sse4.2", "ssse3"})
+"""What compilers call a kind of processor, and LLVM's names of what it has over the first of them.
+With less numpy does not run either; code for newer kinds was not faster (docs/installers.md)."""
 
 
 @cache
@@ -29,7 +27,7 @@ def shipped_folder() -> Path | None:
     """Return the folder of the shipped machine code that this processor can run, or None."""
     if build_mark() is None:
         return None
-    folder = resource_path("kernels", processor_level())
+    folder = resource_path("kernels", processor_kind())
     return folder if folder.is_dir() else None
 
 
@@ -40,15 +38,14 @@ def build_mark() -> str | None:
     return path.read_text(encoding="utf-8").strip() if path.is_file() else None
 
 
-def processor_level() -> str:
-    """Return the best kind of processor that this one is as good as."""
+def processor_kind() -> str:
+    """Return the kind that code is shipped for, or ``host`` where this processor is less."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return "generic"
     from llvmlite import binding
 
     has = {name for name, is_there in binding.get_host_cpu_features().items() if is_there}
-    levels = (level for level, needed in X86_LEVELS if needed <= has)
-    return next(levels, "host")
+    return X86_KIND if has >= X86_FEATURES else "host"
 
 
 def use_shipped_kernels() -> None:
@@ -57,7 +54,7 @@ def use_shipped_kernels() -> None:
         return
     os.environ["NUMBA_CACHE_LOCATOR_CLASSES"] = f"{__name__}.ModuleLocator"
     if shipped_folder() is not None:
-        os.environ["NUMBA_CPU_NAME"] = processor_level()
+        os.environ["NUMBA_CPU_NAME"] = processor_kind()
         os.environ["NUMBA_CPU_FEATURES"] = ""  # those of that kind, no others
 
 

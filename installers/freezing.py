@@ -9,10 +9,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from adibas.shipped_kernels import MARK_FILE, X86_LEVELS, processor_level
+from adibas.shipped_kernels import MARK_FILE, processor_kind
 from installers.bundle import ROOT, sources_mark
 from installers.start import COMPILE
 
@@ -55,39 +54,29 @@ def _can_be_stripped(path: Path) -> bool:
 
 
 def add_kernels(folder: Path) -> None:
-    """Compile the hot loops for every kind of processor, by the program that will look for them."""
+    """Compile the hot loops, by the program that will look for them."""
     program = folder / PROGRAMS.get(sys.platform, "adibas")
     place = folder / RESOURCES.get(sys.platform, "_internal/resources") / "kernels"
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
-    (place / MARK_FILE).write_text(sources_mark() + "\n", encoding="utf-8")
-    kept = WORK / "kernels" / sources_mark()
-    with ThreadPoolExecutor() as threads:
-        for done in [threads.submit(compile_for, program, level, kept) for level in levels()]:
-            done.result()
-    shutil.copytree(kept, place, dirs_exist_ok=True)
+    mark = sources_mark()
+    (place / MARK_FILE).write_text(mark + "\n", encoding="utf-8")
+    kept = WORK / "kernels" / mark / processor_kind()
+    if not kept.is_dir():
+        compile_into(kept, program)
+    shutil.copytree(kept, place / kept.name)
 
 
-def levels() -> tuple[str, ...]:
-    """Return the kinds of processors that are compiled for."""
-    best = processor_level()
-    if best == "generic":
-        return (best,)
-    return tuple(level for level, _features in X86_LEVELS)
-
-
-def compile_for(program: Path, level: str, kept: Path) -> None:
-    """Compile the hot loops for one kind of processor into ``kept/LEVEL``, where they are not."""
-    if (kept / level).is_dir():
-        return
-    kept.mkdir(parents=True, exist_ok=True)
+def compile_into(kept: Path, program: Path) -> None:
+    """Compile the hot loops for every processor of this kind, not only for the one that is here."""
+    kept.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
         made = Path(folder) / "numba"
         places = {"NUMBA_CACHE_DIR": str(made), "MPLCONFIGDIR": str(Path(folder) / "matplotlib")}
-        kind = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": ""}
+        kind = {"NUMBA_CPU_NAME": kept.name, "NUMBA_CPU_FEATURES": ""}
         environment = {**os.environ, **places, **kind}
         subprocess.run([program, COMPILE, folder], check=True, env=environment)  # noqa: S603
-        made.rename(kept / level)
+        made.rename(kept)
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ xvfb=$!
 sleep 2
 mkdir -p "$root/tmp/.X11-unix"
 mount --bind /tmp/.X11-unix "$root/tmp/.X11-unix"
-.venv/bin/python -m installers.first_window --display ":$display" --picture "$report/window.xwd" \
+.venv/bin/python -m installers.first_window --display ":$display" --picture "$report/window.png" \
     --root "$root" --user clinician --source "$source_program" --at-most "$most_times_slower" \
     2>"$report/stderr" && seen=ok || seen=no
 told "first window under Xvfb" $seen

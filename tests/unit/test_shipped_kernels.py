@@ -7,9 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from llvmlite import binding
 
 from adibas import shipped_kernels
-from adibas.shipped_kernels import X86_LEVELS, ModuleLocator, processor_level
+from adibas.shipped_kernels import X86_FEATURES, X86_KIND, ModuleLocator, processor_kind
 
 PROJECT = Path(__file__).parents[2]
 FROZEN = """
@@ -44,8 +45,8 @@ def test_what_was_compiled_by_the_builder_is_not_compiled_again(tmp_path):
     kernels, home = tmp_path / "resources" / "kernels", tmp_path / "home"
     kernels.mkdir(parents=True)
     (kernels / "sources.txt").write_text("a mark\n")
-    level = processor_level()
-    run_frozen(tmp_path, kernels / level, NUMBA_CPU_NAME=level, NUMBA_CPU_FEATURES="")
+    kind = processor_kind()
+    run_frozen(tmp_path, kernels / kind, NUMBA_CPU_NAME=kind, NUMBA_CPU_FEATURES="")
     assert list(kernels.rglob("*.nbc"))
     run_frozen(tmp_path, home)
     assert not home.exists()
@@ -66,17 +67,15 @@ def test_a_source_tree_ships_nothing():
 
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="kinds of x86 processors")
-@pytest.mark.parametrize(("level", "needed"), X86_LEVELS)
-def test_a_processor_gets_the_best_level_it_has_all_features_of(monkeypatch, level, needed):
-    from llvmlite import binding
-
-    has = {name: name in needed for _level, names in X86_LEVELS for name in names}
+@pytest.mark.parametrize(("lacks", "kind"), [(None, X86_KIND), ("sse4.2", "host")])
+def test_what_a_processor_lacks_it_is_not_given(monkeypatch, lacks, kind):
+    has = {name: name != lacks for name in X86_FEATURES}
     monkeypatch.setattr(binding, "get_host_cpu_features", lambda: has)
-    assert processor_level() == level
+    assert processor_kind() == kind
 
 
 def test_functions_of_one_file_name_in_two_packages_do_not_meet(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    one = ModuleLocator.from_function(processor_level, "kernels.py")
+    one = ModuleLocator.from_function(processor_kind, "kernels.py")
     other = ModuleLocator.from_function(run_frozen, "kernels.py")
     assert one.get_cache_path() != other.get_cache_path()
