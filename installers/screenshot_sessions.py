@@ -79,7 +79,7 @@ def _add(
     lower_m: float,
     rng: np.random.Generator,
 ) -> None:
-    session = store.sessions.start(patient, SessionSetup(protocol=PROTOCOL))
+    session = store.sessions.start(patient, SessionSetup(protocol=PROTOCOL, is_repeat=True))
     for sample in samples:
         capture = sample.capture
         new = NewCapture(

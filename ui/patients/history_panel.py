@@ -120,7 +120,7 @@ class HistoryPanel(QWidget):
         self._open.setToolTip(_("Review this session (Enter)"))
         self._compare.setText(_("Co&mpare"))
         self._compare.setToolTip(_("See what changed between two sessions of this patient"))
-        self._repeat.setText(_("A repeat with markers placed anew"))
+        self._repeat.setText(_("Counts as a repeat"))
         self._repeat.setToolTip(
             _(
                 "Since the session before on this day the markers were placed anew, and nothing "
