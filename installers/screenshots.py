@@ -33,6 +33,7 @@ from adibas.texts import translate as _
 from installers.screenshot_sessions import add_sessions_to_compare
 from ui.application import Application
 from ui.navigation import TITLES
+from ui.patients.history_list import HistoryList
 from ui.preferences import PreferencesFile
 from ui.widgets.help_page import HelpDock
 from ui.widgets.image_view import ImageView
@@ -182,6 +183,9 @@ class _Studio:
         if name == "capture" and workspace is not None:
             self._wait(lambda: _sees_somebody(workspace.live.newest))
         self._settle()
+        if name == "patients":
+            sessions = self._window.screen_named(name).findChild(HistoryList)
+            sessions.setCurrentIndex(sessions.model().index(0, 0))
         if name == "behaviour":
             self._open_recording()
 

@@ -89,8 +89,8 @@ class RepeatsPage(QWidget):
         self._save.setText(_("Save the &plot..."))
         self._how.setText(
             _(
-                "Repeats with the markers placed anew are the sessions that you count as such below "
-                "a patient's list. SEM: standard deviation within a patient. MDC95: smallest "
+                "Repeats with the markers placed anew are the sessions that you count as such "
+                "below a patient's list. SEM: standard deviation within a patient. MDC95: smallest "
                 "detectable change."
             )
         )
