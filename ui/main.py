@@ -3,9 +3,9 @@
 import os
 import signal
 import sys
+from pathlib import Path
 from types import FrameType
 
-RECORDINGS = (".mcap", ".oni")
 INTERRUPTED = 130
 """As shells count an end by Ctrl-C: 128 + SIGINT."""
 
@@ -19,9 +19,8 @@ def main() -> int:
     _end_on_ctrl_c()  # before the imports: there is nothing yet that could be left unfinished
     try:
         if all(map(names_recording, sys.argv[1:])) and has_display():
-            return _open_window(
-                sys.argv[1:]
-            )  # Ctrl-C in the terminal closes it like any other program
+            # Ctrl-C in the terminal closes it like any other program.
+            return _open_window(sys.argv[1:])
         from adibas.cli import main as run_command
 
         signal.signal(signal.SIGINT, while_it_runs)
@@ -41,7 +40,9 @@ def has_display() -> bool:
 
 def names_recording(argument: str) -> bool:
     """Say whether an argument is a recording that a desktop opens with the program."""
-    return argument.lower().endswith(RECORDINGS)
+    from adibas.recordings import is_named_like_recording
+
+    return is_named_like_recording(Path(argument))
 
 
 def _open_window(recordings: list[str]) -> int:
