@@ -21,6 +21,9 @@ EXCLUDED = (
 )
 """Modules that a library would use if they were there, and those that only developers have."""
 
+WITH_DATA = ("highdicom",)
+"""Libraries that read files of their own which PyInstaller does not know of."""
+
 UNSEEN = ("numba._devicearray", "numba.mviewbuf", "numba.np.ufunc._num_threads")
 """Modules that are imported by machine code only, where PyInstaller cannot see it."""
 

@@ -168,6 +168,45 @@ def find_gestures() -> None:
     model.classify(model.examples[0])
 
 
+def map_a_room() -> None:
+    """Put two pictures of one place together; where to is not asked."""
+    from adibas.alignment.features import FeatureParams
+    from adibas.alignment.key_frames import Tracker
+    from adibas.alignment.pairing import Moment
+    from adibas.alignment.sights import see
+    from adibas.alignment.surfels import SurfelMap
+    from adibas.alignment.views import prepare_view
+    from adibas.geometry.rigid import IDENTITY
+    from adibas.simulation.scenes import open_scene
+
+    scene = open_scene("standing", has_color=False)
+    calibration = scene.info.calibration
+    raw = scene.frame(0).sensor_frame.depth_raw
+    if calibration is None or calibration.depth is None or calibration.color is None or raw is None:
+        raise ValueError("a simulated scene has depth and a calibration of both cameras")
+    depth_m = depth_in_metres(raw, scene.info.depth_unit_m)
+    size = (calibration.color.height // 8, calibration.color.width // 8, 3)
+    coarse = np.random.default_rng(0).integers(0, 255, size, np.uint8)
+    color_rgb = np.ascontiguousarray(coarse.repeat(8, 0).repeat(8, 1))
+    tracker = Tracker()
+    for _ in range(2):
+        tracker.add(Moment(see(depth_m, color_rgb, calibration), FeatureParams()))
+    view = prepare_view(depth_m, calibration.depth)
+    surfels = SurfelMap()
+    for _ in range(2):
+        surfels.add(view, color_rgb, calibration, IDENTITY)
+
+
+def pack_depth() -> None:
+    """Pack a depth image as .oni files do, and unpack it."""
+    from adibas.recordings.oni_codec import decode_16zt, encode_16zt
+
+    depth = np.arange(64, dtype=np.uint16).reshape(8, 8) * 40
+    packed = encode_16zt(depth)
+    if packed is not None:
+        decode_16zt(packed, depth.shape)
+
+
 WORKS: tuple[Callable[[], None], ...] = (
     take_session,
     calibrate_a_camera,
@@ -176,6 +215,8 @@ WORKS: tuple[Callable[[], None], ...] = (
     find_limbs,
     find_joints,
     find_gestures,
+    map_a_room,
+    pack_depth,
 )
 
 
