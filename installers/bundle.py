@@ -14,7 +14,7 @@ Collected = tuple[str, str, str]
 
 EXCLUDED = (
     *("benchmarks", "tests", "anny", "dask", "distributed", "torch"),
-    *("IPython", "PySide6.QtNetwork", "PySide6.QtOpenGL", "PySide6.QtTest", "tkinter"),
+    *("IPython", "PySide6.QtNetwork", "PySide6.QtTest", "tkinter"),
     *("_pytest", "babel", "coverage", "dtaidistance", "hypothesis", "mcap", "mypy", "pip"),
     *("pygments", "pypdf", "pytest", "rich", "setuptools", "lz4", "charset_normalizer"),
     *("matplotlib.tests", "numba.cuda", "numba.tests"),
@@ -24,8 +24,13 @@ EXCLUDED = (
 WITH_DATA = ("highdicom",)
 """Libraries that read files of their own which PyInstaller does not know of."""
 
-UNSEEN = ("numba._devicearray", "numba.mviewbuf", "numba.np.ufunc._num_threads")
-"""Modules that are imported by machine code only, where PyInstaller cannot see it."""
+UNSEEN = (
+    "PySide6.QtOpenGL",
+    "numba._devicearray",
+    "numba.mviewbuf",
+    "numba.np.ufunc._num_threads",
+)
+"""Modules that are imported by machine code or by a name put together, which nobody sees."""
 
 LANGUAGES = ("en", "es", "ca")
 UNNEEDED = (

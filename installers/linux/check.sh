@@ -133,6 +133,9 @@ mount --bind /tmp/.X11-unix "$root/tmp/.X11-unix"
     2>"$report/stderr" && seen=ok || seen=no
 told "first window under Xvfb" $seen
 [ -s "$report/stderr" ] && cat "$report/stderr"
+bugs=$(inside grep -rE "ERROR|CRITICAL" /home/clinician/.local/state/adibas || true)
+if [ -z "$bugs" ]; then log=ok; else log=no; fi
+told "no error in the log $bugs" $log
 runs_clean "adibas demo after the window" as_user adibas demo --out again
 
 runs_clean "apt-get purge" inside apt-get -qq purge -y --auto-remove \

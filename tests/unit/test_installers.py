@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,11 @@ def test_the_program_takes_all_resources_and_steps_of_the_store_along():
     assert places[bundle.ROOT / "resources"] == "resources"
     assert places[REVISIONS] == "adibas/sessions/migrations"
     assert all(source.exists() for source in places)
+
+
+def test_nothing_is_left_out_that_is_asked_for():
+    assert not set(bundle.UNSEEN) & set(bundle.EXCLUDED)
+    assert all(find_spec(name) for name in bundle.UNSEEN)
 
 
 @pytest.mark.parametrize(
