@@ -108,6 +108,13 @@ def test_a_person_who_is_unlikely_for_one_is_searched_thoroughly(parts, model, m
     assert strange.names == JOINT_NAMES
 
 
+def test_points_anywhere_are_no_person_even_if_fifteen(model):
+    rng = np.random.default_rng(4)
+    for _cloud in range(10):
+        points = rng.uniform([-0.5, -0.9, -0.3], [0.5, 0.9, 0.3], (len(JOINT_NAMES), 3))
+        assert set(Namer(model).label(points, "anterior").names) == {None}
+
+
 def test_points_in_one_place_are_no_person(model):
     assert set(Namer(model).label(np.zeros((15, 3)), "anterior").names) == {None}
 
