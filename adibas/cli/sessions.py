@@ -1,8 +1,9 @@
 """`adibas sessions`: what the patient store holds, out of it, and whether it is whole."""
 
 import argparse
+import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
 from adibas.cli.sessions_backup import SOMETHING_FOUND, add_backup_arguments, tell_report
 from adibas.cli.sessions_retention import add_retention_arguments, retain
+from adibas.cli.sessions_server import add_server_arguments
 from adibas.cli.store_options import add_store, open_existing
 from adibas.clock import NS_PER_S
 from adibas.errors import StoreError
@@ -52,7 +54,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listing.add_argument("--deleted", action="store_true", help=_("hidden ones too"))
     showing = add("show", _("One session with its captures and markers."), _show)
     exporting = add("export", _("Recordings of a session as plain MCAP, and its report."), _export)
-    for action in (showing, exporting):
+    calling = add(
+        "repeat", _("Say that a session repeats the one before it, markers placed anew."), _repeat
+    )
+    for action in (showing, exporting, calling):
         action.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
     add_report_options(exporting)
     add_protocol(exporting)
@@ -66,10 +71,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_overwrite(exporting)
     repeating = add("reliability", _("How well measures repeat in this clinic."), tell_reliability)
     add_reliability_arguments(repeating)
-    calling = add(
-        "repeat", _("Say that a session repeats the one before it, markers placed anew."), _repeat
-    )
-    calling.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
     calling.add_argument("--no", action="store_true", help=_("it is no repeat"))
     verifying = add("verify", _("Check the database, the audit log and every file."), _verify)
     verifying.add_argument(
@@ -87,6 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         return actions.add_parser(name, help=summary, description=summary)
 
     add_backup_arguments(add_alone)
+    add_server_arguments(add_alone)
     add_retention_arguments(
         add("retention", _("Patients whose time is over, and when the disk is full."), retain)
     )
@@ -150,7 +152,7 @@ def _show(store: "SessionStore", arguments: argparse.Namespace, console: Console
 def _repeat(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
     session = store.sessions.get(arguments.session)
     setup = replace(session.setup, is_repeat=not arguments.no)
-    changed = store.sessions.change(session.session_id, setup=setup)
+    changed = store.sessions.change(session.session_id, setup=setup, seen=session)
     console.say(_session_line(changed))
     console.give({**_session_document(changed), "is_repeat": changed.setup.is_repeat})
     return 0
@@ -292,7 +294,13 @@ def _marker_line(marker: "Marker") -> str:
         place = _("no position")
     else:
         place = " ".join(f"{1000 * value:8.1f}" for value in marker.position_m) + " mm"
-    return f"{marker.label:<12}  {marker.u:8.2f} {marker.v:8.2f} px  {place}"
+    line = f"{marker.label:<12}  {marker.u:8.2f} {marker.v:8.2f} px  {place}"
+    if marker.named_by is None:
+        return line
+    sure = _("named automatically, {percent} %").format(
+        percent=math.floor(100.0 * marker.named_by.confidence)
+    )
+    return f"{line}  {sure}"
 
 
 def _patient_document(
@@ -344,6 +352,7 @@ def _capture_document(capture: "Capture") -> dict[str, Any]:
                 "label": marker.label,
                 "u": marker.u,
                 "v": marker.v,
+                "named_by": None if marker.named_by is None else asdict(marker.named_by),
                 "position_m": None if marker.position_m is None else marker.position_m.tolist(),
             }
             for marker in capture.markers()

@@ -3,6 +3,7 @@
 import argparse
 import getpass
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,8 +14,10 @@ from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.sessions import SessionStore
+    from adibas.sessions.server_address import ServerAddress
 
 PASSPHRASE_VARIABLE = "ADIBAS_PASSPHRASE"  # noqa: S105  (its name, not its content)
+SERVER_PASSWORD_VARIABLE = "ADIBAS_SERVER_PASSWORD"  # noqa: S105  (its name, not its content)
 LONGEST_PASSPHRASE = 4096
 """What is longer is no passphrase but some other file, perhaps one without an end."""
 
@@ -52,19 +55,60 @@ def open_existing(arguments: argparse.Namespace) -> "SessionStore":
     FileError
         The file of the passphrase cannot be read.
     """
-    from adibas.sessions import KeyState, default_store_folder, key_state, open_store
+    from adibas.sessions import KeyState, key_state, open_store
+    from adibas.sessions.server_address import read_server_file
 
-    folder = arguments.store or default_store_folder()
+    folder = store_folder(arguments)
     state = key_state(folder)
     if not any(folder.glob("*.db")) and state in (KeyState.NEW_KEYRING, KeyState.NEW_PASSPHRASE):
         raise StoreError(
             "There is no patient store in {folder}. Give its folder with --store DIR.",
             folder=str(folder),
         )
+    passphrase, server = passphrase_of(arguments, folder), read_server_file(folder)
+    password = None if server is None else read_server_password(server)
+    return open_store(folder, passphrase, operator=_user(), server_password=password)
+
+
+def store_folder(arguments: argparse.Namespace) -> Path:
+    """Return the folder that `--store` names, or this user's."""
+    from adibas.sessions import default_store_folder
+
+    folder: Path = arguments.store or default_store_folder()
+    return folder
+
+
+def passphrase_of(arguments: argparse.Namespace, folder: Path) -> str | None:
+    """Return the store's passphrase as it was given; None where it needs none.
+
+    Raises
+    ------
+    FileError
+        The file of the passphrase cannot be read.
+    """
+    from adibas.sessions import KeyState, key_state
+
     passphrase = read_passphrase(arguments.passphrase_file)
-    if passphrase is None and state is KeyState.PASSPHRASE:
+    if passphrase is None and key_state(folder) is KeyState.PASSPHRASE:
         passphrase = os.environ.get(PASSPHRASE_VARIABLE)
-    return open_store(folder, passphrase, operator=_user())
+    return passphrase
+
+
+def read_server_password(address: "ServerAddress") -> str | None:
+    """Return the password of the database's server; in a terminal it is asked for.
+
+    Returns
+    -------
+    password : str or None
+        None where nobody can be asked; a server on this computer may need none.
+    """
+    from adibas.sessions.server_password import kept_password
+
+    given = os.environ.get(SERVER_PASSWORD_VARIABLE) or kept_password(address)
+    if given is None and sys.stdin is not None and sys.stdin.isatty() and not address.is_socket:
+        question = _("Password of {user} on {server}: ")
+        given = getpass.getpass(question.format(user=address.user or _user(), server=address.host))
+    return given or None
 
 
 def read_passphrase(path: Path | None) -> str | None:

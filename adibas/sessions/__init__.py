@@ -14,7 +14,7 @@ from adibas.sessions.places import default_store_folder
 if TYPE_CHECKING:
     from adibas.sessions.audit import AuditEntry
     from adibas.sessions.captures import NewCapture
-    from adibas.sessions.patients import PatientRow
+    from adibas.sessions.patient_search import PatientRow
     from adibas.sessions.store import SessionStore, open_store
     from adibas.sessions.stored_recordings import RecordingFacts, StoredRecordingWriter
     from adibas.sessions.verification import Finding, VerifyReport
@@ -23,7 +23,7 @@ _MODULES = {
     "AuditEntry": "audit",
     "Finding": "verification",
     "NewCapture": "captures",
-    "PatientRow": "patients",
+    "PatientRow": "patient_search",
     "RecordingFacts": "stored_recordings",
     "SessionStore": "store",
     "StoredRecordingWriter": "stored_recordings",

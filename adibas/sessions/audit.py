@@ -167,6 +167,25 @@ class AuditLog:
             return tuple(_entry(line, owners) for line in islice(wanted, limit))
 
 
+def last_change(transaction: Transaction, subject: str, group: str = "") -> tuple[str, datetime]:
+    """Return who changed something last, and when, as the audit log says.
+
+    Parameters
+    ----------
+    group : str
+        Of fields, as the log names them; where no line names it the last change counts.
+    """
+    lines = (
+        select(AUDIT.c.operator, AUDIT.c.time_utc, AUDIT.c.detail)
+        .where(AUDIT.c.subject == subject, AUDIT.c.action.in_(("create", "change", "merge")))
+        .order_by(AUDIT.c.sequence.desc())
+    )
+    rows = transaction.execute(lines).all()
+    of_it = (row for row in rows if group in json.loads(row.detail).get("fields", ()))
+    row = next(of_it, rows[0])
+    return row.operator, datetime.fromisoformat(row.time_utc)
+
+
 def hash_of(line: AuditLine) -> str:
     """Return the SHA-256 over the hash before and the canonical content of a line."""
     content = json.dumps(

@@ -32,6 +32,7 @@ from adibas.sessions.places import ID_LENGTH
 from adibas.sessions.schema import FILES, RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
+from adibas.sessions.sqlite_file import SqliteFile
 
 if TYPE_CHECKING:
     from adibas.sessions.backup_format import BackupHeader
@@ -97,7 +98,7 @@ class Backups:
         self._key = key
         self._folders = folders
         self._making = making
-        self._folder = database.path.parent
+        self._folder = database.folder
         self._one_restore = threading.Lock()
 
     def write(
@@ -256,7 +257,8 @@ class Backups:
             for ending in ("", "-wal", "-shm"):
                 at_the_end.callback(Path(f"{copy}{ending}").unlink, missing_ok=True)
             self._database.copy_to(copy, self._key)
-            snapshot = Database(copy.parent, self._key, is_read_only=True, name=copy.name)
+            file = SqliteFile(copy.parent, self._key, copy.name)
+            snapshot = Database(file, is_read_only=True)
             try:
                 members = self._members(snapshot)
             finally:

@@ -1,6 +1,7 @@
 """The captures of a session, their pictures, and the corrections of their markers."""
 
 import uuid
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from datetime import datetime
 
@@ -16,8 +17,11 @@ from adibas.data.sessions import Capture
 from adibas.data.surface import BurstDisparity
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
+from adibas.sessions.conflicts import Decision
 from adibas.sessions.correcting import (
     CorrectedCapture,
+    HistoryChange,
+    bring_together,
     corrected_captures,
     history_of,
     save_history,
@@ -153,11 +157,28 @@ class Captures:
         with self._database.reading() as transaction:
             return corrected_captures(transaction)
 
-    def correct(self, capture_id: str, history: CorrectionHistory) -> Capture:
+    def correct(
+        self,
+        capture_id: str,
+        history: CorrectionHistory,
+        *,
+        seen: CorrectionHistory | None = None,
+        decisions: Collection[Decision] = (),
+    ) -> Capture:
         """Save the history of corrections as it is now; the log gets a line for each change.
+
+        Parameters
+        ----------
+        seen : CorrectionHistory, optional
+            From which `history` was made: what others corrected since then stays below it. Without
+            it the present one is meant, and replaced.
+        decisions : collection of Decision
+            On the conflicts of an attempt before.
 
         Raises
         ------
+        ConflictError
+            Somebody else corrected the same marker since `seen`; nothing was saved.
         ValueError
             The history does not fit the markers.
         StoreError
@@ -165,8 +186,13 @@ class Captures:
         """
         with self._database.changing() as transaction:
             row = found_capture(transaction, capture_id)
-            history.markers(markers_from_json(row.detected))
-            save_history(transaction, self._audit, row, history)
+            detected = markers_from_json(row.detected)
+            history.markers(detected)
+            if seen is None:
+                save_history(transaction, self._audit, row, history)
+            else:
+                change = HistoryChange(detected, seen, history)
+                bring_together(transaction, self._audit, row, change, decisions)
             return _capture(transaction, found_capture(transaction, capture_id))
 
     def delete(self, capture_id: str) -> None:

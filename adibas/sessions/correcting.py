@@ -1,18 +1,23 @@
 """The undo stack of a capture in the tables; corrections that left it stay readable there."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import takewhile
 
-from sqlalchemy import func, select
+from sqlalchemy import select
 
-from adibas.data.corrections import CorrectionHistory
-from adibas.sessions.audit import AuditLog
+from adibas.data.corrections import CorrectionHistory, MarkerCorrection
+from adibas.data.markers import Marker
+from adibas.sessions.audit import AuditLog, last_change
+from adibas.sessions.conflicts import Conflict, Decision, settle
 from adibas.sessions.documents import (
     correction_from_json,
     correction_to_json,
     setup_from_json,
 )
+from adibas.sessions.json_line import from_json
+from adibas.sessions.merged_corrections import HistoryMerge
 from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row
 from adibas.sessions.schema import CAPTURES, CORRECTIONS, PATIENTS, SESSIONS
 
@@ -41,19 +46,7 @@ class CorrectedCapture:
 
 def corrected_captures(transaction: Transaction) -> tuple[CorrectedCapture, ...]:
     """Return the captures with a corrected marker, oldest first, without anything hidden."""
-    in_force = (
-        select(
-            CORRECTIONS.c.capture_id,
-            func.max(CORRECTIONS.c.made_utc).label("corrected_utc"),
-        )
-        .join(CAPTURES, CAPTURES.c.capture_id == CORRECTIONS.c.capture_id)
-        .where(
-            CORRECTIONS.c.position < CAPTURES.c.n_done,
-            func.json_extract(CORRECTIONS.c.content, "$.of") == "marker",
-        )
-        .group_by(CORRECTIONS.c.capture_id)
-        .subquery()
-    )
+    corrected_utc = _last_corrections(transaction)
     wanted = (
         select(
             CAPTURES.c.capture_id,
@@ -61,9 +54,7 @@ def corrected_captures(transaction: Transaction) -> tuple[CorrectedCapture, ...]
             CAPTURES.c.view,
             SESSIONS.c.pseudonym,
             SESSIONS.c.setup,
-            in_force.c.corrected_utc,
         )
-        .join(in_force, in_force.c.capture_id == CAPTURES.c.capture_id)
         .join(SESSIONS, SESSIONS.c.session_id == CAPTURES.c.session_id)
         .join(PATIENTS, PATIENTS.c.pseudonym == SESSIONS.c.pseudonym)
         .where(*(table.c.is_deleted.is_(False) for table in (CAPTURES, SESSIONS, PATIENTS)))
@@ -76,10 +67,26 @@ def corrected_captures(transaction: Transaction) -> tuple[CorrectedCapture, ...]
             row.pseudonym,
             setup_from_json(row.setup).protocol,
             row.view,
-            datetime.fromisoformat(row.corrected_utc),
+            datetime.fromisoformat(corrected_utc[row.capture_id]),
         )
         for row in transaction.execute(wanted)
+        if row.capture_id in corrected_utc
     )
+
+
+def _last_corrections(transaction: Transaction) -> dict[str, str]:
+    """Return when the last correction of a marker that is in force was made, by capture."""
+    in_force = (
+        select(CORRECTIONS.c.capture_id, CORRECTIONS.c.made_utc, CORRECTIONS.c.content)
+        .join(CAPTURES, CAPTURES.c.capture_id == CORRECTIONS.c.capture_id)
+        .where(CORRECTIONS.c.position < CAPTURES.c.n_done)
+        .order_by(CORRECTIONS.c.made_utc)
+    )
+    return {
+        row.capture_id: row.made_utc
+        for row in transaction.execute(in_force)
+        if from_json(row.content)["of"] == "marker"
+    }
 
 
 def history_of(transaction: Transaction, capture: Row) -> CorrectionHistory:
@@ -108,6 +115,81 @@ def save_history(
     change_row(transaction, CAPTURES, capture.capture_id, n_done=history.n_done)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class HistoryChange:
+    """What was detected, the undo stack that somebody saw, and what he made of it."""
+
+    detected: tuple[Marker, ...]
+    seen: CorrectionHistory
+    mine: CorrectionHistory
+
+
+def bring_together(
+    transaction: Transaction,
+    audit: AuditLog,
+    capture: Row,
+    change: HistoryChange,
+    decisions: Collection[Decision],
+) -> None:
+    """Save a change of the undo stack together with what others corrected meanwhile.
+
+    Raises
+    ------
+    ConflictError
+        Both corrected the same marker in different ways, and nobody decided.
+    """
+    theirs = history_of(transaction, capture)
+    if _content(theirs) == _content(change.seen):
+        save_history(transaction, audit, capture, change.mine)
+        return
+    merge = HistoryMerge(change.detected, change.seen, theirs, change.mine)
+    conflicts = [
+        Conflict(one.name, one.theirs, one.mine, *_author(transaction, capture, one.name))
+        for one in merge.clashes
+    ]
+    taken = {name: one == "mine" for name, one in settle(conflicts, decisions).items()}
+    save_history(transaction, audit, capture, merge.history(taken))
+    for lost in merge.lost(taken):  # readable in the table, as what was replaced is
+        number = _add_correction(transaction, audit, capture, None, correction_to_json(lost))
+        audit.write(
+            transaction, "change", capture.capture_id, correction="set aside", number=number
+        )
+
+
+def _content(history: CorrectionHistory) -> tuple[list[str], int]:
+    return [correction_to_json(one) for one in history.corrections], history.n_done
+
+
+def _author(transaction: Transaction, capture: Row, name: str) -> tuple[str, datetime]:
+    """Return who corrected a marker last, and when."""
+    newest = (
+        select(CORRECTIONS)
+        .where(CORRECTIONS.c.capture_id == capture.capture_id, CORRECTIONS.c.position.is_not(None))
+        .order_by(CORRECTIONS.c.position.desc())
+    )
+    for row in transaction.execute(newest):
+        one = correction_from_json(row.content)
+        if isinstance(one, MarkerCorrection) and name in (
+            marker.label for marker in (one.before, one.after) if marker is not None
+        ):
+            return row.operator, datetime.fromisoformat(row.made_utc)
+    return last_change(transaction, capture.capture_id)
+
+
+def _add_correction(
+    transaction: Transaction, audit: AuditLog, capture: Row, position: int | None, content: str
+) -> int:
+    return add_numbered_row(
+        transaction,
+        CORRECTIONS,
+        capture_id=capture.capture_id,
+        position=position,
+        content=content,
+        made_utc=audit.now(),
+        operator=audit.operator,
+    )
+
+
 class _Changes:
     """Makes one change of the stack after the other, each with its line in the log."""
 
@@ -116,7 +198,7 @@ class _Changes:
     ) -> None:
         self._transaction = transaction
         self._audit = audit
-        self._capture_id = capture.capture_id
+        self._capture = capture
         self._n_done = capture.n_done
         self._numbers = [row.correction_id for row in stack]
 
@@ -136,23 +218,15 @@ class _Changes:
 
     def add(self, kind: str, content: str) -> None:
         """Put a correction on the stack."""
-        number = add_numbered_row(
-            self._transaction,
-            CORRECTIONS,
-            capture_id=self._capture_id,
-            position=len(self._numbers),
-            content=content,
-            made_utc=self._audit.now(),
-            operator=self._audit.operator,
-        )
+        position = len(self._numbers)
+        number = _add_correction(self._transaction, self._audit, self._capture, position, content)
         self._numbers.append(number)
         self._n_done += 1
         self._log(number, kind)
 
     def _log(self, number: int, what: str) -> None:
-        self._audit.write(
-            self._transaction, "change", self._capture_id, correction=what, number=number
-        )
+        subject = self._capture.capture_id
+        self._audit.write(self._transaction, "change", subject, correction=what, number=number)
 
 
 def _stack(transaction: Transaction, capture_id: str) -> list[Row]:

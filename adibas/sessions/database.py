@@ -1,72 +1,117 @@
-"""The encrypted database: one connection, one transaction at a time, sentences for failures."""
+"""The database: one connection, one transaction at a time, sentences for failures.
 
-import shutil
+It is a file of the store (`sqlite_file`) or on a server (`server`): what differs between the two is
+in those modules, behind `DatabaseKind`.
+"""
+
 import threading
+from abc import abstractmethod
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Protocol
 
-import sqlcipher3.dbapi2 as sqlcipher
-from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.exc import DatabaseError, IntegrityError
-from sqlalchemy.pool import StaticPool
+from sqlalchemy import Connection, Engine, event
+from sqlalchemy.exc import DatabaseError, IntegrityError, StatementError
 
 from adibas.errors import StoreError
 from adibas.sessions.rows import Transaction
 
 DATABASE_FILE = "adibas.db"
-SECONDS_TO_WAIT = 10.0
-LEAST_FREE_BYTES = 1 << 20
-"""For the journal and its index; where less is free the database may only say that it failed."""
 
-PRAGMAS = (
-    "PRAGMA cipher_log_level = NONE",
-    "PRAGMA journal_mode = WAL",
-    "PRAGMA synchronous = FULL",
-    "PRAGMA foreign_keys = ON",
-    "PRAGMA secure_delete = ON",
-    "PRAGMA temp_store = MEMORY",
-)
+
+class DatabaseKind(Protocol):
+    """Where the tables are, and what differs there.
+
+    Attributes
+    ----------
+    folder : Path
+        Of the store, with its sealed files.
+    engine : Engine
+        Gives one connection at a time.
+    server : str
+        Name of the computer through which several workstations write; empty where one does.
+    seals_columns : bool
+        Whether contents are sealed one by one, so that no statement can search or sort them.
+    reading_words, changing_words : tuple of str
+        Statements that begin a transaction that sees one state, and one that changes alone.
+    """
+
+    folder: Path
+    engine: Engine
+    server: str
+    seals_columns: bool
+    reading_words: tuple[str, ...]
+    changing_words: tuple[str, ...]
+
+    @abstractmethod
+    def check_readable(self, transaction: Transaction) -> None:
+        """Read something: of another key, or damaged, this fails."""
+
+    @abstractmethod
+    def is_sound(self, transaction: Transaction) -> bool:
+        """Say whether the tables are whole."""
+
+    @abstractmethod
+    def is_alone(self, transaction: Transaction) -> bool:
+        """Say whether nobody else has the store open; if so, nobody can open it from now on."""
+
+    @abstractmethod
+    def let_others_in(self, transaction: Transaction) -> None:
+        """Let others open the store again."""
+
+    @abstractmethod
+    def copy_to(self, path: Path, key: bytes) -> None:
+        """Write a copy into one file, encrypted with the store's key."""
+
+    @abstractmethod
+    def forget_removed(self) -> None:
+        """Leave nothing of removed rows where the database keeps its journal or old rows."""
+
+    @abstractmethod
+    def explained(self, error: BaseException | None, *, is_saving: bool) -> StoreError:
+        """Say in words what the driver says; its own words may hold what was being written."""
 
 
 class Database:
-    """`adibas.db`, opened.
+    """The tables of a store, opened.
 
     Parameters
     ----------
-    folder : Path
-        The store.
-    key : bytes
-        32 bytes, used as they are.
+    kind : DatabaseKind
+        Where they are.
     is_read_only : bool
         Refuse every change but lines of the audit log.
-    name : str
-        Of the file; another one for a copy.
 
     Raises
     ------
     StoreError
-        The file is no database, or damaged, or of another key.
+        There is no database, or it is damaged, or of another key.
     """
 
-    def __init__(
-        self, folder: Path, key: bytes, *, is_read_only: bool, name: str = DATABASE_FILE
-    ) -> None:
-        self.path = folder / name
+    def __init__(self, kind: DatabaseKind, *, is_read_only: bool) -> None:
+        self.folder = kind.folder
         self.is_read_only = is_read_only
+        self.is_shared = bool(kind.server)
+        self.server = kind.server
+        self.seals_columns = kind.seals_columns
+        self._kind = kind
         self._lock = threading.RLock()
-        self._is_inside = False
+        self._is_inside = self._is_saving = False
         self._is_closed = False
-        self._engine = _engine(self.path, key)
-        event.listen(self._engine, "begin", self._begin)
-        self._begin_word = "BEGIN"
-        with self.reading() as transaction:
-            _check_readable(transaction)
+        event.listen(kind.engine, "begin", self._begin)
+        self._words = kind.reading_words
+        try:
+            with self.reading() as transaction:
+                kind.check_readable(transaction)
+        except BaseException:
+            kind.engine.dispose()
+            raise
 
     @contextmanager
     def reading(self) -> Iterator[Transaction]:
         """Give a transaction that sees one state of the database."""
-        with self._transaction("BEGIN") as transaction:
+        with self._transaction(self._kind.reading_words) as transaction:
             yield transaction
 
     @contextmanager
@@ -79,7 +124,7 @@ class Database:
             The store is read-only, or the disk is full; nothing was changed then.
         """
         self.check_writable()
-        with self._transaction("BEGIN IMMEDIATE") as transaction:
+        with self._transaction(self._kind.changing_words) as transaction:
             yield transaction
 
     def check_writable(self) -> None:
@@ -99,17 +144,31 @@ class Database:
     @contextmanager
     def logging(self) -> Iterator[Transaction]:
         """Give a transaction for a line of the audit log alone: a reader writes one too."""
-        with self._transaction("BEGIN IMMEDIATE") as transaction:
+        with self._transaction(self._kind.changing_words) as transaction:
             yield transaction
 
+    @contextmanager
+    def alone(self) -> Iterator[bool]:
+        """Say whether this opener may finish what others left; none opens the store meanwhile."""
+        if self.is_read_only:
+            yield False
+            return
+        with self.reading() as transaction:
+            is_alone = self._kind.is_alone(transaction)
+        yield is_alone
+        if is_alone:
+            with self.reading() as transaction:
+                self._kind.let_others_in(transaction)
+
+    def is_sound(self, transaction: Transaction) -> bool:
+        """Say whether the tables are whole."""
+        return self._kind.is_sound(transaction)
+
     def empty_journal(self) -> None:
-        """Bring everything into the database file, so that the journal keeps no old content."""
+        """Let nothing of removed rows be kept beside the tables."""
         with self._alone():
-            connection = self._engine.raw_connection()
-            try:
-                connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
-            finally:
-                connection.close()
+            self._words = ()
+            self._kind.forget_removed()
 
     def copy_to(self, path: Path, key: bytes) -> None:
         """Write a copy, encrypted with the same key; all of it is in that one file.
@@ -119,33 +178,27 @@ class Database:
         StoreError
             The disk of the copy is full, or fails; or the database is damaged.
         """
-        with self._alone(), ExitStack() as at_the_end:
-            source = self._engine.raw_connection()
-            at_the_end.callback(source.close)
-            try:
-                target = _connect(path, key)
-                at_the_end.callback(target.close)
-                source.driver_connection.backup(target)  # type: ignore[union-attr]
-                # Closing would do that, too, but say nothing where it fails.
-                target.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
-            except sqlcipher.DatabaseError as error:
-                raise _explained(error, path.parent) from error
+        with self._alone():
+            self._words = self._kind.reading_words
+            self._kind.copy_to(path, key)
 
     def close(self) -> None:
-        """Let go of the file; closing twice does no harm."""
+        """Let go of it; closing twice does no harm."""
         with self._lock:
             self._is_closed = True
-            self._engine.dispose()
+            self._kind.engine.dispose()
 
     def _begin(self, connection: Connection) -> None:
-        connection.exec_driver_sql(self._begin_word)
+        for word in self._words:
+            connection.exec_driver_sql(word)
 
     @contextmanager
-    def _transaction(self, begin_word: str) -> Iterator[Transaction]:
+    def _transaction(self, words: tuple[str, ...]) -> Iterator[Transaction]:
         with self._alone():
-            self._begin_word = begin_word
-            with self._engine.connect() as transaction, transaction.begin():
+            self._words = words
+            with self._kind.engine.connect() as transaction, transaction.begin():
                 yield transaction
+                self._is_saving = words == self._kind.changing_words
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -160,82 +213,19 @@ class Database:
             except IntegrityError:
                 raise  # a bug, or an attempt to rewrite the audit log
             except DatabaseError as error:
-                raise _explained(error.orig, self.path.parent) from error
+                raise self._kind.explained(error.orig, is_saving=self._is_saving) from error
             except UnicodeEncodeError:
                 raise _no_text() from None  # the error holds the text, which may be a name
+            except StatementError as error:
+                if isinstance(error.orig, UnicodeEncodeError):
+                    raise _no_text() from None
+                raise
             finally:
-                self._is_inside = False
-
-
-def _engine(path: Path, key: bytes) -> Engine:
-    return create_engine(
-        "sqlite://",
-        module=sqlcipher,
-        creator=lambda: _connect(path, key),
-        poolclass=StaticPool,
-        hide_parameters=True,  # they may be names, and errors end up in logs
-    )
-
-
-def _connect(path: Path, key: bytes) -> sqlcipher.Connection:
-    connection = sqlcipher.connect(
-        str(path), isolation_level=None, check_same_thread=False, timeout=SECONDS_TO_WAIT
-    )
-    log_level, *rest = PRAGMAS
-    try:
-        for statement in (log_level, f"PRAGMA key = \"x'{key.hex()}'\"", *rest):
-            connection.execute(statement).fetchall()
-    except sqlcipher.DatabaseError:
-        connection.close()
-        raise
-    return connection
-
-
-def _check_readable(transaction: Transaction) -> None:
-    """Read the first page: with a wrong key this fails."""
-    transaction.exec_driver_sql("SELECT count(*) FROM sqlite_master").scalar_one()
-
-
-def _cannot_open(reason: str) -> bool:
-    """Say whether the files beside the database cannot be made, for whatever reason."""
-    return "i/o error" in reason or "unable to open" in reason
-
-
-def _is_full(folder: Path) -> bool:
-    try:
-        return shutil.disk_usage(folder).free < LEAST_FREE_BYTES
-    except OSError:
-        return False
+                self._is_inside = self._is_saving = False
 
 
 def _no_text() -> StoreError:
     return StoreError(
         "A text holds half a character, which nothing can keep, and nothing of this was saved. "
         "Type the text again."
-    )
-
-
-def _explained(error: BaseException | None, folder: Path) -> StoreError:
-    """Say in words what the driver says; its own words may hold what was being written."""
-    reason = str(error).lower()
-    if "full" in reason or (_cannot_open(reason) and _is_full(folder)):
-        return StoreError(
-            "The disk is full, and nothing of this was saved. Free some space and try again."
-        )
-    if "locked" in reason or "busy" in reason:
-        return StoreError(
-            "Another program holds the patient store, and nothing of this was saved. Close backup "
-            "or synchronisation programs and try again."
-        )
-    if "not a database" in reason or "malformed" in reason or "encrypted" in reason:
-        return StoreError(
-            "{file} of the patient store is damaged, or is no database of this store. Nothing was "
-            "changed. Restore the store's folder from a backup.",
-            file=DATABASE_FILE,
-        )
-    return StoreError(
-        "{file} of the patient store cannot be used ({reason}), and nothing of this was saved. "
-        "Check the disk and try again.",
-        file=DATABASE_FILE,
-        reason=type(error).__name__,
     )

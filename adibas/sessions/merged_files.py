@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import select, true
 
 from adibas.errors import StoreError
-from adibas.files import flush_folder
+from adibas.files import flush_folder, is_there
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import BackupReader
@@ -63,6 +63,7 @@ def restore_merged(
     """
     from adibas.sessions.merging import merge
     from adibas.sessions.restoring import check_room, extract, make_present
+    from adibas.sessions.sqlite_file import SqliteFile
 
     database, audit, own_key = store
     with BackupReader(path) as backup:
@@ -71,12 +72,12 @@ def restore_merged(
         finish_merge(database)  # what an earlier one left may be all that there is of something
         kept = _Kept(database)
         n_bytes = backup.header.n_bytes - (kept.n_bytes() if backup.is_of(own_key) else 0)
-        check_room(database.path.parent, n_bytes)
-        waiting = _new_folder(database.path.parent / WAITING)
+        check_room(database.folder, n_bytes)
+        waiting = _new_folder(database.folder / WAITING)
         try:
             extract(backup, key, waiting, wanted=kept.wants, progress=progress)
             make_present(waiting, key)
-            source = Database(waiting, key, is_read_only=True)
+            source = Database(SqliteFile(waiting, key), is_read_only=True)
             try:
                 summary = merge(source, database, audit, making)
             finally:
@@ -95,9 +96,9 @@ def finish_merge(database: Database) -> None:
     StoreError
         The disk refuses; the next opening tries again.
     """
-    folder = database.path.parent
+    folder = database.folder
     waiting = folder / WAITING
-    if not waiting.exists():
+    if not is_there(waiting):
         return
     kept = _Kept(database)
     try:
@@ -115,7 +116,7 @@ class _Kept:
     """Which files the store has as they were saved; they are named as in a backup."""
 
     def __init__(self, database: Database) -> None:
-        self._folder = database.path.parent
+        self._folder = database.folder
         self._sums: dict[str, str | None] = {}
         with database.reading() as transaction:
             for name, columns, kept in (
@@ -144,7 +145,7 @@ class _Kept:
             return True
         sealed, file_id = _place_of(self._folder, name)
         try:
-            if not sealed.path_of(file_id).exists():
+            if not is_there(sealed.path_of(file_id)):
                 return True
             has_sum = sealed.folder.name != CODINGS_FOLDER
             return has_sum and sealed.sha256(file_id) != self._sums.get(name)
@@ -158,7 +159,7 @@ class _Kept:
         if owner not in self._sums or not self.lacks(name):
             return False
         sealed, file_id = _place_of(self._folder, name)
-        if not sealed.path_of(file_id).exists():
+        if not is_there(sealed.path_of(file_id)):
             return True
         there, file_id = _place_of(waiting, name)
         return there.sha256(file_id) == self._sums[name]  # of two damaged ones this one stays

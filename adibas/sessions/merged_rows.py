@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from sqlalchemy import select, update
 
 from adibas.data.patients import Identity
-from adibas.sessions.patients import identity_columns, identity_of
+from adibas.sessions.patient_search import identity_of
+from adibas.sessions.patients import identity_columns
 from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row, row_of, values_of
 from adibas.sessions.schema import CAPTURES, CORRECTIONS, IDENTITIES, PATIENTS, SESSIONS
 from adibas.texts import translate as _

@@ -3,6 +3,8 @@
 import threading
 from pathlib import Path
 
+from sqlalchemy import inspect
+
 from adibas.errors import StoreError
 from adibas.files import written_whole
 from adibas.sessions.database import DATABASE_FILE, Database
@@ -53,7 +55,7 @@ def copies(folder: Path) -> list[Path]:
 
 def _revision(transaction: Transaction) -> str | None:
     """Return the revision of the tables; None of an empty database."""
-    tables = transaction.exec_driver_sql("SELECT name FROM sqlite_master").scalars().all()
+    tables = inspect(transaction).get_table_names()
     if not tables:
         return None
     if "alembic_version" not in tables:
@@ -72,7 +74,7 @@ def _keep_copy(database: Database, key: bytes, revision: str) -> None:
             "The patient store is of an older version and is open in another window. Close that "
             "window, then open the store again."
         )
-    kept = database.path.with_name(f"{DATABASE_FILE}.before-{HEAD}-from-{revision}")
+    kept = database.folder / f"{DATABASE_FILE}.before-{HEAD}-from-{revision}"
     with written_whole(kept) as path:
         database.copy_to(path, key)
 

@@ -1,19 +1,19 @@
 """The patients of the store: identity, consents, and what hides or restores them."""
 
 import secrets
-from collections.abc import Callable
-from dataclasses import dataclass
-from datetime import date, datetime
-from typing import Any
+from collections.abc import Callable, Collection, Mapping
+from datetime import datetime
 
-from sqlalchemy import Select, func, select
+from sqlalchemy import select
 
 from adibas.clock import to_text
 from adibas.data.patients import Consent, Identity, Patient
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
+from adibas.sessions.conflicts import Decision
 from adibas.sessions.database import Database
 from adibas.sessions.json_line import from_json, to_json
+from adibas.sessions.patient_search import PatientRow, find_patients, identity_of
 from adibas.sessions.rows import (
     Row,
     Transaction,
@@ -22,25 +22,20 @@ from adibas.sessions.rows import (
     change_row,
     row_of,
 )
-from adibas.sessions.schema import CONSENTS, IDENTITIES, PATIENTS, SESSIONS, SIGNERS
-from adibas.sessions.search_text import ESCAPE, patterns, searchable, simplified
+from adibas.sessions.schema import CONSENTS, IDENTITIES, PATIENTS, SIGNERS
+from adibas.sessions.search_text import searchable, simplified
+from adibas.sessions.shared_fields import (
+    Change,
+    identity_of_fields,
+    patient_fields,
+    settle_fields,
+)
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
 """Without those that look alike: 0 O, 1 I L."""
 PREFIX, PSEUDONYM_LENGTH = "P-", 6
 LIST_OF_PATIENTS = "patients"
 """The audit log's word for a look at the list of names."""
-
-
-@dataclass(frozen=True, slots=True)
-class PatientRow:
-    """One line of a search."""
-
-    pseudonym: str
-    identity: Identity
-    n_sessions: int
-    last_session_utc: datetime | None
-    is_deleted: bool
 
 
 class Patients:
@@ -83,28 +78,46 @@ class Patients:
         identity: Identity | None = None,
         sex: str | None = None,
         notes: str | None = None,
+        seen: Patient | None = None,
+        decisions: Collection[Decision] = (),
     ) -> Patient:
         """Change what is given; None leaves it as it is.
 
+        Parameters
+        ----------
+        seen : Patient, optional
+            From what it is changed: what others changed since then stays. Without it the present
+            state is meant.
+        decisions : collection of Decision
+            On the conflicts of an attempt before.
+
         Raises
         ------
+        ConflictError
+            Somebody else changed the same field since `seen`; nothing was saved.
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
-        plain = {"sex": sex, "notes": notes}
-        given = {name: value for name, value in plain.items() if value is not None}
-        fields = ([] if identity is None else ["identity"]) + list(given)
+        named = (("identity", identity), ("sex", sex), ("notes", notes))
+        given = [name for name, value in named if value is not None]
         with self._database.changing() as transaction:
-            found_patient(transaction, pseudonym)
-            if identity is not None:
-                columns = identity_columns(pseudonym, identity)
-                change_row(transaction, IDENTITIES, pseudonym, **columns)
-            if given:
-                change_row(transaction, PATIENTS, pseudonym, **given)
-            patient = _patient(transaction, pseudonym)
-            if fields:
-                self._audit.write(transaction, "change", pseudonym, fields=fields)
-        return patient
+            now = _patient(transaction, pseudonym)
+            base = now if seen is None else seen
+            mine = patient_fields(
+                identity or base.identity,
+                base.sex if sex is None else sex,
+                base.notes if notes is None else notes,
+            )
+            change = Change(_fields_of(base), _fields_of(now), mine)
+            settled = settle_fields(transaction, pseudonym, change, decisions)
+            groups = settled.groups if seen is not None else tuple(given)
+            if groups:
+                _keep_fields(transaction, pseudonym, settled.values)
+            if groups or settled.detail:
+                self._audit.write(
+                    transaction, "change", pseudonym, fields=list(groups), **settled.detail
+                )
+            return _patient(transaction, pseudonym)
 
     def get(self, pseudonym: str) -> Patient:
         """Return a patient, a hidden one too.
@@ -128,8 +141,13 @@ class Patients:
         the pseudonym, or the birth date (2014-03-27, 27/03/2014 or 27.03.2014).
         """
         with self._database.reading() as transaction:
-            found = transaction.execute(_search(text, limit, with_deleted=with_deleted))
-            rows = tuple(_row(line) for line in found)
+            rows = find_patients(
+                transaction,
+                text,
+                limit,
+                with_deleted=with_deleted,
+                is_sealed=self._database.seals_columns,
+            )
         if rows:
             self._audit.saw(LIST_OF_PATIENTS)
         return rows
@@ -239,37 +257,6 @@ def found_patient(transaction: Transaction, pseudonym: str) -> Row:
     return row
 
 
-def _search(text: str, limit: int, *, with_deleted: bool) -> "Select[*tuple[Any, ...]]":
-    theirs = (SESSIONS.c.pseudonym == PATIENTS.c.pseudonym) & SESSIONS.c.is_deleted.is_(False)
-    n_sessions = select(func.count()).select_from(SESSIONS).where(theirs).scalar_subquery()
-    last = select(func.max(SESSIONS.c.started_utc)).where(theirs).scalar_subquery()
-    columns = IDENTITIES.c
-    found = (
-        select(
-            IDENTITIES,
-            PATIENTS.c.is_deleted,
-            n_sessions.label("n_sessions"),
-            last.label("last_session_utc"),
-        )
-        .join(PATIENTS, PATIENTS.c.pseudonym == columns.pseudonym)
-        .where(*(columns.search_text.like(p, escape=ESCAPE) for p in patterns(text)))
-        .order_by(columns.sort_name, columns.pseudonym)
-        .limit(limit)
-    )
-    return found if with_deleted else found.where(PATIENTS.c.is_deleted.is_(False))
-
-
-def _row(found: Row) -> PatientRow:
-    last = found.last_session_utc
-    return PatientRow(
-        pseudonym=found.pseudonym,
-        identity=identity_of(found),
-        n_sessions=found.n_sessions,
-        last_session_utc=None if last is None else datetime.fromisoformat(last),
-        is_deleted=found.is_deleted,
-    )
-
-
 def _new_pseudonym(transaction: Transaction) -> str:
     while True:
         letters = "".join(secrets.choice(LETTERS) for _ in range(PSEUDONYM_LENGTH))
@@ -290,10 +277,14 @@ def identity_columns(pseudonym: str, identity: Identity) -> dict[str, str | None
     }
 
 
-def identity_of(row: Row) -> Identity:
-    """Return who a row of `IDENTITIES` tells of."""
-    born = None if row.birth_date is None else date.fromisoformat(row.birth_date)
-    return Identity(row.name, born, row.record_number)
+def _fields_of(patient: Patient) -> dict[str, str]:
+    return patient_fields(patient.identity, patient.sex, patient.notes)
+
+
+def _keep_fields(transaction: Transaction, pseudonym: str, values: Mapping[str, str]) -> None:
+    columns = identity_columns(pseudonym, identity_of_fields(values))
+    change_row(transaction, IDENTITIES, pseudonym, **columns)
+    change_row(transaction, PATIENTS, pseudonym, sex=values["sex"], notes=values["notes"])
 
 
 def _patient(transaction: Transaction, pseudonym: str) -> Patient:

@@ -69,7 +69,7 @@ class Purge:
         recording_ids = list(
             transaction.scalars(select(RECORDINGS.c.recording_id).where(recordings))
         )
-        if self._recordings.in_the_making.intersection(recording_ids):
+        if self._in_the_making(transaction).intersection(recording_ids):
             raise StoreError(
                 "A recording of this patient is being made. Stop it first, then purge."
             )
@@ -94,6 +94,13 @@ class Purge:
         if left:
             transaction.execute(insert(LEFTOVERS), left)
 
+    def _in_the_making(self, transaction: Transaction) -> set[str]:
+        """Return what is being recorded: here, and on other workstations."""
+        if not self._database.is_shared:
+            return self._recordings.in_the_making
+        unfinished = select(RECORDINGS.c.recording_id).where(RECORDINGS.c.is_closed.is_(False))
+        return set(transaction.scalars(unfinished))
+
     def _clean(self) -> None:
         """Remove the files, and the data from the journal and from copies of the database."""
         recordings = self._recordings
@@ -102,7 +109,7 @@ class Purge:
         )
         self._database.empty_journal()
         try:
-            for copy in copies(self._database.path.parent):
+            for copy in copies(self._database.folder):
                 copy.unlink(missing_ok=True)
         except OSError as error:
             raise cannot_save(error) from error

@@ -27,6 +27,7 @@ from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_F
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder, cannot_save
 from adibas.sessions.sealed_recordings import SealedRecordings
+from adibas.sessions.sqlite_file import SqliteFile
 from adibas.sessions.stored_recordings import Recordings
 from adibas.sessions.verification import Verification, VerifyReport
 
@@ -136,7 +137,7 @@ def extract(
         for kind, content in backup.pieces(key):
             if kind == FILE:
                 after_a_file.close()
-                name = content.decode()
+                name = content.decode(errors="replace")  # then it is no name
                 path = _path_of(folder, name)
                 if path is None:
                     raise backup.of_later_version()
@@ -196,7 +197,7 @@ def _saved(path: Path) -> Iterator[BinaryIO]:
 def _verified(folder: Path, key: bytes, progress: Progress | None) -> VerifyReport:
     """Check a restored store as `verify` checks one in use."""
     make_present(folder, key)
-    database = Database(folder, key, is_read_only=True)
+    database = Database(SqliteFile(folder, key), is_read_only=True)
     try:
         audit = AuditLog(database, utc_now, "")
         recordings = Recordings(
@@ -219,7 +220,7 @@ def make_present(folder: Path, key: bytes) -> None:
     StoreError
         It does not open, or is of a later version.
     """
-    database = Database(folder, key, is_read_only=False)
+    database = Database(SqliteFile(folder, key), is_read_only=False)
     try:
         bring_up_to_date(database, key)
     finally:

@@ -94,7 +94,7 @@ class Retention:
             )
             .join(IDENTITIES, IDENTITIES.c.pseudonym == PATIENTS.c.pseudonym)
             .outerjoin(SESSIONS, SESSIONS.c.pseudonym == PATIENTS.c.pseudonym)
-            .group_by(PATIENTS.c.pseudonym)
+            .group_by(PATIENTS.c.pseudonym, IDENTITIES.c.birth_date)
         )
         with self._database.reading() as transaction:
             found = [_judged(row, rules) for row in transaction.execute(everybody)]

@@ -1,22 +1,28 @@
 """The tables of the store. Identity stands in two tables of its own, apart from all measurements.
 
 Times are ISO 8601 texts in UTC, documents are JSON texts. A change here needs a new revision under
-`migrations/versions`.
+`migrations/versions`. In a file the whole database is encrypted; on a server the contents
+(`_content`, `_bytes`) are sealed one by one, and what puts rows in order (ids, pseudonyms, times,
+numbers, who did what) is not.
 """
 
 from typing import Any
 
 from sqlalchemy import (
+    TEXT,
+    BigInteger,
     Boolean,
     Column,
     ForeignKey,
     Index,
     Integer,
-    LargeBinary,
     MetaData,
     String,
     Table,
 )
+from sqlalchemy.types import TypeEngine
+
+from adibas.sessions.sealed_columns import SealedBytes, SealedText
 
 NAMING = {
     "fk": "fk_%(table_name)s_%(column_0_name)s",
@@ -27,16 +33,26 @@ NAMING = {
 METADATA = MetaData(naming_convention=NAMING)
 
 
+ORDERED = String().with_variant(TEXT(collation="C"), "postgresql")
+"""Texts that are sorted and compared letter by letter, whatever language a server speaks."""
+WHOLE = Integer().with_variant(BigInteger(), "postgresql")
+"""Nanoseconds and bytes: more than 32 bits."""
+
+
 def _text(name: str, **more: Any) -> "Column[str]":
-    return Column(name, String, nullable=False, **more)
+    return Column(name, ORDERED, nullable=False, **more)
 
 
 def _text_or_none(name: str, *more: Any) -> "Column[str | None]":
-    return Column(name, String, *more, nullable=True)
+    return Column(name, ORDERED, *more, nullable=True)
+
+
+def _content(name: str) -> "Column[str]":
+    return Column(name, SealedText(name), nullable=False)
 
 
 def _whole(name: str, **more: Any) -> "Column[int]":
-    return Column(name, Integer, nullable=False, **more)
+    return Column(name, WHOLE, nullable=False, **more)
 
 
 def _flag(name: str) -> "Column[bool]":
@@ -44,10 +60,10 @@ def _flag(name: str) -> "Column[bool]":
 
 
 def _bytes(name: str) -> "Column[bytes]":
-    return Column(name, LargeBinary, nullable=False)
+    return Column(name, SealedBytes(name), nullable=False)
 
 
-def _of(target: str, kind: type[String | Integer] = String, **more: Any) -> "Column[Any]":
+def _of(target: str, kind: TypeEngine[Any] = ORDERED, **more: Any) -> "Column[Any]":
     """Refer to the row that this one belongs to, and goes with."""
     name = target.rpartition(".")[2]
     return Column(name, kind, ForeignKey(target, ondelete="CASCADE"), nullable=False, **more)
@@ -57,8 +73,8 @@ PATIENTS = Table(
     "patients",
     METADATA,
     _text("pseudonym", primary_key=True),
-    _text("sex"),
-    _text("notes"),
+    _content("sex"),
+    _content("notes"),
     _text("created_utc"),
     _flag("is_deleted"),
 )
@@ -68,11 +84,11 @@ IDENTITIES = Table(
     "identities",
     METADATA,
     _of("patients.pseudonym", primary_key=True),
-    _text("name"),
-    _text_or_none("birth_date"),
-    _text("record_number"),
-    _text("search_text"),
-    _text("sort_name", index=True),
+    _content("name"),
+    Column("birth_date", SealedText("birth_date"), nullable=True),
+    _content("record_number"),
+    _content("search_text"),
+    Column("sort_name", SealedText("sort_name"), nullable=False, index=True),
 )
 """Who a patient is; `search_text` and `sort_name` are in small letters without accents."""
 
@@ -81,7 +97,7 @@ CONSENTS = Table(
     METADATA,
     _whole("consent_id", primary_key=True, autoincrement=True),
     _of("patients.pseudonym", index=True),
-    _text("purposes"),
+    _content("purposes"),
     _flag("is_guardian"),
     _text("given_utc"),
     _text_or_none("withdrawn_utc"),
@@ -91,8 +107,8 @@ CONSENTS = Table(
 SIGNERS = Table(
     "signers",
     METADATA,
-    _of("consents.consent_id", Integer, primary_key=True),
-    _text("name"),
+    _of("consents.consent_id", WHOLE, primary_key=True),
+    _content("name"),
 )
 """Who signed a consent."""
 
@@ -103,8 +119,8 @@ SESSIONS = Table(
     _of("patients.pseudonym"),
     _text("started_utc", index=True),
     _text("operator"),
-    _text("setup"),
-    _text("notes"),
+    _content("setup"),
+    _content("notes"),
     _flag("is_deleted"),
     Index("ix_sessions_pseudonym", "pseudonym", "started_utc"),
 )
@@ -123,7 +139,7 @@ RECORDINGS = Table(
     _whole("duration_ns"),
     _whole("size_bytes"),
     _text("sha256"),
-    _text("notice"),
+    _content("notice"),
 )
 """Sealed recordings and their keys, which are here before the first frame is written.
 
@@ -156,13 +172,13 @@ CAPTURES = Table(
     _text_or_none("recording_id", ForeignKey("recordings.recording_id", ondelete="SET NULL")),
     _whole("first_frame"),
     _whole("n_frames"),
-    _text("calibration"),
-    _text("detected"),
-    _text("rejected"),
-    _text("provenance"),
-    _text("notices"),
+    _content("calibration"),
+    _content("detected"),
+    _content("rejected"),
+    _content("provenance"),
+    _content("notices"),
     _whole("n_done"),
-    Column("picture_id", String, ForeignKey("files.file_id"), nullable=False),
+    Column("picture_id", ORDERED, ForeignKey("files.file_id"), nullable=False),
     _text_or_none("surface_id", ForeignKey("files.file_id")),
     _bytes("thumbnail"),
     _flag("is_deleted"),
@@ -175,8 +191,8 @@ CORRECTIONS = Table(
     METADATA,
     _whole("correction_id", primary_key=True, autoincrement=True),
     _of("captures.capture_id", index=True),
-    Column("position", Integer, nullable=True),
-    _text("content"),
+    Column("position", WHOLE, nullable=True),
+    _content("content"),
     _text("made_utc"),
     _text("operator"),
 )

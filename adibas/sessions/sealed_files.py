@@ -29,8 +29,8 @@ class SealedFiles(SealedFolder):
             raise ValueError(f"{len(payload)} bytes are too many for one file")
         path = self.path_of(file_id)
         sealed = AesSeal(key, SCOPE).seal(file_id, payload)
-        is_new_folder = not path.parent.exists()
         try:
+            is_new_folder = not path.parent.exists()  # an error where a network share is gone
             with written_whole(path) as unfinished, unfinished.open("wb") as file:
                 file.write(MAGIC)
                 file.write(sealed)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError, StoreError
-from adibas.files import FULL, flush_folder
+from adibas.files import FULL, flush_folder, is_there
 from adibas.progress import Progress
 from adibas.recordings.convert import ConversionSummary, remove_unfinished_copies, write_all
 from adibas.recordings.mcap_reader import McapReader
@@ -81,7 +81,7 @@ class SealedRecordings(SealedFolder):
             The disk is full or cannot be written.
         """
         path = self.path_of(recording_id)
-        is_new_folder = not path.parent.exists()
+        is_new_folder = not is_there(path.parent)
         try:
             writer = SealedRecordingWriter(path, _seal(recording_id, key), info, options)
         except RecordingError as error:
@@ -165,7 +165,7 @@ class SealedRecordings(SealedFolder):
         """
         path = self.path_of(recording_id)
         part = part_path_of(path)
-        if path.exists() or not part.exists():
+        if is_there(path) or not is_there(part):
             return None
         n_frames = _count_frames(part, _seal(recording_id, key))
         try:

@@ -5,6 +5,7 @@ Its parts are imported when they are first used: patients are listed before anyb
 
 import logging
 import threading
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import cached_property, partial
 from pathlib import Path
@@ -14,7 +15,7 @@ from sqlalchemy import select
 
 from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
-from adibas.files import remove_unfinished
+from adibas.files import is_there, remove_unfinished
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import DATABASE_FILE, Database
@@ -30,6 +31,8 @@ from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_F
 from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealing import AesSeal, key_for
+from adibas.sessions.server_address import read_server_file
+from adibas.sessions.sqlite_file import SqliteFile
 
 if TYPE_CHECKING:
     from adibas.sessions.backing_up import Backups
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     from adibas.sessions.purging import Purge
     from adibas.sessions.retention import Retention
     from adibas.sessions.sealed_folder import SealedFolder
+    from adibas.sessions.server_address import ServerAddress
     from adibas.sessions.stored_recordings import Recordings
     from adibas.sessions.verification import VerifyReport
     from adibas.sessions.visits import Sessions
@@ -61,6 +65,9 @@ class SessionStore:
         Where it is.
     is_read_only : bool
         True while another process or window holds it: every change raises StoreError.
+    server : str
+        Where its database is, with others who may change the same meanwhile; empty where it is a
+        file.
     patients, sessions, recordings, captures
         See `Patients`, `Sessions`, `Recordings`, `Captures`.
     audit : AuditLog
@@ -73,7 +80,7 @@ class SessionStore:
         self,
         folder: Path,
         database: Database,
-        lock: StoreLock,
+        let_go: Callable[[], None],
         audit: AuditLog,
         key: bytes,
     ) -> None:
@@ -81,9 +88,10 @@ class SessionStore:
         self.drafts = AesSeal(key_for(DRAFTS, key), DRAFTS)
         self._key = key
         self.is_read_only = database.is_read_only
+        self.server = database.server
         self.audit = audit
         self._database = database
-        self._lock = lock
+        self._let_go = let_go
         self._pictures = SealedFiles(folder / PICTURES_FOLDER)
         self._files = KeptFiles(database, self._pictures)
         self.patients = Patients(database, audit, self._purge_patient)
@@ -221,7 +229,7 @@ class SessionStore:
     def close(self) -> None:
         """Let go of the store; closing twice does no harm."""
         self._database.close()
-        self._lock.release()
+        self._let_go()
 
     def __enter__(self) -> Self:
         return self
@@ -237,8 +245,11 @@ def open_store(
     operator: str = "",
     clock: Clock = utc_now,
     key_params: Argon2Params | None = None,
+    server_password: str | None = None,
 ) -> SessionStore:
     """Open a store; a new one is made where there is none.
+
+    Where `server.json` names a server, the database is there, and several openers may write.
 
     Parameters
     ----------
@@ -252,11 +263,15 @@ def open_store(
         Gives the time of day.
     key_params : Argon2Params, optional
         Of a new store's passphrase.
+    server_password : str, optional
+        Of the server's user; the one in the keyring, if any, where it is not given.
 
     Raises
     ------
     PassphraseError
         A passphrase is needed, wrong, too short, or of no use.
+    ServerPasswordError
+        The server needs a password, or another one.
     StoreError
         The key is lost; the database is missing, damaged or of a later version; the folder cannot
         be used. Nothing is changed.
@@ -268,20 +283,37 @@ def open_store(
     except OSError as error:
         raise cannot_use(folder, error) from error
     with ExitStack() as if_that_fails:
-        lock = StoreLock(folder)
-        if_that_fails.callback(lock.release)
-        key = _key(folder, passphrase, key_params or Argon2Params(), may_make=lock.is_held)
-        database = Database(folder, key, is_read_only=not lock.is_held)
+        address = read_server_file(folder)
+        if address is None:
+            lock = StoreLock(folder)
+            if_that_fails.callback(lock.release)
+            key = _key(folder, passphrase, key_params or Argon2Params(), may_make=lock.is_held)
+            database = Database(SqliteFile(folder, key), is_read_only=not lock.is_held)
+        else:
+            key = load_key(folder, passphrase)
+            database = _on_server(folder, key, address, server_password)
         if_that_fails.callback(database.close)
         bring_up_to_date(database, key)
         _mark_as_made(folder)
         audit = AuditLog(database, clock, operator)
-        store = SessionStore(folder, database, lock, audit, key)
+        let_go = (lambda: None) if address is not None else lock.release
+        store = SessionStore(folder, database, let_go, audit, key)
         audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
-        if not store.is_read_only:
-            store.tidy()
+        with database.alone() as is_alone:
+            if is_alone:
+                store.tidy()
         if_that_fails.pop_all()
     return store
+
+
+def _on_server(
+    folder: Path, key: bytes, address: "ServerAddress", password: str | None
+) -> Database:
+    from adibas.sessions.server import ServerDatabase
+    from adibas.sessions.server_password import kept_password
+
+    given = kept_password(address) if password is None else password
+    return Database(ServerDatabase(folder, key, address, given), is_read_only=False)
 
 
 def _mark_as_made(folder: Path) -> None:
@@ -295,10 +327,10 @@ def _mark_as_made(folder: Path) -> None:
 
 def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> bytes:
     """Return the key; one is made only where no trace of an older store is."""
-    has_key = (folder / KEY_FILE).exists()
-    has_data = any((folder / name).exists() for name in (PICTURES_FOLDER, RECORDINGS_FOLDER))
+    has_key = is_there(folder / KEY_FILE)
+    has_data = any(is_there(folder / name) for name in (PICTURES_FOLDER, RECORDINGS_FOLDER))
     database = folder / DATABASE_FILE
-    has_database = database.exists() and database.stat().st_size > 0
+    has_database = is_there(database) and database.stat().st_size > 0
     if has_key and has_data and not has_database:
         raise StoreError(
             "{file} of the patient store is missing. Restore the store's folder from a backup.",

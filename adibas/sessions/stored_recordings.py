@@ -3,8 +3,8 @@
 import logging
 import secrets
 import uuid
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -199,6 +199,20 @@ class Recordings:
     def is_read_only(self) -> bool:
         """Whether another process or window may change the store, and this one may not."""
         return self._database.is_read_only
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether others may change the store at the same time."""
+        return self._database.is_shared
+
+    @contextmanager
+    def one_at_a_time(self) -> Iterator[None]:
+        """Let nobody who shares the store change anything meanwhile."""
+        if not self.is_shared:
+            yield
+            return
+        with self._database.changing():
+            yield
 
     def key(self, recording_id: str) -> bytes:
         """Return the key of a recording, under which what belongs to it is sealed.

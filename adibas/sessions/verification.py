@@ -8,7 +8,7 @@ from sqlalchemy import select
 from adibas.errors import StoreError
 from adibas.progress import Progress
 from adibas.sessions.audit import BEGINNING, THE_HEAD, AuditLine, AuditLog, hash_of
-from adibas.sessions.database import Database
+from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.rows import Row, Transaction, row_of
 from adibas.sessions.schema import AUDIT, AUDIT_HEAD, FILES, LEFTOVERS, RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
@@ -74,7 +74,7 @@ class Verification:
         on_disk = (self._pictures.ids(), self._recordings.sealed.ids())
         unfinished = self._recordings.sealed.unfinished()
         with self._database.reading() as transaction:
-            findings = [*_database_findings(transaction), *_audit_findings(transaction)]
+            findings = [*self._database_findings(transaction), *_audit_findings(transaction)]
             n_lines = len(transaction.scalars(select(AUDIT.c.sequence)).all())
             files = _checksums(transaction)
             recordings = list(transaction.execute(select(RECORDINGS)))
@@ -96,10 +96,21 @@ class Verification:
         findings += self._unfinished(recordings)
         return VerifyReport(n_lines, len(kept), len(closed), tuple(findings))
 
+    def _database_findings(self, transaction: Transaction) -> Iterator[Finding]:
+        if not self._database.is_sound(transaction):
+            yield Finding(
+                "database",
+                DATABASE_FILE,
+                _(
+                    "The database is damaged. Close the program, keep a copy of the store's "
+                    "folder, and restore the folder from a backup."
+                ),
+            )
+
     def _unfinished(self, recordings: list[Row]) -> Iterator[Finding]:
         """Give recordings that nobody makes and that recovery could not read."""
-        if self._database.is_read_only:
-            return
+        if self._database.is_read_only or self._database.is_shared:
+            return  # another opener may be making them
         for record in recordings:
             if not record.is_closed and record.recording_id not in self._recordings.in_the_making:
                 yield Finding(
@@ -110,21 +121,6 @@ class Verification:
                         "from a backup and open the store again, or purge its session."
                     ).format(id=record.recording_id),
                 )
-
-
-def _database_findings(transaction: Transaction) -> Iterator[Finding]:
-    pages = transaction.exec_driver_sql("PRAGMA cipher_integrity_check").scalars().all()
-    rows = transaction.exec_driver_sql("PRAGMA integrity_check").scalars().all()
-    links = transaction.exec_driver_sql("PRAGMA foreign_key_check").all()
-    if pages or rows != ["ok"] or links:
-        yield Finding(
-            "database",
-            "adibas.db",
-            _(
-                "The database is damaged. Close the program, keep a copy of the store's folder, "
-                "and restore the folder from a backup."
-            ),
-        )
 
 
 def _audit_findings(transaction: Transaction) -> Iterator[Finding]:

@@ -1,20 +1,22 @@
 """The sessions of the patients: one visit each, with how it was taken."""
 
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Select, func, select
+from sqlalchemy import Select, select
 
 from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
+from adibas.sessions.conflicts import Decision
 from adibas.sessions.database import Database
 from adibas.sessions.documents import setup_from_json, setup_to_json
 from adibas.sessions.patients import found_patient
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import CAPTURES, PATIENTS, SESSIONS
+from adibas.sessions.shared_fields import Change, session_fields, settle_fields, setup_of
 
 
 class Sessions:
@@ -81,28 +83,55 @@ class Sessions:
 
     def n_following(self, protocol: str) -> int:
         """Return how many sessions name a protocol, hidden ones too: they can be restored."""
-        named = func.json_extract(SESSIONS.c.setup, "$.protocol") == protocol
         with self._database.reading() as transaction:
-            return transaction.scalar(select(func.count()).where(named)) or 0
+            setups = transaction.scalars(select(SESSIONS.c.setup))
+            return sum(setup_from_json(one).protocol == protocol for one in setups)
 
     def change(
-        self, session_id: str, *, notes: str | None = None, setup: SessionSetup | None = None
+        self,
+        session_id: str,
+        *,
+        notes: str | None = None,
+        setup: SessionSetup | None = None,
+        seen: Session | None = None,
+        decisions: Collection[Decision] = (),
     ) -> Session:
         """Change what is given; None leaves it as it is.
 
+        Parameters
+        ----------
+        seen : Session, optional
+            From what it is changed: what others changed since then stays. Without it the present
+            state is meant.
+        decisions : collection of Decision
+            On the conflicts of an attempt before.
+
         Raises
         ------
+        ConflictError
+            Somebody else changed the same field since `seen`; nothing was saved.
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
-        given = {} if notes is None else {"notes": notes}
-        if setup is not None:
-            given["setup"] = setup_to_json(setup)
+        named = (("notes", notes), ("setup", setup))
+        given = [name for name, value in named if value is not None]
         with self._database.changing() as transaction:
-            found_session(transaction, session_id)
-            if given:
-                change_row(transaction, SESSIONS, session_id, **given)
-                self._audit.write(transaction, "change", session_id, fields=list(given))
+            row = found_session(transaction, session_id)
+            theirs = session_fields(row.notes, setup_from_json(row.setup))
+            base = theirs if seen is None else session_fields(seen.notes, seen.setup)
+            mine = dict(base) if setup is None else session_fields(base["notes"], setup)
+            if notes is not None:
+                mine["notes"] = notes
+            settled = settle_fields(transaction, session_id, Change(base, theirs, mine), decisions)
+            groups = settled.groups if seen is not None else tuple(given)
+            if groups:
+                kept = {"notes": settled.values["notes"]}
+                kept["setup"] = setup_to_json(setup_of(settled.values))
+                change_row(transaction, SESSIONS, session_id, **kept)
+            if groups or settled.detail:
+                self._audit.write(
+                    transaction, "change", session_id, fields=list(groups), **settled.detail
+                )
             return _session(transaction, found_session(transaction, session_id))
 
     def delete(self, session_id: str) -> None:

@@ -15,9 +15,9 @@ from adibas.errors import StoreError
 from adibas.recordings import RecordingOptions
 from adibas.sessions import NewCapture, open_store
 from adibas.sessions.key_wrapping import Argon2Params
-from benchmarks.accuracy_crashes import kill_side_by_side
 from benchmarks.crash_trial import KILLS_PER_STORE, Acknowledged, Outcome, kill_often, look
 from benchmarks.crash_victim import CALIBRATION, CHEAP, PASSPHRASE, marker
+from benchmarks.reliability_kills import kill_side_by_side
 from tests.unit.recorded_frames import assert_same_frame, make_frames
 
 N_KILLS = 20

@@ -22,6 +22,7 @@ from adibas.sessions.database import Database
 from adibas.sessions.key_file import read_key_file
 from adibas.sessions.keys import load_key
 from adibas.sessions.restoring import restore_into, verify_backup
+from adibas.sessions.sqlite_file import SqliteFile
 from tests.unit.recorded_frames import assert_same_frame, make_frames
 from tests.unit.store_samples import (
     CHEAP,
@@ -374,7 +375,7 @@ def test_there_is_no_backup_without_the_database(folder, backup, fail_reading):
 def test_a_disk_without_room_for_the_database_is_told_in_a_sentence(folder, session, tmp_path):
     assert session
     key = load_key(folder, PASSPHRASE)
-    database = Database(folder, key, is_read_only=True)
+    database = Database(SqliteFile(folder, key), is_read_only=True)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, hard))
     try:

@@ -1,10 +1,12 @@
 """`adibas sessions`: what it prints, writes, refuses, and never tells."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from adibas.cli import main
+from adibas.data.markers import AutomaticName
 from adibas.data.patients import Identity
 from adibas.recordings import open_recording
 from adibas.sessions import default_store_folder
@@ -18,6 +20,7 @@ from tests.unit.store_samples import (
     open_sample,
     use_keyring,
 )
+from tests.unit.store_samples import marker as sample_marker
 
 
 @pytest.fixture
@@ -88,6 +91,18 @@ def test_show_tells_captures_and_markers(run, session):
     assert "anterior" in out
     assert "1900.0 mm" in out
     assert "no position" in out
+    assert "named automatically" not in out
+
+
+def test_show_tells_which_names_the_program_gave_and_how_sure_it_was(run, folder, session):
+    by_model = AutomaticName("model of May", 0.936)
+    named = replace(sample_marker("neck"), named_by=by_model)
+    with open_sample(folder) as store:
+        add_capture(store, session, detected=(named,))
+    shown = as_json(run, "show", session.session_id)
+    (neck,) = shown["captures"][-1]["markers"]
+    assert neck["named_by"] == {"model": "model of May", "confidence": 0.936}
+    assert "named automatically, 93 %" in run("show", session.session_id)[1]
 
 
 def test_export_writes_what_any_reader_opens_and_a_line_in_the_log(run, folder, session, tmp_path):

@@ -18,6 +18,7 @@ from adibas.sessions import default_store_folder, key_state, migrating, open_sto
 from adibas.sessions.database import Database
 from adibas.sessions.keys import load_key
 from adibas.sessions.schema import METADATA
+from adibas.sessions.sqlite_file import SqliteFile
 from tests.unit.recorded_frames import INFO
 from tests.unit.store_samples import (
     IDENTITY,
@@ -82,7 +83,7 @@ def next_version(tmp_path, monkeypatch):
 
 def test_the_revisions_lead_to_the_tables_of_the_program(folder, pseudonym):
     assert pseudonym
-    database = Database(folder, load_key(folder, PASSPHRASE), is_read_only=True)
+    database = Database(SqliteFile(folder, load_key(folder, PASSPHRASE)), is_read_only=True)
     with database.reading() as transaction:
         context = MigrationContext.configure(transaction)
         assert compare_metadata(context, METADATA) == []
@@ -256,7 +257,7 @@ def test_a_closed_store_says_so(folder):
 def test_a_full_disk_is_told_and_what_was_saved_stays(folder):
     with open_sample(folder) as store:
         session = add_session(store)
-        with store._database._engine.connect() as connection:
+        with store._database._kind.engine.connect() as connection:
             pages = connection.exec_driver_sql("PRAGMA page_count").scalar_one()
             connection.exec_driver_sql(f"PRAGMA max_page_count = {pages + 2}")
         with pytest.raises(StoreError, match="disk is full"):
@@ -270,7 +271,7 @@ def test_a_full_disk_is_told_and_what_was_saved_stays(folder):
 
 def test_failures_of_the_database_name_nobody(folder):
     with open_sample(folder) as store:
-        with store._database._engine.connect() as connection:
+        with store._database._kind.engine.connect() as connection:
             pages = connection.exec_driver_sql("PRAGMA page_count").scalar_one()
             connection.exec_driver_sql(f"PRAGMA max_page_count = {pages + 1}")
         with pytest.raises(StoreError) as told:
@@ -283,7 +284,7 @@ def test_failures_of_the_database_name_nobody(folder):
 
 
 def test_what_is_written_is_on_the_disk_before_the_call_returns(folder):
-    with open_sample(folder) as store, store._database._engine.connect() as connection:
+    with open_sample(folder) as store, store._database._kind.engine.connect() as connection:
         settings = {
             name: connection.exec_driver_sql(f"PRAGMA {name}").scalar_one()
             for name in ("journal_mode", "synchronous", "foreign_keys", "secure_delete")

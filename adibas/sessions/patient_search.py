@@ -1,0 +1,101 @@
+"""Patients by words: found by the database where it can read them, here where it cannot."""
+
+from dataclasses import dataclass
+from datetime import date, datetime
+from typing import Any
+
+from sqlalchemy import Select, func, select
+
+from adibas.data.patients import Identity
+from adibas.sessions.rows import Row, Transaction
+from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
+from adibas.sessions.search_text import ESCAPE, patterns, simplified
+
+
+@dataclass(frozen=True, slots=True)
+class PatientRow:
+    """One line of a search."""
+
+    pseudonym: str
+    identity: Identity
+    n_sessions: int
+    last_session_utc: datetime | None
+    is_deleted: bool
+
+
+def find_patients(
+    transaction: Transaction, text: str, limit: int, *, with_deleted: bool, is_sealed: bool
+) -> tuple[PatientRow, ...]:
+    """Return the patients in whom every word of `text` is found, by name.
+
+    Parameters
+    ----------
+    is_sealed : bool
+        Whether the database cannot read what is searched.
+    """
+    if not is_sealed:
+        found = transaction.execute(_search(text, limit, with_deleted=with_deleted))
+        return tuple(_row(line) for line in found)
+    wanted = _search_opened(transaction, text, limit, with_deleted=with_deleted)
+    return tuple(sorted((_row(line) for line in transaction.execute(wanted)), key=_in_order))
+
+
+def identity_of(row: Row) -> Identity:
+    """Return who a row of `IDENTITIES` tells of."""
+    born = None if row.birth_date is None else date.fromisoformat(row.birth_date)
+    return Identity(row.name, born, row.record_number)
+
+
+def _search(text: str, limit: int, *, with_deleted: bool) -> "Select[*tuple[Any, ...]]":
+    theirs = (SESSIONS.c.pseudonym == PATIENTS.c.pseudonym) & SESSIONS.c.is_deleted.is_(False)
+    n_sessions = select(func.count()).select_from(SESSIONS).where(theirs).scalar_subquery()
+    last = select(func.max(SESSIONS.c.started_utc)).where(theirs).scalar_subquery()
+    columns = IDENTITIES.c
+    found = (
+        select(
+            IDENTITIES,
+            PATIENTS.c.is_deleted,
+            n_sessions.label("n_sessions"),
+            last.label("last_session_utc"),
+        )
+        .join(PATIENTS, PATIENTS.c.pseudonym == columns.pseudonym)
+        .where(*(columns.search_text.like(p, escape=ESCAPE) for p in patterns(text)))
+        .order_by(columns.sort_name, columns.pseudonym)
+        .limit(limit)
+    )
+    return found if with_deleted else found.where(PATIENTS.c.is_deleted.is_(False))
+
+
+def _search_opened(
+    transaction: Transaction, text: str, limit: int, *, with_deleted: bool
+) -> "Select[*tuple[Any, ...]]":
+    """Search here what the server holds sealed; then ask for the rows that were found."""
+    columns = IDENTITIES.c
+    everybody = select(columns.pseudonym, columns.search_text, columns.sort_name).join(
+        PATIENTS, PATIENTS.c.pseudonym == columns.pseudonym
+    )
+    if not with_deleted:
+        everybody = everybody.where(PATIENTS.c.is_deleted.is_(False))
+    words = simplified(text).split()
+    found = sorted(
+        (row.sort_name, row.pseudonym)
+        for row in transaction.execute(everybody)
+        if all(word in row.search_text for word in words)
+    )
+    pseudonyms = [pseudonym for _name, pseudonym in found[:limit]]
+    return _search("", limit, with_deleted=with_deleted).where(columns.pseudonym.in_(pseudonyms))
+
+
+def _in_order(row: PatientRow) -> tuple[str, str]:
+    return simplified(row.identity.name), row.pseudonym
+
+
+def _row(found: Row) -> PatientRow:
+    last = found.last_session_utc
+    return PatientRow(
+        pseudonym=found.pseudonym,
+        identity=identity_of(found),
+        n_sessions=found.n_sessions,
+        last_session_utc=None if last is None else datetime.fromisoformat(last),
+        is_deleted=found.is_deleted,
+    )

@@ -1,0 +1,154 @@
+"""Debian's real PostgreSQL, on loopback alone, in a folder of its own, never as root."""
+
+import ipaddress
+import os
+import pwd
+import secrets
+import shutil
+import socket
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
+
+from adibas.sessions.server_address import ServerAddress
+
+NEEDED = ("initdb", "pg_ctl", "postgres", "psql")
+_PLACES = [
+    *sorted(Path("/usr/lib/postgresql").glob("*/bin"), reverse=True),
+    *(Path(found).parent for found in [shutil.which("initdb")] if found),
+]
+PROGRAMS = next((one for one in _PLACES if all((one / name).exists() for name in NEEDED)), None)
+MISSING = "PostgreSQL is missing: apt-get install postgresql"
+OWNER = "postgres"
+"""Who runs the server where the tests run as root, as whom it refuses."""
+USER = "adibas"
+OTHER = "127.0.0.2"
+"""Also this computer, but not one of the names of loopback: here TLS is asked for."""
+
+
+@dataclass
+class Postgres:
+    """A server that can be started, killed and started again.
+
+    Attributes
+    ----------
+    folder : Path
+        Its data, log and socket; belongs to whoever runs it.
+    """
+
+    folder: Path
+    port: int
+    password: str = field(default_factory=lambda: secrets.token_hex(8))
+
+    def address(self, database, **more):
+        fields = {"host": "127.0.0.1", "port": self.port, "user": USER} | more
+        return ServerAddress(database=database, **fields)
+
+    def make_database(self, name):
+        self.ask("postgres", f"CREATE DATABASE {name}")
+        return self.address(name)
+
+    def ask(self, database, statement):
+        """Return what somebody with the server's password and without the store's key reads."""
+        told = ("-h", "127.0.0.1", "-p", str(self.port), "-U", USER, "-d", database)
+        return self._run("psql", *told, "-At", "-c", statement)
+
+    def start(self):
+        log = ("-l", str(self.folder / "log"))
+        self._run("pg_ctl", "-D", str(self.folder / "data"), *log, "-w", "-t", "60", "start")
+
+    def kill(self):
+        """End it at once, as when the power fails: connections break, nothing is written."""
+        data = str(self.folder / "data")
+        self._run("pg_ctl", "-D", data, "-w", "-t", "60", "-m", "immediate", "stop")
+
+    def _run(self, program, *arguments):
+        command = [str(PROGRAMS / program), *arguments]
+        done = subprocess.run(
+            command,
+            env={**os.environ, "LC_ALL": "C.UTF-8", "PGPASSWORD": self.password},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE if program == "psql" else subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            cwd=self.folder,
+            check=True,
+            text=True,
+            **_as_owner(),
+        )
+        return done.stdout
+
+
+def start():
+    """Make a server and start it; `remove` ends it."""
+    folder = Path(tempfile.mkdtemp(prefix="adibas-postgres-"))
+    if os.geteuid() == 0:
+        owner = pwd.getpwnam(OWNER)
+        os.chown(folder, owner.pw_uid, owner.pw_gid)
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        server = Postgres(folder, one.getsockname()[1])
+    secret = folder / "password"
+    secret.write_text(server.password)
+    secret.chmod(0o644)
+    data = folder / "data"
+    options = ("--auth=scram-sha-256", f"--pwfile={secret}", "--encoding=UTF8", "--locale=C.UTF-8")
+    server._run("initdb", "-D", str(data), "-U", USER, *options)
+    with (data / "postgresql.conf").open("a") as settings:
+        settings.write(
+            f"port = {server.port}\nlisten_addresses = '127.0.0.1,{OTHER}'\nssl = on\n"
+            f"unix_socket_directories = '{folder}'\nmax_connections = 20\nfsync = off\n"
+        )
+    with (data / "pg_hba.conf").open("a") as rules:
+        rules.write(f"host all all {OTHER}/32 scram-sha-256\n")
+    _make_certificate(data)
+    server.start()
+    return server
+
+
+def _make_certificate(data):
+    """Sign a certificate for `OTHER` that no computer trusts by itself."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, OTHER)])
+    now = datetime.now(UTC)
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - timedelta(hours=1))
+        .not_valid_after(now + timedelta(hours=1))
+        .add_extension(
+            x509.SubjectAlternativeName([x509.IPAddress(ipaddress.ip_address(OTHER))]), False
+        )
+        .sign(key, hashes.SHA256())
+    )
+    pem = serialization.Encoding.PEM
+    kind = serialization.PrivateFormat.TraditionalOpenSSL
+    secret = data / "server.key"
+    secret.write_bytes(key.private_bytes(pem, kind, serialization.NoEncryption()))
+    secret.chmod(0o600)
+    (data / "server.crt").write_bytes(certificate.public_bytes(pem))
+    if os.geteuid() == 0:
+        owner = pwd.getpwnam(OWNER)
+        for one in (secret, data / "server.crt"):
+            os.chown(one, owner.pw_uid, owner.pw_gid)
+
+
+def remove(server):
+    server.kill()
+    shutil.rmtree(server.folder)
+
+
+def _as_owner():
+    if os.geteuid() != 0:
+        return {}
+    owner = pwd.getpwnam(OWNER)
+    return {"user": owner.pw_uid, "group": owner.pw_gid, "extra_groups": []}
