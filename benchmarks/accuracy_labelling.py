@@ -132,6 +132,8 @@ def _real_rows(folder: Path, share: int) -> Iterator[Row]:
         whole = joints_m[~np.isnan(joints_m).any(axis=(1, 2))][:: STEP_MARKERS * share]
         count = label_all(facing(whole), len(whole), "told")
         yield from _rows(f"{name}.c3d", count, 97.0)
+        count = label_all(facing(whole), len(whole), "")
+        yield from _rows(f"{name}.c3d, view not told", count, None)
     for subject in ("01", "02"):
         files = sorted((folder / "mocap" / subject).glob("*.amc"))
         movements = [read_mocap_joints(files[0].parent / f"{subject}.asf", one) for one in files]

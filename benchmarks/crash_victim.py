@@ -7,6 +7,7 @@ from dataclasses import replace
 from datetime import date
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -37,16 +38,32 @@ CALIBRATION = RgbdCalibration(color=CameraCalibration(80, 60, Intrinsics(70, 70,
 encode_rvl(np.zeros(SHAPE, np.uint16))
 
 
+class Said(Protocol):
+    """Takes one JSON list for each thing that the store has acknowledged."""
+
+    def send_bytes(self, data: bytes, /) -> None:
+        """Take the next one."""
+
+
 class Victim:
     """One process' work.
 
     Parameters
     ----------
-    said : Connection
-        Gets one JSON list for each thing that the store has acknowledged.
+    said : Said
+        Such as a connection to another process.
+    most_frames : int
+        Of a recording.
     """
 
-    def __init__(self, store: SessionStore, said: Connection, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        store: SessionStore,
+        said: Said,
+        rng: np.random.Generator,
+        most_frames: int = MOST_FRAMES,
+    ) -> None:
+        self._most_frames = most_frames
         self._store = store
         self._said = said
         self._rng = rng
@@ -56,20 +73,29 @@ class Victim:
 
     def work_for_ever(self) -> None:
         """Add a patient; then one session after the other with recording and captures."""
+        pseudonym = self.add_patient()
+        while True:
+            self.work_once(pseudonym)
+
+    def add_patient(self) -> str:
+        """Add a patient; return the pseudonym."""
         identity = Identity("Somebody", date(1990, 1, 2), str(self._rng.integers(10**6)))
         patient = self._store.patients.add(identity)
         self._say("patient", patient.pseudonym)
-        while True:
-            session = self._store.sessions.start(patient.pseudonym, SessionSetup())
-            self._say("session", session.session_id)
-            recording_id = self._record(session.session_id)
-            for view in VIEWS:
-                self._correct(self._capture(session.session_id, recording_id, view))
+        return patient.pseudonym
+
+    def work_once(self, pseudonym: str) -> None:
+        """Take one session with a recording and captures."""
+        session = self._store.sessions.start(pseudonym, SessionSetup())
+        self._say("session", session.session_id)
+        recording_id = self._record(session.session_id)
+        for view in VIEWS:
+            self._correct(self._capture(session.session_id, recording_id, view))
 
     def _record(self, session_id: str) -> str:
         writer = self._store.recordings.create(session_id, SourceInfo(), RecordingOptions())
         with writer:
-            for i in range(int(self._rng.integers(1, MOST_FRAMES))):
+            for i in range(int(self._rng.integers(1, self._most_frames))):
                 time.sleep(SECONDS_A_FRAME)
                 writer.write(self._frame(i))
                 self._say("frame", writer.recording_id, i)

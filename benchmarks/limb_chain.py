@@ -21,6 +21,7 @@ from adibas.data.frames import depth_in_metres
 from adibas.geometry.planes import Plane
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.simulation.scenes import open_scene
 from benchmarks.table import Row
@@ -63,7 +64,9 @@ def _measure(n_frames: int) -> _Spent:
     times: list[tuple[float, float, float]] = []
     for name in SCENES:
         frames, camera, floor = _frames(name, n_frames + WARM_FRAMES)
-        estimator = PoseEstimator(camera, forest_segmenter(model, camera), floor)
+        estimator = PoseEstimator(
+            camera, forest_segmenter(model, camera), floor, judge=person_judge(model, camera)
+        )
         for number, depth_m in enumerate(frames):
             cpu, clock = time.process_time(), time.perf_counter()
             estimator.look(depth_m, number / 30)

@@ -1,4 +1,4 @@
-"""Simulated sets in the shape of the thesis', and people and poses that no training has seen."""
+"""A hand as the thesis' 63 frames, and people and poses that no training has seen."""
 
 import math
 import os
@@ -9,34 +9,20 @@ import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, FloatArray, UInt8Array
 from adibas.data.joints import BODY_PART_NAMES
-from adibas.data.limbs import HAND, UPPER_BODY
+from adibas.data.limbs import HAND
 from adibas.geometry.pinhole import Intrinsics
 from adibas.limbs.model import CLUTTER
-from adibas.limbs.training_set import TO_TORSO
 from adibas.simulation.body import ShapedBody, load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.driven_poses import driven_pose, turned_to_camera
-from adibas.simulation.limb_frames import FrameSettings, LimbFrame, LimbFrames, dressed_person
+from adibas.simulation.limb_frames import FrameSettings, LimbFrames, dressed_person
 from adibas.simulation.limb_people import random_kind, wide_pose
 from adibas.simulation.poses import ArmAngles, Pose, standing
 from adibas.simulation.raster import rasterise
 from adibas.simulation.rotations import about
 from benchmarks.mocap_files import read_mocap_joints
 
-UPPER = np.array(
-    [0, *(UPPER_BODY.names.index(TO_TORSO.get(name, name)) + 1 for name in BODY_PART_NAMES)],
-    np.uint8,
-)
-"""The thesis' label of each of the fifteen."""
-ACTORS, ACTOR_SEED = 3, 500
-THESIS_KINDS = ("gesture", "standing", "overhead", "at_body")
 CLEAN = FrameSettings(has_clutter=False, has_damage=False)
-BEFORE = FrameSettings(
-    has_clutter=False,
-    has_damage=False,
-    farthest_turn_rad=math.radians(25),
-    distance_m=(1.4, 1.85),
-)
 LIVE = FrameSettings(
     has_clutter=False,
     has_damage=False,
@@ -45,46 +31,6 @@ LIVE = FrameSettings(
 )
 MOCAP_STEP = 40
 Read = tuple[Float32Array, UInt8Array, float]
-
-
-class ThesisFrames:
-    """Three actors who gesture, from the waist up or whole: the thesis' 500 frames in shape.
-
-    Images are 320x240 (the thesis': 640x480). Colour is that of skin, hair and cloth with noise.
-    """
-
-    labels = UPPER_BODY.names
-
-    def __init__(self, n_frames: int) -> None:
-        self._n_frames = n_frames
-        self._frames = LimbFrames(ACTOR_SEED, BEFORE)
-        self._kept: dict[int, tuple[Read, LimbFrame]] = {}
-
-    def __len__(self) -> int:
-        return self._n_frames
-
-    def read(self, index: int) -> Read:
-        """Return metres, labels and focal_px of frame `index`."""
-        return self._draw(index)[0]
-
-    def color(self, index: int) -> UInt8Array:
-        """Return the (240, 320, 3) picture in colour."""
-        frame = self._draw(index)[1]
-        rng = np.random.default_rng([ACTOR_SEED, index, 3])
-        noisy = frame.color_rgb.astype(float) + rng.normal(0, 5, frame.color_rgb.shape)
-        return np.clip(noisy, 0, 255).astype(np.uint8)
-
-    def _draw(self, index: int) -> tuple[Read, LimbFrame]:
-        if index not in self._kept:
-            rng = np.random.default_rng([ACTOR_SEED, index])
-            actor = index * ACTORS // self._n_frames
-            kind = str(rng.choice(THESIS_KINDS))
-            dressed = dressed_person(ACTOR_SEED, actor)
-            frame = self._frames.seen(dressed, wide_pose(rng, kind), (actor, kind), index)
-            focal_px = self._frames.camera.intrinsics.fx
-            read = metres(frame.depth_mm), UPPER[frame.labels], focal_px
-            self._kept[index] = read, frame
-        return self._kept[index]
 
 
 def metres(depth_mm: AnyArray) -> Float32Array:

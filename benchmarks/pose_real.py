@@ -20,6 +20,7 @@ from adibas.data.skeleton_track import SkeletonTrack
 from adibas.geometry.pinhole import Intrinsics
 from adibas.limbs.model import LimbModel, load_model
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose import smooth_track
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.skeleton.following import ChosenJoints
@@ -144,7 +145,9 @@ def read_reference(path: Path) -> FloatArray:
 
 def follow(depths_m: Float32Array, model: LimbModel) -> SkeletonTrack:
     """Return the smoothed joints; the background is already taken away from these images."""
-    estimator = PoseEstimator(CAMERA, forest_segmenter(model, CAMERA))
+    estimator = PoseEstimator(
+        CAMERA, forest_segmenter(model, CAMERA), judge=person_judge(model, CAMERA)
+    )
     estimator.floor = None
     frames: list[tuple[int, ChosenJoints]] = []
     for number, depth_m in enumerate(depths_m):

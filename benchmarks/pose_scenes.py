@@ -18,6 +18,7 @@ from adibas.data.frames import depth_in_metres
 from adibas.data.limbs import FULL_BODY, NO_LABEL, LimbParts
 from adibas.limbs.model import LimbModel, load_model
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import (
     PersonNow,
     PoseEstimator,
@@ -114,7 +115,8 @@ def _watch(
     segmenter: Segmenter = parts
     if model is not None:
         segmenter = forest_segmenter(model, calibration.depth)
-    estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor)
+    judge = None if model is None else person_judge(model, calibration.depth)
+    estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor, judge=judge)
     numbers: dict[int, int] = {}
     for index in range(0, scene.n_frames, step):
         parts.frame = frame = scene.frame(index)

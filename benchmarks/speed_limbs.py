@@ -19,7 +19,8 @@ from adibas.data.joints import BODY_PART_NAMES
 from adibas.forests.candidates import draw_candidates
 from adibas.forests.forest import Forest
 from adibas.forests.params import ForestParams
-from adibas.forests.training import Memory, train_forest, train_tree
+from adibas.forests.samples import Memory
+from adibas.forests.training import train_forest, train_tree
 from adibas.graphcut.boundary import boundary_weights
 from adibas.graphcut.energy import (
     EnergyParams,

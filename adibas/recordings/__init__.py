@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings.part_file import part_path_of
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.recordings.reading import cannot_read
@@ -62,7 +63,7 @@ def _is_tum_folder(path: Path) -> bool:
 
 def _first_bytes(path: Path) -> bytes:
     """Return the beginning of a file, nothing of a folder."""
-    if not path.exists() and part_path_of(path).exists():
+    if not is_there(path) and is_there(part_path_of(path)):
         raise RecordingError(
             "{file} was never finished. What was recorded of it is in {part}: open that file.",
             file=path.name,

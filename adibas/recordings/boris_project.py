@@ -15,6 +15,7 @@ from typing import Any
 from adibas.data.coding import Coding, Occurrence, Section, problems_of
 from adibas.data.ethogram import Behaviour, Ethogram, Modifier, Subject
 from adibas.errors import BehaviourError
+from adibas.files import DAMAGED_JSON
 from adibas.recordings.boris_writing import (
     NOBODY,
     OBSERVER,
@@ -55,7 +56,7 @@ def _document(path: Path) -> Mapping[str, Any]:
         if path.stat().st_size > LARGEST_FILE_BYTES:
             raise BehaviourError("{file} is larger than any BORIS project.", file=path.name)
         document = json.loads(path.read_text("utf-8-sig"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+    except (OSError, *DAMAGED_JSON) as error:
         raise BehaviourError(
             "{file} cannot be read: {reason}. Give a BORIS project.",
             file=path.name,

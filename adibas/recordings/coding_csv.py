@@ -9,7 +9,7 @@ from pathlib import Path
 from adibas.data.coding import Coding
 from adibas.data.ethogram import Ethogram
 from adibas.errors import BehaviourError
-from adibas.files import written_whole
+from adibas.files import DAMAGED_JSON, written_whole
 from adibas.recordings.boris_tables import boris_rows
 from adibas.recordings.boris_writing import check_one_scheme
 from adibas.recordings.coding_table import (
@@ -124,7 +124,7 @@ def _own_ethogram(file: str, rows: Sequence[Row]) -> Ethogram | None:
         if row.get("kind") == SESSION and row.get("details"):
             try:
                 details = json.loads(row["details"])
-            except (json.JSONDecodeError, RecursionError):
+            except DAMAGED_JSON:
                 return None  # told with its line when the row is read
             if isinstance(details, dict) and "ethogram" in details:
                 return ethogram_of_text(json.dumps(details["ethogram"]), file)

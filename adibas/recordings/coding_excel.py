@@ -1,5 +1,6 @@
 """Codings from Excel workbooks that `adibas.reports.coding_excel` wrote."""
 
+import warnings
 import zipfile
 from pathlib import Path
 from xml.etree.ElementTree import ParseError
@@ -69,8 +70,10 @@ def _sheets(path: Path) -> dict[str, list[list[str]]]:
     """Return the texts of all cells, by sheet."""
     from openpyxl import load_workbook
 
-    workbook = load_workbook(path, read_only=True, data_only=True)
-    try:
+    # Of a damaged file openpyxl lets go only by and by, and what it makes of it it tells on stderr.
+    with warnings.catch_warnings(), path.open("rb") as file:
+        warnings.simplefilter("ignore")
+        workbook = load_workbook(file, read_only=True, data_only=True)
         return {
             name: [
                 [_text(cell) for cell in row]
@@ -79,8 +82,6 @@ def _sheets(path: Path) -> dict[str, list[list[str]]]:
             for name in (EVENTS_SHEET, SCHEME_SHEET)
             if name in workbook.sheetnames
         }
-    finally:
-        workbook.close()
 
 
 def _text(cell: object) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 from adibas.data.coding import Coding, Occurrence, Section, problems_of
 from adibas.data.ethogram import Behaviour, Ethogram, Subject
 from adibas.errors import BehaviourError
+from adibas.files import DAMAGED_JSON
 from adibas.recordings.elan_writing import INSTANT, PROPERTY, SECTION_TIER
 from adibas.recordings.ethogram_json import ethogram_of_text
 
@@ -37,7 +38,7 @@ def read_elan(path: Path, ethogram: Ethogram | None = None) -> Coding:
     try:
         ours = json.loads(_property(root, PROPERTY) or "{}")
         return _ours(path, root, ours, ethogram) if ours else _others(path, root, ethogram)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, *DAMAGED_JSON) as error:
         raise BehaviourError(
             "{file} is damaged: a part of the ELAN file is missing or wrong. Open it in ELAN and "
             "save it again.",
@@ -53,7 +54,7 @@ def _root(path: Path) -> ET.Element:
         if DOCTYPE.search(text):  # ELAN writes none, and entities can grow without end
             raise BehaviourError("{file} is no ELAN file. Give one.", file=path.name)
         root = ET.fromstring(text)  # noqa: S314  (no entities: see above)
-    except (OSError, ET.ParseError) as error:
+    except (OSError, LookupError, ValueError, ET.ParseError) as error:  # of an unknown encoding
         raise BehaviourError(
             "{file} cannot be read: {reason}. Give an ELAN file.",
             file=path.name,

@@ -10,6 +10,7 @@ from adibas.arrays import UInt8Array, UInt16Array
 from adibas.calibration.files import read_calibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings import oni_records as oni
 from adibas.recordings.decoding import decode_color
 from adibas.recordings.oni_codec import decode_16z, decode_16zt
@@ -72,7 +73,7 @@ class OniReader(RecordingReader):
                 n_dropped=count_gaps(index.rows[:, 0]),
             )
         beside = calibration_path(path)
-        if beside.is_file():
+        if is_there(beside):
             info = replace(info, calibration=read_calibration(beside))
         return info
 

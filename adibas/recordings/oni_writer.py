@@ -13,6 +13,7 @@ from adibas.calibration.files import write_calibration
 from adibas.data.calibration import CameraCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings import oni_records as oni
 from adibas.recordings.decoding import decode_color, encoded_size
 from adibas.recordings.oni_codec import encode_16zt
@@ -217,7 +218,7 @@ class OniWriter(RecordingWriter):
     def _refuse_a_foreign_calibration(self) -> None:
         """See that readers do not take an old file beside this one for its calibration."""
         beside = calibration_path(self.path)
-        if calibration_to_keep(self._info) is None and beside.exists():
+        if calibration_to_keep(self._info) is None and is_there(beside):
             raise RecordingError(
                 "{file} has no calibration, and {beside} would be taken for it. Remove that file, "
                 "or choose another name.",

@@ -9,6 +9,7 @@ import numpy as np
 
 from adibas.arrays import IntArray
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings.association import NONE, associate
 from adibas.recordings.ports import MAX_SEQUENCE, MAX_TIMESTAMP_NS
 from adibas.recordings.reading import cannot_read
@@ -68,7 +69,7 @@ def read_notes(path: Path) -> dict[str, object]:
     RecordingError
         The notes cannot be read, or are damaged.
     """
-    if not path.is_file():
+    if not is_there(path):
         return {}
     try:
         with path.open("rb") as file:

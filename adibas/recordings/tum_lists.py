@@ -14,6 +14,7 @@ import numpy as np
 from adibas.arrays import IntArray
 from adibas.clock import NS_PER_S
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings.ports import MAX_TIMESTAMP_NS
 from adibas.recordings.tum_regular import N_DECIMALS, parse_regular
 
@@ -79,7 +80,7 @@ def read_list(folder: Path, name: str) -> ImageList:
 
 def _read_bytes(folder: Path, name: str) -> bytes:
     path = folder / name
-    if not path.is_file():
+    if not is_there(path):
         return b""
     try:
         if path.stat().st_size > MAX_LIST_BYTES:

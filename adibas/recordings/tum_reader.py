@@ -10,6 +10,7 @@ from adibas.calibration.files import read_calibration
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings.decoding import (
     JPEG_SIGNATURE,
     PNG_SIGNATURE,
@@ -43,7 +44,7 @@ class TumReader(RecordingReader):
         self.timestamps_ns = self._frames.times_ns
         self.timestamps_ns.flags.writeable = False
         beside = path / CALIBRATION_FILE
-        calibration = read_calibration(beside) if beside.is_file() else None
+        calibration = read_calibration(beside) if is_there(beside) else None
         self.info = _info(path, notes, calibration, self.timestamps_ns)
 
     def read(self, index: int) -> SensorFrame:

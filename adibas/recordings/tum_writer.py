@@ -10,6 +10,7 @@ from pathlib import Path
 from adibas.calibration.files import write_calibration
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.errors import RecordingError
+from adibas.files import is_there
 from adibas.recordings.decoding import encode_color, encode_png
 from adibas.recordings.part_file import cannot_record
 from adibas.recordings.ports import DropCount, RecordingOptions, RecordingWriter, check_frame
@@ -45,7 +46,7 @@ class TumWriter(RecordingWriter):
         self._lists: dict[str, list[ListedImage]] = {name: [] for name in TITLES}
         self._frames: list[tuple[int | str | None, ...]] = []
         self._is_open = True
-        if path.exists() and not (path.is_dir() and not any(path.iterdir())):
+        if is_there(path) and not (path.is_dir() and not any(path.iterdir())):
             raise RecordingError(
                 "The folder {file} exists already and is not empty. Choose another name.",
                 file=path.name,

@@ -11,7 +11,7 @@ from adibas.data.printed_boards import PRINTED_BOARDS
 from adibas.errors import FileError, ReportError
 from adibas.reports.board_page import UNPRINTABLE_MM, write_board_pdf
 from adibas.reports.fonts import BOLD
-from adibas.texts import speaking
+from adibas.texts import LANGUAGES, speaking
 
 MM = 72.0 / 25.4
 SIZES = tuple(PRINTED_BOARDS)
@@ -178,7 +178,7 @@ def test_the_boards_cannot_be_mistaken_when_turned_by_half_a_turn():
     assert (11 * thesis.square_m, 8 * thesis.square_m) == pytest.approx((1.155, 0.84))
 
 
-@pytest.mark.parametrize("language", ["en", "es", "ca"])
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_the_text_fits_on_the_page_in_every_language(tmp_path, language):
     with speaking(language):
         write_board_pdf(tmp_path / "board.pdf", "a4")

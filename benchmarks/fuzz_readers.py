@@ -1,0 +1,129 @@
+"""How each kind of file is read, all of it, as the program would."""
+
+import struct
+import tempfile
+import warnings
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from adibas.calibration.files import read_calibration
+from adibas.errors import RecordingError
+from adibas.exchange.servers import read_servers
+from adibas.forests.files import load_forest
+from adibas.gestures.model_file import read_model as read_gestures
+from adibas.markers.color_files import read_colors
+from adibas.measures.protocol_file import check_protocol
+from adibas.pipeline.calibrating import read_images
+from adibas.pipeline.learning import read_picture
+from adibas.pipeline.pose_model import read_joint_model
+from adibas.recordings import open_recording
+from adibas.recordings.codings import read_codings
+from adibas.recordings.decoding import decode_color, to_rgbd
+from adibas.recordings.ethogram_json import read_ethogram
+from adibas.recordings.events_csv import read_events_csv
+from adibas.recordings.joints_csv import read_joints_csv
+from adibas.recordings.messages import read_color, read_depth
+from adibas.sessions.backup_format import BackupReader
+from adibas.sessions.key_file import read_key_file
+from adibas.sessions.restoring import extract
+from adibas.skeleton.model_files import read_model
+from adibas.skeleton.points_csv import read_points
+from benchmarks import fuzz_seeds as seeds
+
+MOST_FRAMES = 50
+LONGEST_NAME = 200
+LENGTH = struct.Struct("<I")
+
+
+def recording(path: Path) -> None:
+    """Read every frame."""
+    with open_recording(path) as reader:
+        if len(reader) != len(reader.timestamps_ns):
+            raise ValueError("not as many frames as times")
+        for index in range(min(len(reader), MOST_FRAMES)):
+            to_rgbd(reader.read(index), reader.info)
+
+
+def messages(path: Path) -> None:
+    """Read one message; its first byte says which kind it is."""
+    data = path.read_bytes()
+    kind = seeds.MESSAGES[data[0] % len(seeds.MESSAGES)] if data else "rvl"
+    try:
+        if kind in ("rvl", "raw"):
+            read_depth("adibas.RvlImage" if kind == "rvl" else "foxglove.RawImage", data[1:])
+        else:
+            decode_color(read_color(data[1:]), 0)
+    except ValueError as error:  # as `McapReader` takes it for a damaged frame
+        raise RecordingError("{file} is damaged.", file=path.name) from error
+
+
+def codings(path: Path) -> None:
+    """Read a coding."""
+    read_codings(path, seeds.CODING.ethogram if path.suffix == ".tsv" else None)
+
+
+def excel_parts(path: Path) -> None:
+    """Read a workbook made of parts, whose sums are right."""
+    archive = path.with_suffix(".xlsx")
+    _pack(path, archive)
+    read_codings(archive)
+
+
+def forest_parts(path: Path) -> None:
+    """Read a forest made of arrays, whose sums are right."""
+    archive = path.with_suffix(".npz")
+    _pack(path, archive)
+    load_forest(archive)
+
+
+def backup(path: Path) -> None:
+    """Unpack a backup."""
+    with tempfile.TemporaryDirectory() as folder, BackupReader(path) as opened:
+        extract(opened, opened.key(seeds.PASSPHRASE), Path(folder))
+
+
+def backup_pieces(path: Path) -> None:
+    """Unpack a backup whose pieces are sealed as they should be."""
+    sealed = path.with_suffix(".backup")
+    seeds.sealed_backup(sealed, _pieces(path.read_bytes()))
+    with tempfile.TemporaryDirectory() as folder, BackupReader(sealed) as opened:
+        extract(opened, seeds.KEY, Path(folder))
+
+
+def board_picture(path: Path) -> None:
+    """Read a picture of a board."""
+    for _image in read_images([path]):
+        pass
+
+
+def _pack(path: Path, archive: Path) -> None:
+    pieces = iter(list(_pieces(path.read_bytes())))
+    with warnings.catch_warnings(), zipfile.ZipFile(archive, "w") as parts:
+        warnings.simplefilter("ignore")  # of names that are there twice
+        for name in pieces:
+            told = name[:LONGEST_NAME].decode("latin-1").replace("\0", "")
+            parts.writestr(told or "a", next(pieces, b""))
+
+
+def _pieces(data: bytes) -> Iterator[bytes]:
+    while len(data) >= LENGTH.size:
+        (length,) = LENGTH.unpack(data[: LENGTH.size])
+        yield data[LENGTH.size : LENGTH.size + length]
+        data = data[LENGTH.size + length :]
+
+
+ethogram = read_ethogram
+events = read_events_csv
+joints = read_joints_csv
+points = read_points
+calibration = read_calibration
+picture = read_picture
+protocol = check_protocol
+gesture_model = read_gestures
+forest = load_forest
+skeleton_model = read_model
+joint_model = read_joint_model
+colors = read_colors
+servers = read_servers
+key_file = read_key_file

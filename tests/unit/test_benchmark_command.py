@@ -1,0 +1,45 @@
+"""`adibas benchmark` finds what there is, and hands over how much of it is to be done."""
+
+import json
+
+import pytest
+
+from adibas.cli import main
+from benchmarks import reliability_kills
+from benchmarks.table import Row
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    """Runs of a benchmark that does nothing, as they were asked for."""
+    asked = []
+
+    def rows(run):
+        asked.append(run)
+        run.progress(1, 2)
+        yield Row("things lost", 0, "things", 0, "goal")
+
+    monkeypatch.setattr(reliability_kills, "rows", rows)
+    return asked
+
+
+def test_an_amount_reaches_the_benchmark_of_reliability(runs, capsys):
+    assert main(["benchmark", "reliability", "kills", "--amount", "12", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [row["name"] for row in told["results"]["kills"]] == ["things lost"]
+    assert main(["benchmark", "reliability", "kills", "--quick"]) == 0
+    assert [(run.is_quick, run.amount) for run in runs] == [(False, 12.0), (True, None)]
+
+
+@pytest.mark.parametrize("amount", ["0", "-3", "nan", "many"])
+def test_an_amount_that_is_none_is_refused(amount, capsys):
+    with pytest.raises(SystemExit):
+        main(["benchmark", "reliability", "kills", "--amount", amount])
+    assert "--amount" in capsys.readouterr().err
+
+
+def test_an_amount_of_accuracy_is_refused_and_unknown_names_are_told(capsys):
+    assert main(["benchmark", "accuracy", "--amount", "3"]) == 1
+    assert "for reliability alone" in capsys.readouterr().err
+    assert main(["benchmark", "reliability", "nothing"]) == 1
+    assert "kills" in capsys.readouterr().err
