@@ -1,12 +1,15 @@
 # Everything a user or a developer types. `make run` and `make test` set up what they need.
 
 BIN := .venv/bin
+MANUAL := resources/manual/index.html
+MANUAL_SOURCES := $(shell find docs installers/manual resources/protocols resources/help resources/translations \
+	-type f -not -path '*/__pycache__/*' -not -path 'docs/screenshots/*')
 
-.PHONY: run test compile coverage check translations train screenshots installer installer-check \
-	setup lock clean
+.PHONY: run test compile coverage check translations train screenshots figures manual installer \
+	installer-check setup lock clean
 
 ## Open the program (where no display is found: the demo, and where its report lies).
-run: setup
+run: setup manual
 	$(BIN)/adibas
 
 ## Run all tests, without a display; what is compiled is compiled before, as in a window that has
@@ -34,7 +37,7 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-## Collect new texts into the Spanish and Catalan catalogues, and compile these.
+## Collect new texts into the catalogues of all languages, and compile these.
 translations: setup
 	$(BIN)/python -m installers.translations
 
@@ -43,22 +46,34 @@ train: setup
 	$(BIN)/adibas skeleton train --simulator --out resources/models/skeleton.json
 	$(BIN)/adibas limbs train --simulator --seed 6215 --out resources/models/limbs-15.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
+	$(BIN)/python -m adibas.pipeline.likeness_training
 
 setup:
 	@installers/setup.sh
 
 ## Renew the locked dependencies (needs uv; names no index).
 lock:
-	uv pip compile pyproject.toml --extra dev --extra realsense --extra installer --universal --python-version 3.11 \
+	uv pip compile pyproject.toml --extra dev --extra realsense --extra server --extra installer --universal --python-version 3.11 \
 		--generate-hashes --no-emit-index-url --no-header --no-annotate -o installers/requirements.lock
+
+## Build the manual that the window opens (F1), where a source of it is newer; no network.
+manual: $(MANUAL)
+
+$(MANUAL): $(MANUAL_SOURCES) | setup
+	$(BIN)/python -m installers.manual.build
+
+## Draw the landmarks of each protocol on a body again, for the manual.
+figures: setup
+	$(BIN)/python -m installers.manual.figures
 
 ## Draw every screen in every language, theme and size, and the manual's set.
 screenshots: setup
 	$(BIN)/python -m installers.screenshots
 	$(BIN)/python -m installers.screenshots --docs
+	$(BIN)/python -m installers.screenshots --manual
 
 ## Build the program for computers without Python, and its Debian package; both go to dist/.
-installer: setup
+installer: setup manual
 	mkdir -p build
 	$(BIN)/python -m installers.freezing
 	$(BIN)/python -m installers.debian
@@ -68,4 +83,4 @@ installer-check: setup
 	installers/linux/check.sh
 
 clean:
-	rm -rf .venv build dist
+	rm -rf .venv build dist resources/manual

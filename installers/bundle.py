@@ -17,6 +17,7 @@ EXCLUDED = (
     *("IPython", "PySide6.QtNetwork", "PySide6.QtTest", "tkinter"),
     *("_pytest", "babel", "coverage", "dtaidistance", "hypothesis", "mcap", "mypy", "pip"),
     *("pygments", "pypdf", "pytest", "rich", "setuptools", "lz4", "charset_normalizer"),
+    *("jinja2", "markdown", "mkdocs", "watchdog"),
     *("matplotlib.tests", "numba.cuda", "numba.tests"),
 )
 """Modules that a library would use if they were there, and those that only developers have."""
@@ -32,7 +33,7 @@ UNSEEN = (
 )
 """Modules that are imported by machine code or by a name put together, which nobody sees."""
 
-LANGUAGES = ("en", "es", "ca")
+QT_LANGUAGES = ("en", "es", "ca", "pt_BR")
 UNNEEDED = (
     "PySide6/*plugins/platformthemes/*gtk3*",
     "PySide6/*plugins/platforms/*eglfs*",
@@ -95,7 +96,7 @@ def _is_needed(file: Collected) -> bool:
     if any(fnmatch(name, pattern) for pattern in UNNEEDED):
         return False
     if name.startswith("PySide6/Qt/translations/"):
-        return name.endswith(tuple(f"qtbase_{language}.qm" for language in LANGUAGES))
+        return name.endswith(tuple(f"qtbase_{language}.qm" for language in QT_LANGUAGES))
     return not _is_of_the_system(name, file[1])
 
 

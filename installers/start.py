@@ -1,5 +1,6 @@
 """Where the frozen program begins."""
 
+import os
 import sys
 from multiprocessing import freeze_support
 from pathlib import Path
@@ -8,8 +9,25 @@ COMPILE = "--compile-kernels"
 """Said by `installers.freezing` to what it has just built, with a folder for the note."""
 
 
+LIBRARIES = "LD_LIBRARY_PATH"
+
+
+def give_libraries_back() -> None:
+    """Let a browser that this program starts load its own libraries, and not ours.
+
+    PyInstaller's loader leads to ours by this variable, which the linker read before; what it was
+    stands beside it.
+    """
+    before = os.environ.pop(f"{LIBRARIES}_ORIG", None)
+    if before is not None:
+        os.environ[LIBRARIES] = before
+    elif getattr(sys, "frozen", False):
+        os.environ.pop(LIBRARIES, None)
+
+
 def main() -> int:
     """Run the program, or compile what it is shipped with."""
+    give_libraries_back()
     if sys.argv[1:2] == [COMPILE]:
         from adibas.pipeline.warming import warm_kernels
 

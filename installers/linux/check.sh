@@ -108,6 +108,10 @@ megabytes=$(inside du -sm --apparent-size /usr/lib/adibas | cut -f 1)
 if [ "$megabytes" -le "$most_megabytes" ]; then size=ok; else size=no; fi
 told "installed size $megabytes MB, at most $most_megabytes" $size
 
+page=usr/lib/adibas/_internal/resources/manual/manual/es/first-session.html
+if [ -s "$root/$page" ]; then manual=ok; else manual=no; fi
+told "the manual is there" $manual
+
 runs_clean "adibas --version" as_user adibas --version
 cat "$report/stdout"
 runs_clean "adibas doctor" as_user adibas doctor
