@@ -73,6 +73,12 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
     )
     _add_count(parser, "--frames", N_FRAMES, _("how many images are simulated; {n} if not given"))
     _add_forest(parser, SHIPPED_FOREST)
+    parser.add_argument(
+        "--cluster",
+        default="",
+        metavar=_("ADDRESS"),
+        help=_("train on the Dask cluster whose scheduler is there, such as tcp://10.0.0.7:8786"),
+    )
     add_out(parser, "model.npz", _("model to write; an older one is replaced"))
     parser.set_defaults(action=_train)
 
@@ -209,6 +215,7 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
             arguments.frames,
             arguments.seed,
             params,
+            arguments.cluster,
         )
         with (
             console.progress(_("Simulating people")) as simulating,

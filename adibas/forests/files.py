@@ -5,7 +5,6 @@ and all those of version 1, as they are.
 """
 
 import json
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import numpy as np
 
 from adibas.arrays import AnyArray
 from adibas.errors import FileError
-from adibas.files import cannot_read, written_whole
+from adibas.files import DAMAGED_ARRAYS, cannot_read, written_whole
 from adibas.forests.forest import Forest
 from adibas.forests.packing import (
     pack_child,
@@ -72,7 +71,7 @@ def load_forest(path: Path) -> Forest:
             return _forest_of(arrays, path)
     except OSError as error:
         raise cannot_read(path, error) from error
-    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except (*DAMAGED_ARRAYS, RecursionError) as error:
         raise FileError(
             "{file} is no forest of ADiBAS, or it is damaged. Choose a file that "
             "adibas limbs train wrote.",

@@ -14,7 +14,7 @@ from adibas.forests.feature_kernels import KIND
 from adibas.forests.images import ForestImage, join_images, prepare_image
 from adibas.forests.packing import LEAF_STEPS, OFFSET_STEPS_PER_M, THRESHOLD_STEPS
 from adibas.forests.params import GRADIENT
-from adibas.forests.prediction_kernels import predict
+from adibas.forests.prediction_kernels import LINK, N_COLUMNS, predict
 
 N_NODE_VALUES = 6
 LEAF = -1
@@ -40,6 +40,8 @@ class Forest:
         As in training.
     provenance : mapping
         What it was trained from and how; plain JSON values.
+    uses_gradients : bool
+        A node asks for the angle of gradients.
     """
 
     labels: tuple[str, ...]
@@ -50,6 +52,8 @@ class Forest:
     far_m: float
     smoothing_px: float
     provenance: Mapping[str, object] = field(default_factory=dict)
+    uses_gradients: bool = field(init=False)
+    _steps: Float32Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_shape("roots", self.roots, (None,))
@@ -57,6 +61,12 @@ class Forest:
         check_shape("nodes", self.nodes, (len(self.child), N_NODE_VALUES))
         check_shape("leaves", self.leaves, (None, len(self.labels)))
         self._check_links()
+        steps = np.zeros((len(self.child), N_COLUMNS), np.float32)
+        steps[:, :N_NODE_VALUES] = self.nodes
+        steps.view(np.int32)[:, LINK] = self.child
+        object.__setattr__(self, "_steps", steps)
+        gradients = self.nodes[self.child >= 0, KIND] == GRADIENT
+        object.__setattr__(self, "uses_gradients", bool(gradients.any()))
         for array in (self.roots, self.child, self.nodes, self.leaves):
             read_only(array)
 
@@ -75,11 +85,6 @@ class Forest:
     def n_trees(self) -> int:
         """Return T."""
         return len(self.roots)
-
-    @property
-    def uses_gradients(self) -> bool:
-        """Say whether a node asks for the angle of gradients."""
-        return bool((self.nodes[self.child >= 0, KIND] == GRADIENT).any())
 
     def prepare(self, depth_m: Float32Array, mask: BoolArray, focal_px: float) -> ForestImage:
         """Cut the body out of an (H, W) depth image as this forest reads it."""
@@ -135,10 +140,10 @@ class Forest:
             batch.slope_y,
             batch.places,
             at,
-            np.array([focal_px, self.far_m]),
+            np.array([focal_px, self.far_m, self.uses_gradients]),
             self.roots,
-            self.child,
-            self.nodes,
+            self._steps,
+            self._steps.view(np.int32),
             self.leaves,
         )
 

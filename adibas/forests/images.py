@@ -56,22 +56,15 @@ def prepare_image(
         Standard deviation for gradients; None leaves these out.
     """
     check_shape("mask", mask, depth_m.shape)
-    is_body = mask & np.isfinite(depth_m)
-    top, bottom = _span(np.asarray(mask.any(axis=1)))
-    left, right = _span(np.asarray(mask.any(axis=0)))
-    box = slice(top, bottom), slice(left, right)
-    boxed = np.where(is_body[box], depth_m[box], np.float32(far_m)).astype(np.float32)
+    left, top, width, height = cv2.boundingRect(np.ascontiguousarray(mask).view(np.uint8))
+    box = slice(top, top + height), slice(left, left + width)
+    is_body = mask[box] & np.isfinite(depth_m[box])
+    boxed = np.where(is_body, depth_m[box], np.float32(far_m)).astype(np.float32, copy=False)
     none = np.zeros((0, 0), np.float32)
     if smoothing_px is None:
         return ForestImage(boxed, none, none, top, left, focal_px)
-    slope_x, slope_y = _slopes(boxed, is_body[box], smoothing_px)
+    slope_x, slope_y = _slopes(boxed, is_body, smoothing_px)
     return ForestImage(boxed, slope_x, slope_y, top, left, focal_px)
-
-
-def _span(has: BoolArray) -> tuple[int, int]:
-    """Return the first place and one past the last."""
-    found = np.flatnonzero(has)
-    return (int(found[0]), int(found[-1]) + 1) if found.size else (0, 0)
 
 
 def _slopes(
@@ -142,6 +135,14 @@ def join_images(images: list[ForestImage], far_m: float) -> ImageBatch:
 
 
 def _end_to_end(images: list[Float32Array], border: float) -> Float32Array:
-    return np.concatenate(
-        [np.pad(image, 1, constant_values=border).ravel() for image in images]
-    ).astype(np.float32)
+    joined = np.full(sum((h + 2) * (w + 2) for h, w in _sizes(images)), border, np.float32)
+    begin = 0
+    for image, (height, width) in zip(images, _sizes(images), strict=True):
+        end = begin + (height + 2) * (width + 2)
+        joined[begin:end].reshape(height + 2, width + 2)[1:-1, 1:-1] = image
+        begin = end
+    return joined
+
+
+def _sizes(images: list[Float32Array]) -> list[tuple[int, int]]:
+    return [(image.shape[0], image.shape[1]) for image in images]

@@ -22,6 +22,10 @@ HALF = message(
 HOLES = message(
     "{percent} % of the person has no depth. Avoid sunlight, and dark or shiny clothes."
 )
+UNLIKE = message(
+    "What is seen is more like furniture or an animal than like a person. Clear the view, or step "
+    "forward."
+)
 FEW_LIMBS = message("Only {n} of {total} limbs are seen: what is seen may be no person.")
 
 
@@ -110,6 +114,13 @@ def judge_parts(
     if n_seen < params.least_limbs * len(parts.labels):
         fields = {"n": n_seen, "total": len(parts.labels)}
         return Judgement(False, (Sentence(FEW_LIMBS, fields),))
+    return Judgement(True, ())
+
+
+def judge_likeness(score: float, threshold: float) -> Judgement:
+    """Judge how much like a person something is, by its limbs; see `adibas.limbs.likeness`."""
+    if score < threshold:
+        return Judgement(False, (Sentence(UNLIKE),))
     return Judgement(True, ())
 
 

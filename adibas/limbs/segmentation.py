@@ -132,6 +132,17 @@ def _filled(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
     chosen = np.full(mask.shape, NO_LABEL, np.int16)
     if not (thin >= 0).any():
         return chosen
+    left, top, width, height = cv2.boundingRect(np.ascontiguousarray(mask).view(np.uint8))
+    top, left = top - top % step, left - left % step  # a row and a column that were looked at
+    box = np.s_[top : top + height + step, left : left + width + step]
+    chosen[box] = _nearest(thin[top // step :, left // step :], mask[box], step)
+    return chosen
+
+
+def _nearest(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
+    """Return (h, w) labels of a box whose first row and column were looked at."""
+    chosen = np.full(mask.shape, NO_LABEL, np.int16)
+    thin = thin[: -(-mask.shape[0] // step), : -(-mask.shape[1] // step)]
     sampled = np.ones(mask.shape, np.uint8)
     sampled[::step, ::step][thin >= 0] = 0
     _, nearest = cv2.distanceTransformWithLabels(

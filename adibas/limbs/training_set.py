@@ -17,7 +17,7 @@ from adibas.arrays import AnyArray, Float32Array, IntArray, UInt8Array, UInt16Ar
 from adibas.data.joints import mirror_order
 from adibas.errors import LimbError
 from adibas.files import written_whole
-from adibas.forests.training import TrainingImages
+from adibas.forests.samples import TrainingImages
 
 HEADER = "labels.json"
 DEPTH, LABELS = ".depth.png", ".labels.png"

@@ -12,7 +12,8 @@ from adibas.arrays import AnyArray, BoolArray, Float32Array, IntArray, UInt8Arra
 from adibas.errors import LimbError
 from adibas.files import written_whole
 from adibas.forests.params import ForestParams
-from adibas.forests.training import TrainingImages, train_forest
+from adibas.forests.samples import TrainingImages
+from adibas.forests.training import train_forest
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
 from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels

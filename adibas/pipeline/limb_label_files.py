@@ -17,7 +17,7 @@ import numpy as np
 from adibas.arrays import AnyArray, UInt8Array, UInt16Array
 from adibas.data.limbs import labels_named
 from adibas.errors import LimbError
-from adibas.files import remove_file, written_whole
+from adibas.files import DAMAGED_JSON, is_there, remove_file, written_whole
 from adibas.limbs.training_set import (
     DEPTH,
     HEADER,
@@ -109,7 +109,7 @@ class LabelFiles:
         """
         for ending in (DRAFT, LABELS):
             path = self.folder / f"{_name_of(index)}{ending}"
-            if path.is_file():
+            if is_there(path):
                 return self._read(path)
         return None
 
@@ -139,7 +139,7 @@ class LabelFiles:
             The folder cannot be written.
         """
         name = _name_of(index)
-        if not (self.folder / HEADER).is_file():
+        if not is_there(self.folder / HEADER):
             write_header(self.folder, self._header)
         if is_done:
             write_image(self.folder, name, depth_raw, labels)
@@ -165,7 +165,7 @@ class LabelFiles:
 
 
 def _header_of(folder: Path, wanted: FolderHeader) -> FolderHeader:
-    if not (folder / HEADER).is_file():
+    if not is_there(folder / HEADER):
         return wanted
     found = read_header(folder)
     if not np.allclose(_optics(found), _optics(wanted), rtol=1e-6):
@@ -192,13 +192,13 @@ def _numbers(folder: Path, ending: str) -> frozenset[int]:
 def _read_done(folder: Path, name: str) -> frozenset[int]:
     """Return the frames that are done."""
     path = folder / PROGRESS
-    if not path.is_file():
+    if not is_there(path):
         return frozenset()
     try:
         document: Any = json.loads(path.read_text("utf-8"))
         is_ours = (document["format"], document["version"]) == (FORMAT, VERSION)
         of, done = str(document["recording"]), frozenset(map(int, document["done"]))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, KeyError, TypeError, *DAMAGED_JSON) as error:
         raise _damaged(folder) from error
     if not is_ours:
         raise _damaged(folder)

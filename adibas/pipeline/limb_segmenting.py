@@ -18,11 +18,12 @@ from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError
 from adibas.files import written_whole
 from adibas.geometry.planes import Plane
-from adibas.limbs.judging import Judgement, judge_mask, judge_parts
+from adibas.limbs.judging import Judgement, judge_mask
 from adibas.limbs.model import LimbModel, load_model, merged
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.limbs.training_set import TO_TORSO, FolderHeader, write_header, write_image
 from adibas.pipeline.limb_pictures import limb_picture
+from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
@@ -179,7 +180,7 @@ class Looker:
         if mask is None or not judgement.is_person:
             return None, judgement
         parts = segment(depth_m, mask, self.camera.intrinsics.fx, model, params)
-        found = judge_parts(parts, mask)
+        found = person_judge(model, self.camera)(depth_m, mask, parts)
         notices = (*judgement.notices, *found.notices)
         return (parts if found.is_person else None), Judgement(found.is_person, notices)
 

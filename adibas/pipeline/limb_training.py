@@ -2,8 +2,8 @@
 
 import json
 import shutil
-import zipfile
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -13,15 +13,21 @@ from adibas import __version__
 from adibas.clock import Clock, to_text, utc_now
 from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY
 from adibas.errors import LimbError
-from adibas.files import written_whole
+from adibas.files import DAMAGED_ARRAYS, DAMAGED_JSON, written_whole
 from adibas.forests.params import ForestParams
-from adibas.forests.training import Memory, TrainingImages, Tree, join_trees, train_tree
+from adibas.forests.samples import Memory, TrainingImages
+from adibas.forests.training import Progress as ForestProgress
+from adibas.forests.training import Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
 from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS, simulate_folder
 
 Progress = Callable[[str, int, int], None]
 """Told the step (``simulating``, ``training``), what is done and all there is."""
+GrowTree = Callable[
+    [TrainingImages, ForestParams, int, int, Memory | None, ForestProgress | None], Tree
+]
+"""As `train_tree`, here or on a cluster."""
 _UNFINISHED = ".training"
 _SETTINGS = "settings.json"
 _FRAMES = "frames"
@@ -61,6 +67,8 @@ class TrainingRequest:
         To simulate.
     seed : int
     params : ForestParams
+    cluster : str
+        Address of a Dask scheduler; empty: this computer alone.
     """
 
     out: Path
@@ -69,6 +77,7 @@ class TrainingRequest:
     n_frames: int = SHIPPED_FRAMES
     seed: int = 0
     params: ForestParams = SHIPPED
+    cluster: str = ""
 
 
 def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc_now) -> LimbModel:
@@ -77,10 +86,23 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
     Raises
     ------
     LimbError
-        The images cannot be used, or another training is unfinished there.
+        The images cannot be used, another training is unfinished there, or the cluster does
+        not answer.
     FileError
         Something cannot be written.
     """
+    with ExitStack() as stack:
+        grow: GrowTree = train_tree
+        if request.cluster:
+            from adibas.pipeline.training_cluster import open_cluster
+
+            grow = stack.enter_context(open_cluster(request.cluster)).train_tree
+        return _trained(request, grow, progress, clock)
+
+
+def _trained(
+    request: TrainingRequest, grow: GrowTree, progress: Progress, clock: Clock
+) -> LimbModel:
     work = request.out.with_name(request.out.name + _UNFINISHED)
     folder = None if request.folder is None else LimbFolder(request.folder)
     labels = _labels_of(SIMULATED_LABELS if folder is None else folder.labels, request.labels)
@@ -98,7 +120,8 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
     if images.labels != labels:
         images = Relabelled(images, labels, TO_TORSO)
     trees = [
-        _grown(work, images, request, number, progress) for number in range(request.params.n_trees)
+        _grown(work, images, request, grow, number, progress)
+        for number in range(request.params.n_trees)
     ]
     source = {**settings, "created_utc": to_text(clock())}
     model = model_of(join_trees(trees, images.labels, request.params, source).rounded())
@@ -164,7 +187,7 @@ def _check_same(work: Path, settings: dict[str, object]) -> None:
         return
     try:
         before = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError):
+    except (OSError, *DAMAGED_JSON):
         before = None
     if before != settings:
         raise LimbError(
@@ -178,6 +201,7 @@ def _grown(
     work: Path,
     images: TrainingImages,
     request: TrainingRequest,
+    grow: GrowTree,
     number: int,
     progress: Progress,
 ) -> Tree:
@@ -191,7 +215,7 @@ def _grown(
 
     tree = _kept(path)
     if tree is None:
-        tree = train_tree(images, request.params, request.seed, number, MEMORY, tell)
+        tree = grow(images, request.params, request.seed, number, MEMORY, tell)
         with written_whole(path) as unfinished, unfinished.open("wb") as file:
             np.savez_compressed(file, child=tree.child, nodes=tree.nodes, counts=tree.counts)
     progress("training", (number + 1) * n_levels, n_steps)
@@ -202,5 +226,5 @@ def _kept(path: Path) -> Tree | None:
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return Tree(arrays["child"], arrays["nodes"], arrays["counts"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+    except (OSError, *DAMAGED_ARRAYS):
         return None

@@ -24,6 +24,7 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
 from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
@@ -195,7 +196,8 @@ class _Found:
         self._calibration = calibration
         segmenter = forest_segmenter(model, calibration.depth, request.pose.limbs)
         self._estimator = PoseEstimator(
-            calibration.depth, segmenter, calibration.floor, request.pose
+            *(calibration.depth, segmenter, calibration.floor, request.pose),
+            judge=person_judge(model, calibration.depth),
         )
         self._frames: dict[int, list[tuple[int, ChosenJoints]]] = {}
         self._said: Counter[Message] = Counter()

@@ -18,6 +18,7 @@ from adibas.limbs.judging import judge_mask, judge_parts
 from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
 from adibas.limbs.segmentation import LimbParams, segment
+from adibas.pipeline.person_judge import Judge
 from adibas.pipeline.pose_model import JointModel, shipped_joint_model
 from adibas.skeleton.following import ChosenJoints, FollowParams, PersonFollower
 from adibas.skeleton.identities import Identities, IdentityParams
@@ -30,6 +31,11 @@ PLACE_STEP = 4
 """Of how many rows and columns one is looked at for where somebody stands."""
 COARSEST_FOCAL_PX = 250.0
 """Of the pixels that are looked at: a hand of 8 cm is 10 of them wide at 2 m."""
+KNOWN_M, KNOWN_S = 0.5, 2.0
+"""Whoever is so near to where somebody was not long ago was judged then.
+
+People are half hidden while they walk behind things; of their limbs alone they could be anything.
+"""
 FLOOR_TRIALS = 30
 """Frames in which a floor is looked for where the calibration has none."""
 
@@ -121,6 +127,8 @@ class PoseEstimator:
     params : PoseParams or None
     joints : JointModel or None
         None: the shipped one.
+    judge : callable or None
+        Says whether limbs are a person's; see `person_judge`. None: by how many are seen.
     """
 
     def __init__(
@@ -130,6 +138,7 @@ class PoseEstimator:
         floor: Plane | None = None,
         params: PoseParams | None = None,
         joints: JointModel | None = None,
+        judge: Judge | None = None,
     ) -> None:
         self.camera = camera
         self.floor = floor
@@ -138,8 +147,10 @@ class PoseEstimator:
         self._joints = joints or shipped_joint_model()
         self._identities = Identities(self._params.identities)
         self._followers: dict[int, PersonFollower] = {}
+        self._judge = judge
         self._n_trials = 0
         self._known_m = np.empty((0, 3))
+        self._judged: list[tuple[float, FloatArray]] = []
 
     def follower(self, person: int) -> PersonFollower:
         """Return what is known of somebody."""
@@ -166,21 +177,32 @@ class PoseEstimator:
         notices: tuple[Sentence, ...] = () if masks else judge_mask(depth_m, None).notices
         seen = []
         for pixels in masks:
-            parts, said = self._parts(depth_m, pixels)
+            parts, said = self._parts(depth_m, pixels, time_s)
             notices += said
             if parts is not None:
                 seen.append((pixels, parts))
         return PoseNow(tuple(self._named(depth_m, seen, time_s)), notices)
 
     def _parts(
-        self, depth_m: Float32Array, pixels: BoolArray
+        self, depth_m: Float32Array, pixels: BoolArray, time_s: float
     ) -> tuple[LimbParts | None, tuple[Sentence, ...]]:
         judgement = judge_mask(depth_m, pixels)
         if not judgement.is_person:
             return None, judgement.notices
         parts = self._segmenter(depth_m, pixels)
-        found = judge_parts(parts, pixels)
+        if self._judge is None or self._is_trusted(depth_m, pixels, time_s):
+            found = judge_parts(parts, pixels)
+        else:
+            found = self._judge(depth_m, pixels, parts)
         return (parts if found.is_person else None), (*judgement.notices, *found.notices)
+
+    def _is_trusted(self, depth_m: Float32Array, pixels: BoolArray, time_s: float) -> bool:
+        """Say whether somebody was there not long ago, who need not be judged anew."""
+        middle_m, _ = self._place(depth_m, viewing_rays(self.camera), pixels)
+        return any(
+            time_s - when_s <= KNOWN_S and np.linalg.norm(known_m - middle_m) < KNOWN_M
+            for when_s, known_m in self._judged
+        )
 
     def _named(
         self, depth_m: Float32Array, seen: list[tuple[BoolArray, LimbParts]], time_s: float
@@ -191,6 +213,8 @@ class PoseEstimator:
         middles_m = np.array([middle_m for middle_m, _ in places]).reshape(-1, 3)
         people = []
         self._known_m = middles_m
+        self._judged = [one for one in self._judged if time_s - one[0] <= KNOWN_S]
+        self._judged += [(time_s, middle_m) for middle_m in middles_m]
         numbers = self._identities.match(middles_m, tops_m, time_s)
         for person, (pixels, parts) in zip(numbers, seen, strict=True):
             points = part_points(depth_m, parts, rays, self._params.proposals)

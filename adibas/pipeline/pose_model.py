@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from adibas.errors import FileError
-from adibas.files import written_whole
+from adibas.files import DAMAGED_JSON, written_whole
 from adibas.limbs.joint_offsets import JointOffsets, offsets_from_json, offsets_to_json
 from adibas.resources import resource_path
 from adibas.skeleton.proportions import (
@@ -60,7 +60,7 @@ def read_joint_model(path: Path) -> JointModel:
     """
     try:
         return _model_of(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, KeyError, TypeError, AttributeError, *DAMAGED_JSON) as error:
         raise FileError(
             "{file} is no model of joints, or is broken. Install the program again.",
             file=path.name,

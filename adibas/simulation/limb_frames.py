@@ -4,7 +4,7 @@ Each image depends on the seed and its number alone: a person of any size in any
 (cloth has thickness and folds here), near or far, turned, perhaps partly out of the picture,
 before, on or behind furniture; measured by a simulated sensor; in a
 mask that is too large, too small, torn, or holds furniture. The image is every second row and
-column of the sensor's.
+column of the sensor's, or all of them.
 """
 
 import math
@@ -55,11 +55,12 @@ FRAMES_A_PERSON = 25
 _TURNED_RAD = math.radians(75.0)
 _FAR_TURNED_RAD = math.radians(110.0)
 _BODY_BAND_M = 0.12
-_NOISES = (
+NOISES = (
     DepthNoise(),
     DepthNoise(disparity_sd=0.25, edge_jitter_px=0.4, edge_dropout=0.1),
     DepthNoise(disparity_sd=0.9, edge_jitter_px=1.3, edge_dropout=0.5, dim_echo=0.02),
 )
+"""Of the sensors, from mild to bad."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,25 +75,28 @@ class FrameSettings:
         Of the heading from facing the camera; nine of ten are within 75 degrees of it.
     distance_m : (nearest, farthest)
         Of the person from the camera.
+    step : int
+        Rows and columns of the sensor for one of the image: 1, or 2 as models are trained.
     """
 
     has_clutter: bool = True
     has_damage: bool = True
     farthest_turn_rad: float = _FAR_TURNED_RAD
     distance_m: tuple[float, float] = (1.1, 4.2)
+    step: int = STEP
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimbFrame:
-    """One image and what it shows.
+    """One image and what it shows; (H, W) is (240, 320), or (480, 640) with a step of 1.
 
     Attributes
     ----------
-    depth_mm : (240, 320) uint16 array
+    depth_mm : (H, W) uint16 array
         As measured; 0 = no reading.
-    labels : (240, 320) uint8 array
+    labels : (H, W) uint8 array
         Of the mask: index in `BODY_PART_NAMES` + 1, `CLUTTER`, or 0.
-    color_rgb : (240, 320, 3) uint8 array
+    color_rgb : (H, W, 3) uint8 array
         Of skin, hair and cloth, without light and shade; black elsewhere.
     joints_m : (15, 3) array
         In camera axes.
@@ -153,7 +157,7 @@ class LimbFrames:
         self._settings = settings or FrameSettings()
         self._device = draw_device(seed)
         self._sensors = [
-            DepthSensor(self._device, noise, seed + number) for number, noise in enumerate(_NOISES)
+            DepthSensor(self._device, noise, seed + number) for number, noise in enumerate(NOISES)
         ]
         depth = self._device.depth
         self._rays = pixel_rays((depth.height, depth.width), depth.intrinsics, ()).astype(
@@ -163,7 +167,7 @@ class LimbFrames:
     @property
     def camera(self) -> CameraCalibration:
         """Return that of the images."""
-        return halved(self._device)
+        return thinned(self._device, self._settings.step)
 
     def frame(self, index: int) -> LimbFrame:
         """Return image `index`, from 0, of person ``index // FRAMES_A_PERSON``."""
@@ -173,10 +177,20 @@ class LimbFrames:
         dressed = dressed_person(self._seed, person)
         return self.seen(dressed, wide_pose(rng, kind), (person, kind), index)
 
-    def seen(self, dressed: Dressed, pose: Pose, what: tuple[int, str], index: int) -> LimbFrame:
-        """Return image `index` of somebody in a given pose; `what` are person and kind."""
-        rng = np.random.default_rng([self._seed, 0x22, index])
-        settings = self._settings
+    def seen(
+        self,
+        dressed: Dressed,
+        pose: Pose,
+        what: tuple[int, str],
+        index: int,
+        film: int | None = None,
+    ) -> LimbFrame:
+        """Return image `index` of somebody in a given pose; `what` are person and kind.
+
+        Images of one `film` share camera, heading and sensor; only the noise is each one's own.
+        """
+        rng = np.random.default_rng([self._seed, 0x22, index if film is None else film])
+        settings, step = self._settings, self._settings.step
         is_far_turned = rng.random() < 0.1  # noqa: PLR2004  (a share, ours)
         most = settings.farthest_turn_rad if is_far_turned else _TURNED_RAD
         heading = rng.uniform(-1.0, 1.0) * min(most, settings.farthest_turn_rad)
@@ -185,15 +199,15 @@ class LimbFrames:
         things = random_things(rng, posed, what[1]) if settings.has_clutter else ()
         scene = self._drawn(dressed, posed, from_world, things, rng)
         sensor = self._sensors[int(rng.integers(len(self._sensors)))]
-        depth_mm = sensor.measure(scene.inverse_depth, scene.reflectance, index)[::STEP, ::STEP]
-        true_mm = 1000.0 / scene.inverse_depth[::STEP, ::STEP]
-        labels = _believed(depth_mm, true_mm, scene.labels[::STEP, ::STEP])
+        depth_mm = sensor.measure(scene.inverse_depth, scene.reflectance, index)[::step, ::step]
+        true_mm = 1000.0 / scene.inverse_depth[::step, ::step]
+        labels = _believed(depth_mm, true_mm, scene.labels[::step, ::step])
         if settings.has_damage:
             labels = damaged_mask(rng, labels, depth_mm, CLUTTER)
         return LimbFrame(
             np.ascontiguousarray(depth_mm),
             np.ascontiguousarray(labels),
-            _painted(dressed.looks, scene.material[::STEP, ::STEP]),
+            _painted(dressed.looks, scene.material[::step, ::step]),
             from_world.apply(posed.joints_m),
             *what,
         )
@@ -248,14 +262,14 @@ class _Scene(NamedTuple):
     material: UInt8Array
 
 
-def halved(device: Device) -> CameraCalibration:
-    """Return the camera of every second row and column of a device's depth image."""
+def thinned(device: Device, step: int) -> CameraCalibration:
+    """Return the camera of every `step`-th row and column of a device's depth image."""
     depth = device.depth
     k = depth.intrinsics
     return CameraCalibration(
-        depth.width // STEP,
-        depth.height // STEP,
-        Intrinsics(k.fx / STEP, k.fy / STEP, k.cx / STEP, k.cy / STEP),
+        depth.width // step,
+        depth.height // step,
+        Intrinsics(k.fx / step, k.fy / step, k.cx / step, k.cy / step),
     )
 
 

@@ -1,5 +1,6 @@
 """The editor of labelled images: what its presenter decides, and the window with a mouse."""
 
+from dataclasses import replace
 from unittest.mock import create_autospec
 
 import cv2
@@ -11,6 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
     QDialogButtonBox,
+    QFileDialog,
     QListWidget,
     QMessageBox,
     QProgressBar,
@@ -19,6 +21,8 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.data.frames import SensorFrame
+from adibas.data.patients import Identity
+from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError, LimbError
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline import limb_label_files
@@ -31,7 +35,7 @@ from tests.ui.test_mnemonics import assert_each_letter_is_one_control
 from ui.behaviour.screen import build_behaviour_screen
 from ui.limbs.dialog import LimbsDialog
 from ui.limbs.paint_view import PaintView
-from ui.limbs.ports import LimbsView
+from ui.limbs.ports import LimbsView, StoredRecording
 from ui.limbs.presenter import LimbsPresenter
 
 HEAD, TORSO = 1, 3
@@ -109,6 +113,48 @@ def test_a_stroke_is_one_step_and_can_be_taken_back(presenter, view, folder):
     labels = kept(folder, 0)
     assert set(np.argwhere(labels)[:, 1]) == set(range(4, 11))
     assert set(np.unique(labels)) == {0, HEAD}
+
+
+def test_steps_are_taken_back_through_all_frames_and_done_again(presenter, view, folder):
+    fill_box(presenter)
+    presenter.go(2)
+    fill_box(presenter, HEAD)
+    presenter.go(1)
+    assert allowed(view).can_undo
+    presenter.undo()
+    assert progress(view)[0] == 2
+    presenter.point(25, 15)
+    view.show_under.assert_called_with("")
+    presenter.undo()
+    assert progress(view)[0] == 0
+    presenter.point(25, 15)
+    view.show_under.assert_called_with("")
+    assert not allowed(view).can_undo
+    presenter.redo()
+    presenter.redo()
+    assert progress(view)[0] == 2
+    presenter.leave()
+    assert kept(folder, 0)[15, 25] == TORSO
+    assert kept(folder, 2)[15, 25] == HEAD
+    assert not allowed(view).can_redo
+
+
+def test_a_step_in_a_frame_that_cannot_be_read_any_more_stays_to_be_undone(
+    presenter, view, folder, inline_jobs
+):
+    fill_box(presenter)
+    presenter.go(1)
+    (folder / "00000.draft.png").write_bytes(b"no picture")
+    presenter.undo()
+    assert "00000.draft.png in box-limbs is damaged" in str(inline_jobs.problems[-1])
+    assert progress(view)[0] == 1
+    assert allowed(view).can_undo
+
+
+def test_another_recording_begins_without_steps(presenter, view, tmp_path):
+    fill_box(presenter)
+    presenter.open(record_box(tmp_path / "other.mcap"))
+    assert not allowed(view).can_undo
 
 
 def test_filling_stops_at_the_edge_of_depth_and_the_limb_there_is_told(presenter, view, folder):
@@ -248,6 +294,51 @@ def test_what_cannot_be_labelled_is_refused_in_words_and_nothing_is_written(
     assert set(tmp_path.iterdir()) == before
 
 
+@pytest.fixture
+def stored(video):
+    """A recording of the store, and what was logged of it."""
+    logged = []
+    return StoredRecording(
+        "Monday, anterior", "ab12cd34", lambda: open_recording(video), lambda: logged.append(1)
+    ), logged
+
+
+def test_a_recording_of_the_store_is_labelled_where_the_reader_says_and_that_is_logged_and_told(
+    view, workspace, stored, tmp_path, told
+):
+    presenter = LimbsPresenter(view, workspace)
+    presenter.open_stored(stored[0])
+    view.ask_folder.assert_called_once_with("Monday, anterior")
+    assert not stored[1]
+    presenter.choose_folder(tmp_path / "labels")
+    assert stored[1] == [1]
+    assert "not sealed" in told[-1][1]
+    view.show_recording.assert_called_with("Monday, anterior", str(tmp_path / "labels"))
+    presenter.set_beyond(is_on=True)
+    fill_box(presenter)
+    presenter.finish()
+    presenter.close()
+    assert len(LimbFolder(tmp_path / "labels")) == 1
+    assert "ab12cd34" in (tmp_path / "labels" / "progress.json").read_text()
+    assert "Monday" not in (tmp_path / "labels" / "progress.json").read_text()
+    presenter.choose_folder(tmp_path / "again")
+    assert not (tmp_path / "again").exists(), "a question is answered once"
+
+
+def test_a_recording_of_the_store_is_not_opened_where_that_cannot_be_logged(
+    view, workspace, stored, tmp_path
+):
+    def cannot():
+        raise FileError("the disk is full")
+
+    presenter = LimbsPresenter(view, workspace)
+    presenter.open_stored(replace(stored[0], note_export=cannot))
+    presenter.choose_folder(tmp_path / "labels")
+    view.show_recording.assert_not_called()
+    assert not (tmp_path / "labels").exists()
+    presenter.close()
+
+
 def test_labels_that_are_done_outlive_a_disk_that_fails_before_their_draft_is_removed(
     presenter, view, workspace, video, folder, monkeypatch
 ):
@@ -347,3 +438,43 @@ def test_the_editor_has_a_letter_for_each_control_and_room_for_large_ones(
         assert all(one.accessibleName() or hasattr(one, "text") for kind in named
                    for one in dialog.findChildren(kind))  # fmt: skip
         dialog.close()
+
+
+def test_what_is_watched_out_of_the_store_is_labelled_and_the_log_says_so(
+    qtbot, workspace, theme, video, tmp_path
+):
+    store = workspace.store
+    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    session = store.sessions.start(patient.pseudonym, SessionSetup())
+    with (
+        open_recording(video) as reader,
+        store.recordings.create(session.session_id, INFO) as writer,
+    ):
+        for index in range(len(reader)):
+            writer.write(reader.read(index))
+    screen = build_behaviour_screen(workspace, theme)
+    qtbot.addWidget(screen)
+    screen.resize(1200, 800)
+    screen.show()
+    workspace.choose_patient(patient)
+    workspace.choose_session(session)
+    screen._presenter.open_stored(writer.recording_id)
+    (action,) = [
+        one for one in screen.findChildren(QAction) if one.text().startswith("Label limbs")
+    ]
+    action.trigger()
+    dialog = screen.findChild(LimbsDialog)
+    page = dialog.page
+    asked = page.findChild(QFileDialog)
+    assert asked.isVisible()
+    asked.close()
+    page.presenter.choose_folder(tmp_path / "labels")
+    page.presenter.set_beyond(is_on=True)
+    fill_box(page.presenter)
+    page.presenter.finish()
+    dialog.close()
+    screen.closed()
+    assert len(LimbFolder(tmp_path / "labels")) == 1
+    (logged,) = [one for one in store.audit.entries() if one.action == "export"]
+    assert (logged.subject, logged.detail) == (session.session_id, {"kind": "limb labels"})
+    assert "Rosa" not in (tmp_path / "labels" / "progress.json").read_text()

@@ -15,8 +15,9 @@ from adibas.forests.files import load_forest, save_forest
 from adibas.forests.forest import Forest
 from adibas.forests.images import join_images, prepare_image
 from adibas.forests.params import DEPTH, GRADIENT, ForestParams
+from adibas.forests.prediction_kernels import LINK, N_COLUMNS, predict
+from adibas.forests.samples import Memory
 from adibas.forests.training import (
-    Memory,
     Tree,
     join_trees,
     node_probabilities,
@@ -324,6 +325,33 @@ def test_another_camera_sees_the_same_body(forest):
     found = np.zeros(mask.shape, int)
     found[mask] = forest.probabilities(fine, mask, 2 * focal_px).argmax(1)
     assert (found[::2, ::2][labels > 0] == coarse).mean() > 0.9
+
+
+def test_a_forest_of_depth_alone_is_walked_as_one_with_gradients_is(forest):
+    """There are two loops: the one that never looks at slopes must not differ in a bit."""
+    assert forest.uses_gradients
+    forest = train_forest(Slabs(), replace(SMALL, n_gradient_candidates=0), seed=5)
+    assert not forest.uses_gradients
+    depth_m, labels, focal_px = Slabs().read(3)
+    image = forest.prepare(depth_m, labels > 0, focal_px)
+    batch = join_images([image], forest.far_m)
+    at = np.argwhere(image.depth_m < forest.far_m).astype(np.int32)
+    steps = np.zeros((len(forest.child), N_COLUMNS), np.float32)
+    steps[:, :6] = forest.nodes
+    links = steps.view(np.int32)
+    links[:, LINK] = forest.child
+    found = [
+        predict(
+            *(batch.depth_m, batch.slope_x, batch.slope_y, batch.places, at),
+            *(np.array([focal_px, forest.far_m, uses]), forest.roots, steps, links, forest.leaves),
+        )
+        for uses in (0.0, 1.0)
+    ]
+    np.testing.assert_array_equal(found[0], found[1])
+    inside = np.zeros(labels.shape, np.bool_)
+    inside[at[:, 0] + image.top, at[:, 1] + image.left] = True
+    asked = forest.probabilities(depth_m, labels > 0, focal_px, inside)
+    np.testing.assert_array_equal(asked, found[0])
 
 
 def test_pixels_without_depth_could_be_anything(forest):

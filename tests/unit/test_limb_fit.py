@@ -73,6 +73,21 @@ def test_a_hidden_forearm_is_not_invented():
     assert np.isnan(found_m[HAND]).all()
 
 
+@pytest.mark.parametrize(("lowest_m", "is_seen"), [(0.16, False), (0.24, True)])
+def test_an_elbow_that_nothing_was_proposed_for_needs_surface_beside_it(lowest_m, is_seen):
+    """As a knee behind the edge of a table: the bone's length alone would put it there."""
+    true_m = arm((0.05, 0.28, 2.0), (0.08, 0.53, 1.98))
+    cloud = cloud_of(true_m, 1.0, np.random.default_rng(1), n_points=400)
+    upper = cloud.points_m[:, 1] < lowest_m
+    cloud = PartCloud(cloud.points_m[upper].copy(), cloud.weights_m2[upper].copy())
+    known_m = true_m.copy()
+    known_m[[ELBOW, HAND]] = np.nan
+    for reach_m, expected in ((LimbFitParams().bare_reach_m, is_seen), (0.14, True)):
+        params = LimbFitParams(bare_reach_m=reach_m)
+        found_m = fit_limbs(cloud, known_m, NOWHERE, lengths_of(true_m), params)
+        assert np.isfinite(found_m[ELBOW]).all() == expected
+
+
 def test_without_a_shoulder_or_surface_nothing_changes():
     true_m = arm((0.05, 0.28, 2.0), (0.08, 0.53, 1.98))
     cloud = cloud_of(true_m, 0.5, np.random.default_rng(2))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -13,7 +14,7 @@ from adibas.limbs.evaluation import confusion_of, no_confusion
 from adibas.limbs.judging import judge_mask, judge_parts
 from adibas.limbs.model import CLUTTER, load_model, merged, model_of, save_model
 from adibas.limbs.penalties import omega_2
-from adibas.limbs.segmentation import LimbParams, segment
+from adibas.limbs.segmentation import LimbParams, _filled, segment
 from adibas.limbs.training_set import TO_TORSO, Relabelled
 
 FOCAL_PX = 100.0
@@ -281,3 +282,23 @@ def test_the_table_of_a_model_is_that_of_its_provenance(model):
     table = 3 * np.asarray(model.omega_2)
     forest = replace(model.forest, provenance={"omega_2": table.tolist()})
     np.testing.assert_array_equal(model_of(forest).omega_2, table)
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_labels_between_do_not_depend_on_how_much_is_around_the_person(step):
+    """Only the person's box is looked at; the same person in a larger picture has the same."""
+    rng = np.random.default_rng(step)
+    mask = cv2.GaussianBlur(rng.standard_normal((36, 48)), (0, 0), 4.0) > 0
+    every = np.s_[::step, ::step]
+    thin = np.full(mask[every].shape, -1, np.int16)
+    thin[mask[every]] = rng.integers(0, 7, np.count_nonzero(mask[every]))
+    wide = np.pad(mask, ((6, 18), (12, 30)))
+    wide_thin = np.pad(thin, ((6 // step, 0), (12 // step, 0)), constant_values=-1)
+    missing = [
+        (0, -(-size // step) - found)
+        for size, found in zip(wide.shape, wide_thin.shape, strict=True)
+    ]
+    wide_thin = np.pad(wide_thin, missing, constant_values=-1)
+    alone, within = _filled(thin, mask, step), _filled(wide_thin, wide, step)
+    np.testing.assert_array_equal(within[6:42, 12:60], alone)
+    assert ((within >= 0) == wide).all()

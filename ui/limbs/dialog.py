@@ -6,6 +6,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
+from ui.limbs.ports import StoredRecording
 from ui.limbs.presenter import LimbsPresenter
 from ui.limbs.view import LimbsPage
 from ui.widgets.message_bar import MessageBar
@@ -52,12 +53,14 @@ class LimbsDialog(QDialog):
 
 
 def open_limb_editor(
-    workspace: Workspace, parent: QWidget, recording: Path | None = None
+    workspace: Workspace, parent: QWidget, recording: Path | StoredRecording | None = None
 ) -> LimbsDialog:
     """Show the editor before its parent, with a recording that is looked at already."""
     dialog = LimbsDialog(workspace, parent)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     dialog.open()
-    if recording is not None:
+    if isinstance(recording, StoredRecording):
+        dialog.page.presenter.open_stored(recording)
+    elif recording is not None:
         dialog.page.presenter.open(recording)
     return dialog

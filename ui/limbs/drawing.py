@@ -1,4 +1,4 @@
-"""The labels of one frame while they are drawn on: tools, and steps that can be taken back."""
+"""The labels of a frame while they are drawn on: tools, and steps back through all frames."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -9,7 +9,7 @@ from adibas.arrays import BoolArray, UInt8Array
 from ui.limbs.ports import Corners, Tool
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
-    from adibas.limbs.label_edits import LabelHistory
+    from adibas.limbs.label_steps import LabelSteps
     from adibas.pipeline.limb_labelling import FrameToLabel
 
 USUAL_RADIUS_PX = 8
@@ -38,21 +38,22 @@ class Drawing:
         self.is_changed = False
         self._tool: Tool = "brush"
         self._frame: FrameToLabel | None = None
-        self._history: LabelHistory | None = None
+        self._steps: LabelSteps | None = None
         self._path: Corners = ()
         self._corners: Corners = ()
 
     def begin(self, frame: "FrameToLabel", labels: UInt8Array) -> None:
-        """Draw on another frame."""
-        from adibas.limbs.label_edits import LabelHistory
+        """Draw on another frame; steps in the frames before can still be taken back."""
+        from adibas.limbs.label_steps import LabelSteps
 
-        self._frame, self._history = frame, LabelHistory(labels)
+        self._frame = frame
+        self._steps = (self._steps or LabelSteps()).begun(frame.index, labels)
         self._path = self._corners = ()
         self.is_changed = False
 
     def end(self) -> None:
-        """Draw on nothing any more."""
-        self._frame = self._history = None
+        """Draw on nothing any more, and forget all steps."""
+        self._frame = self._steps = None
 
     @property
     def frame(self) -> "FrameToLabel | None":
@@ -62,7 +63,9 @@ class Drawing:
     @property
     def labels(self) -> UInt8Array | None:
         """The (H, W) labels, without a stroke that goes on; None without a frame."""
-        return None if self._history is None else self._history.now
+        if self._frame is None or self._steps is None:
+            return None
+        return self._steps.labels(self._frame.index)
 
     @property
     def shown(self) -> UInt8Array | None:
@@ -85,14 +88,14 @@ class Drawing:
         return self._tool
 
     @property
-    def can_undo(self) -> bool:
-        """Whether there is a step to take back."""
-        return self._history is not None and bool(self._history.back)
+    def undo_frame(self) -> int | None:
+        """The frame of the step that would be taken back; None where there is none."""
+        return None if self._steps is None else self._steps.undo_frame
 
     @property
-    def can_redo(self) -> bool:
-        """Whether there is a step to do again."""
-        return self._history is not None and bool(self._history.forth)
+    def redo_frame(self) -> int | None:
+        """The frame of the step that would be done again; None where there is none."""
+        return None if self._steps is None else self._steps.redo_frame
 
     @property
     def can_enclose(self) -> bool:
@@ -111,15 +114,15 @@ class Drawing:
         elif self._tool == "brush":
             self.drag(u, v)
             self.drop()
-        elif self._history is not None and self._frame is not None:
+        elif self._frame is not None and self.labels is not None:
             from adibas.limbs.label_edits import filled
 
-            depth_m, now = self._frame.depth_m, self._history.now
+            depth_m, now = self._frame.depth_m, self.labels
             self.replace(filled(now, self._allowed(), depth_m, (u, v), self.label))
 
     def drag(self, u: float, v: float) -> None:
         """Go on with a stroke of the brush."""
-        if self._history is not None:
+        if self._frame is not None:
             self._path = (*self._path, (u, v))
 
     def drop(self) -> None:
@@ -132,11 +135,11 @@ class Drawing:
     def enclose(self) -> None:
         """Fill the polygon."""
         corners, self._corners = self._corners, ()
-        if self._history is not None:
+        labels = self.labels
+        if labels is not None:
             from adibas.limbs.label_edits import enclosed
 
-            now = self._history.now
-            self.replace(enclosed(now, self._allowed(), corners, self.label))
+            self.replace(enclosed(labels, self._allowed(), corners, self.label))
 
     def label_at(self, u: float, v: float) -> int:
         """Return the label at a pixel; 0 for none."""
@@ -148,21 +151,23 @@ class Drawing:
 
     def replace(self, labels: UInt8Array) -> None:
         """Take these labels, as one step."""
-        self._step(lambda history: history.changed(labels))
+        if self._frame is not None:
+            index = self._frame.index
+            self._step(lambda steps: steps.changed(index, labels))
 
     def undo(self) -> None:
-        """Take the last step back."""
-        self._step(lambda history: history.undone())
+        """Take the last step back, which must be in this frame."""
+        self._step(lambda steps: steps.undone())
 
     def redo(self) -> None:
-        """Do what was undone again."""
-        self._step(lambda history: history.redone())
+        """Do what was undone last again, which must be in this frame."""
+        self._step(lambda steps: steps.redone())
 
-    def _step(self, action: "Callable[[LabelHistory], LabelHistory]") -> None:
-        if self._history is None or self._path:
+    def _step(self, action: "Callable[[LabelSteps], LabelSteps]") -> None:
+        if self._steps is None or self._path:
             return
-        before, self._history = self._history, action(self._history)
-        self.is_changed = self.is_changed or self._history is not before
+        before, self._steps = self._steps, action(self._steps)
+        self.is_changed = self.is_changed or self._steps is not before
 
     def _allowed(self) -> BoolArray:
         """Return where labels may change."""

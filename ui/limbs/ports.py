@@ -1,5 +1,6 @@
 """What the presenter of the limb editor needs of its page, without Qt."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -7,9 +8,32 @@ from adibas.arrays import BoolArray, UInt8Array
 
 if TYPE_CHECKING:
     from adibas.pipeline.limb_label_files import LabellingProgress
+    from adibas.recordings.ports import RecordingReader
 
 Tool = Literal["brush", "fill", "polygon"]
 Corners = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StoredRecording:
+    """A recording of the store; its labelled images must leave the store to be trained on.
+
+    Attributes
+    ----------
+    title : str
+        For the reader.
+    name : str
+        What the folder of labels calls it.
+    open : callable
+        Opens it.
+    note_export : callable
+        Logs that images leave the store; raises where that cannot be logged.
+    """
+
+    title: str
+    name: str
+    open: "Callable[[], RecordingReader]"
+    note_export: Callable[[], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +55,9 @@ class Allowed:
 
 class LimbsView(Protocol):
     """The page, as its presenter needs it."""
+
+    def ask_folder(self, title: str) -> None:
+        """Ask where the labelled images of a recording of the store may lie, unsealed."""
 
     def show_recording(self, name: str, folder: str) -> None:
         """Show what is open, and where the images go."""

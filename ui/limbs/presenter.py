@@ -1,21 +1,21 @@
 """The editor of labelled images: what is open, what is kept, what comes next. Without Qt."""
 
 from collections.abc import Callable
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from adibas.arrays import UInt8Array
 from adibas.texts import translate as _
 from ui.limbs.drawing import Drawing
-from ui.limbs.ports import Allowed, LimbsView, Tool
-from ui.ports import JobControl, Result
+from ui.limbs.one_job import OneJob
+from ui.limbs.ports import LimbsView, StoredRecording, Tool
+from ui.limbs.reading import Carried, Opened, carry_over, open_desk, read_frame
+from ui.limbs.shown import ShownFrame
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
     from adibas.pipeline.limb_labelling import FrameToLabel, LabellingDesk
+    from adibas.recordings.ports import RecordingReader
 
 FOLDER_ENDING = "-limbs"
 
@@ -32,35 +32,58 @@ class LimbsPresenter:
         self._workspace = workspace
         self._desk: LabellingDesk | None = None
         self._drawing = Drawing()
-        self._ground: UInt8Array | None = None
-        self._colors = np.zeros((1, 3), np.uint8)
-        self._is_running = self._is_closed = False
+        self._shown = ShownFrame(view, self._drawing)
+        self._asked: StoredRecording | None = None
+        self._job = OneJob(workspace.jobs, self._show_allowed)
         self._show_allowed()
 
     def open(self, recording: Path) -> None:
         """Open a recording; its labels lie in a folder beside it, and go on where they stood."""
-        if self._is_running or not self.leave():
-            return
 
-        def work(_control: JobControl) -> "tuple[LabellingDesk, FrameToLabel, UInt8Array]":
-            from adibas.pipeline.limb_labelling import LabellingDesk
+        def reader() -> "RecordingReader":
             from adibas.recordings import open_recording
 
-            folder = recording.with_name(f"{recording.stem}{FOLDER_ENDING}")
-            with ExitStack() as undo:
-                reader = undo.enter_context(open_recording(recording))
-                desk = LabellingDesk(reader, recording.name, folder)
-                frame = desk.frame(desk.files.progress.next_open(-1) or 0)
-                labels = _kept(desk, frame)
-                undo.pop_all()
-            return desk, frame, labels
+            return open_recording(recording)
 
-        def done(found: "tuple[LabellingDesk, FrameToLabel, UInt8Array]") -> None:
-            self._show_desk(found[0])
-            self._show_frame(found[1], found[2])
+        folder = recording.with_name(f"{recording.stem}{FOLDER_ENDING}")
+        self._open(reader, (recording.name, recording.name), folder)
 
-        label = _("Opening {file}").format(file=recording.name)
-        self._start(label, work, done, lambda found: found[0].close())
+    def open_stored(self, recording: StoredRecording) -> None:
+        """Open a recording of the store, after a question where its labels may lie."""
+        if not self._job.is_running and self.leave():
+            self._asked = recording
+            self._view.ask_folder(recording.title)
+
+    def choose_folder(self, folder: Path) -> None:
+        """Go on with that question: what is labelled lies there, and is not sealed."""
+        recording, self._asked = self._asked, None
+        if recording is None or not self._workspace.attempt(recording.note_export):
+            return
+        self._open(recording.open, (recording.name, recording.title), folder)
+        self._workspace.tell(
+            "warning",
+            _("Depth images that are labelled lie in {folder}, outside of the store: they are not "
+              "sealed there. Keep them as safe as the store.").format(folder=folder.name),
+        )  # fmt: skip
+
+    def _open(
+        self, reader_of: "Callable[[], RecordingReader]", names: tuple[str, str], folder: Path
+    ) -> None:
+        """Open a recording: what the folder calls it, and what the reader does."""
+        if self._job.is_running or not self.leave():
+            return
+        name, title = names
+
+        def done(found: Opened) -> None:
+            self._take(found.desk, title)
+            self._show_frame(found.frame, found.labels)
+
+        self._job.start(
+            _("Opening {file}").format(file=title),
+            lambda _control: open_desk(reader_of, name, folder),
+            done,
+            lambda found: found.desk.close(),
+        )
 
     def choose_tool(self, tool: Tool) -> None:
         """Use another tool; a polygon that was begun is given up."""
@@ -86,16 +109,16 @@ class LimbsPresenter:
 
     def click(self, u: float, v: float) -> None:
         """Use the tool at a pixel."""
-        if not self._is_running:
+        if not self._job.is_running:
             self._drawing.click(u, v)
             self._show_corners()
-            self._show_labels()
+            self._shown.show_labels()
 
     def drag(self, u: float, v: float) -> None:
         """Go on with a stroke of the brush; it is one step when the mouse is let go."""
-        if not self._is_running:
+        if not self._job.is_running:
             self._drawing.drag(u, v)
-            self._show_labels()
+            self._shown.show_labels()
 
     def drop(self) -> None:
         """End the stroke."""
@@ -107,12 +130,21 @@ class LimbsPresenter:
         self._show_corners()
 
     def undo(self) -> None:
-        """Take the last step back."""
-        self._draw(self._drawing.undo)
+        """Take the last step back, in whatever frame it was; that frame is shown."""
+        self._in_frame(self._drawing.undo_frame, self._drawing.undo)
 
     def redo(self) -> None:
-        """Do what was undone again."""
-        self._draw(self._drawing.redo)
+        """Do what was undone again, in whatever frame it was."""
+        self._in_frame(self._drawing.redo_frame, self._drawing.redo)
+
+    def _in_frame(self, index: int | None, action: Callable[[], None]) -> None:
+        shown = self._drawing.frame
+        if shown is None or index is None or self._job.is_running:
+            return
+        if index == shown.index:
+            self._draw(action)
+        else:
+            self._go(index, lambda: self._draw(action))
 
     def point(self, u: float, v: float) -> None:
         """Tell which limb is there."""
@@ -123,7 +155,7 @@ class LimbsPresenter:
         """Label the frame from the joints that are found in it."""
         desk, frame = self._desk, self._drawing.frame
         if desk is not None and frame is not None:
-            self._start(_("Looking for limbs"), lambda _c: desk.proposed(frame), self._replace)
+            self._job.start(_("Looking for limbs"), lambda _c: desk.proposed(frame), self._replace)
 
     def carry(self) -> None:
         """Go to the next frame and give it the labels of this one, moved to where limbs are."""
@@ -131,35 +163,36 @@ class LimbsPresenter:
         if desk is None or frame is None or labels is None or frame.index + 1 >= len(desk):
             return
 
-        def work(_control: JobControl) -> "tuple[FrameToLabel, UInt8Array, UInt8Array]":
-            after = desk.frame(frame.index + 1)
-            return after, _kept(desk, after), desk.carried(frame, labels, after)
-
-        def done(found: "tuple[FrameToLabel, UInt8Array, UInt8Array]") -> None:
-            self._show_frame(found[0], found[1])
-            if found[2].any():
-                self._replace(found[2])
+        def done(found: Carried) -> None:
+            self._show_frame(found.frame, found.labels)
+            if found.carried.any():
+                self._replace(found.carried)
             else:
                 self._workspace.tell(
                     "warning", _("Nothing was carried over: nobody was found near those limbs.")
                 )
 
         if self.leave():
-            self._start(_("Carrying labels over"), work, done)
+            self._job.start(
+                _("Carrying labels over"), lambda _c: carry_over(desk, frame, labels), done
+            )
 
     def go(self, index: int) -> None:
         """Show another frame."""
+        self._go(index, lambda: None)
+
+    def _go(self, index: int, then: Callable[[], None]) -> None:
         desk, shown = self._desk, self._drawing.frame
         if desk is None or shown is None or index == shown.index:
             return
         if not 0 <= index < len(desk) or not self.leave():
             return
 
-        def work(_control: JobControl) -> "tuple[FrameToLabel, UInt8Array]":
-            frame = desk.frame(index)
-            return frame, _kept(desk, frame)
+        def done(found: "tuple[FrameToLabel, UInt8Array]") -> None:
+            self._show_frame(*found)
+            then()
 
-        self._start(_("Reading a frame"), work, lambda found: self._show_frame(*found))
+        self._job.start(_("Reading a frame"), lambda _control: read_frame(desk, index), done)
 
     def go_by(self, n_frames: int) -> None:
         """Show a frame before or after."""
@@ -169,7 +202,7 @@ class LimbsPresenter:
     def finish(self) -> None:
         """Note that the frame is done, and show the next one that is not."""
         desk, frame, labels = self._desk, self._drawing.frame, self._drawing.labels
-        if desk is None or frame is None or labels is None or self._is_running:
+        if desk is None or frame is None or labels is None or self._job.is_running:
             return
         if not labels.any():
             self._workspace.tell("warning", _("No limb is labelled in this frame yet."))
@@ -201,7 +234,7 @@ class LimbsPresenter:
         ):
             return False
         self._drawing.is_changed = False
-        self._show_progress()
+        self._shown.show_progress()
         return True
 
     def close(self) -> None:
@@ -211,89 +244,31 @@ class LimbsPresenter:
             self._desk.close()
         self._desk = None
         self._drawing.end()
-        self._is_closed = True
+        self._job.close()
 
-    def _start(
-        self,
-        label: str,
-        work: Callable[[JobControl], Result],
-        done: Callable[[Result], None],
-        too_late: Callable[[Result], None] = lambda _found: None,
-    ) -> None:
-        """Do one thing beside the window, nothing else meanwhile; `too_late` once it is closed."""
-        if self._is_running:
-            return
-        self._is_running = True
-        self._show_allowed()
-
-        def shown(found: Result) -> None:
-            (too_late if self._is_closed else done)(found)
-
-        self._workspace.jobs.start(label, work, shown, ended=self._on_ended)
-
-    def _on_ended(self) -> None:
-        if self._is_closed:
-            return
-        self._is_running = False
-        self._show_allowed()
-
-    def _show_desk(self, desk: "LabellingDesk") -> None:
-        from adibas.pipeline.limb_names import painting_colors
-
+    def _take(self, desk: "LabellingDesk", title: str) -> None:
+        """Work at another desk from now on."""
         if self._desk is not None:
             self._desk.close()
         self._desk = desk
-        self._colors = painting_colors(desk.files.labels.names)
-        self._view.show_recording(desk.files.recording, str(desk.files.folder))
-        self._view.show_labels(desk.files.labels.names, self._colors)
+        self._drawing.end()
+        self._shown.show_desk(desk, title)
 
     def _show_frame(self, frame: "FrameToLabel", labels: UInt8Array) -> None:
-        from adibas.pipeline.limb_pictures import grey_picture
-
         self._drawing.begin(frame, labels)
-        self._ground = grey_picture(frame.depth_m)
+        self._shown.show_frame(frame)
         self._show_corners()
-        self._show_labels()
-        self._show_progress()
-
-    def _show_progress(self) -> None:
-        frame = self._drawing.frame
-        if self._desk is not None and frame is not None:
-            self._view.show_progress(frame.index, self._desk.files.progress)
-
-    def _show_labels(self) -> None:
-        from adibas.pipeline.limb_pictures import tinted
-
-        frame, labels = self._drawing.frame, self._drawing.shown
-        if self._ground is not None and frame is not None and labels is not None:
-            self._view.show_picture(tinted(self._ground, labels, self._colors), frame.mask)
 
     def _show_corners(self) -> None:
-        self._view.show_corners(self._drawing.corners)
-        self._show_allowed()
+        self._shown.show_corners(is_busy=self._job.is_running)
 
     def _show_allowed(self) -> None:
-        drawing, frame, desk = self._drawing, self._drawing.frame, self._desk
-        self._view.show_allowed(
-            Allowed(
-                is_open=frame is not None,
-                is_busy=self._is_running,
-                can_undo=drawing.can_undo,
-                can_redo=drawing.can_redo,
-                can_enclose=drawing.can_enclose,
-                is_last=frame is None or desk is None or frame.index + 1 >= len(desk),
-            )
-        )
+        self._shown.show_allowed(is_busy=self._job.is_running)
 
     def _replace(self, labels: UInt8Array) -> None:
         self._draw(lambda: self._drawing.replace(labels))
 
     def _draw(self, action: Callable[[], None]) -> None:
         action()
-        self._show_labels()
+        self._shown.show_labels()
         self._show_allowed()
-
-
-def _kept(desk: "LabellingDesk", frame: "FrameToLabel") -> UInt8Array:
-    kept = desk.files.kept(frame.index)
-    return np.zeros(frame.depth_m.shape, np.uint8) if kept is None else kept

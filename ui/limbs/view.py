@@ -166,6 +166,14 @@ class LimbsPage(QWidget):
         self._bar.setAccessibleName(_("Frames that are done"))
         self._word_labels()
 
+    def ask_folder(self, title: str) -> None:
+        heading = _("Folder for labelled images of {recording}; they are not sealed there")
+        dialog = QFileDialog(self, heading.format(recording=title))
+        dialog.setFileMode(QFileDialog.FileMode.Directory)
+        dialog.fileSelected.connect(lambda name: self.presenter.choose_folder(Path(name)))
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.open()
+
     def show_recording(self, name: str, folder: str) -> None:
         self._title.setText(name)
         self._title.setToolTip(folder)

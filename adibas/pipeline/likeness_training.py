@@ -1,0 +1,89 @@
+"""Learns from the simulator how limbs that are found in things differ from those of people.
+
+Run as a module it makes ``resources/models/likeness.json`` again, for the shipped model of limbs.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from adibas.arrays import AnyArray, BoolArray, FloatArray
+from adibas.limbs.judging import judge_mask, judge_parts
+from adibas.limbs.likeness import (
+    QUANTITIES,
+    Likeness,
+    describe_parts,
+    learn_likeness,
+)
+from adibas.limbs.model import LimbModel
+from adibas.limbs.segmentation import LimbParams, segment
+from adibas.pipeline.likeness_file import write_likeness
+from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.simulation.limb_frames import LimbFrames
+from adibas.simulation.lone_things import ThingFrames
+
+SEED, SPARED_SEEDS = 6300, (6301, 6302)
+N_PEOPLE, N_THINGS, N_SPARED = 250, 275, 150
+LEAST_PIXELS = 50
+Shown = Iterator[tuple[AnyArray, BoolArray]]
+"""Depth in millimetres, 0 where not measured, and a mask."""
+
+
+def people_shown(seed: int, n_images: int, step: int) -> Shown:
+    """Yield simulated people as bad as in training, every `step`-th image."""
+    frames = LimbFrames(seed)
+    for number in range(n_images):
+        frame = frames.frame(step * number)
+        yield frame.depth_mm, np.asarray(frame.labels > 0)
+
+
+def things_shown(seed: int, n_images: int, step: int) -> Shown:
+    """Yield things without people, of each kind in turn."""
+    frames = ThingFrames(seed)
+    for number in range(n_images):
+        frame = frames.frame(step * number)
+        yield frame.depth_mm, frame.mask
+
+
+def described(shown: Shown, focal_px: float, model: LimbModel) -> FloatArray:
+    """Return the (N, 11) quantities of all that other words do not refuse already."""
+    found = [np.empty((0, len(QUANTITIES)))]
+    for depth_mm, mask in shown:
+        depth_m = np.where(depth_mm > 0, depth_mm, np.nan).astype(np.float32) / np.float32(1000)
+        if np.count_nonzero(mask) < LEAST_PIXELS or not judge_mask(depth_m, mask).is_person:
+            continue
+        parts = segment(depth_m, mask, focal_px, model, LimbParams(step=1))
+        if judge_parts(parts, mask).is_person:
+            found.append(describe_parts(depth_m, mask, focal_px, parts)[None])
+    return np.concatenate(found)
+
+
+def learn() -> Likeness:
+    """Return what simulated people and things teach; the same every time."""
+    model = shipped_model()
+    people_px, things_px = (
+        frames.camera.intrinsics.fx for frames in (LimbFrames(SEED), ThingFrames(SEED))
+    )
+    people = described(people_shown(SEED, N_PEOPLE, 10), people_px, model)
+    things = described(things_shown(SEED, N_THINGS, 2), things_px, model)
+    spared = [
+        described(people_shown(seed, N_SPARED, 5), LimbFrames(seed).camera.intrinsics.fx, model)
+        for seed in SPARED_SEEDS
+    ]
+    return learn_likeness(people, things, np.concatenate(spared), provenance_of(model))
+
+
+def provenance_of(model: LimbModel) -> dict[str, object]:
+    """Return from what it is learned."""
+    return {
+        "seed": SEED,
+        "spared_seeds": list(SPARED_SEEDS),
+        "n_people": N_PEOPLE,
+        "n_things": N_THINGS,
+        "n_spared": N_SPARED * len(SPARED_SEEDS),
+        "limbs_created_utc": str(model.forest.provenance.get("created_utc", "")),
+    }
+
+
+if __name__ == "__main__":
+    write_likeness(learn())
