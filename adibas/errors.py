@@ -4,6 +4,8 @@ An `AdibasError` is never a bug: a cable, a disk, a file. Its text says what fai
 thing, and what to do. `adibas.texts.describe` says it in the user's language.
 """
 
+from functools import partial
+
 
 class AdibasError(Exception):
     """Something outside the program failed.
@@ -20,6 +22,10 @@ class AdibasError(Exception):
         super().__init__(message_id, fields)
         self.message_id = message_id
         self.fields = fields
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Cross from one process to another with its fields."""
+        return partial(type(self), self.message_id, **self.fields), ()
 
     def __str__(self) -> str:
         return self.message_id.format(**self.fields)
@@ -75,6 +81,14 @@ class StoreError(AdibasError):
 
 class PassphraseError(StoreError):
     """The store needs a passphrase, or another one."""
+
+
+class ServerPasswordError(StoreError):
+    """The server of the store's database needs a password, or another one."""
+
+
+class ServerAwayError(StoreError):
+    """The server of the store's database does not answer: the same can be tried again."""
 
 
 class FileError(AdibasError):

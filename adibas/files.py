@@ -3,6 +3,7 @@
 import errno
 import os
 import re
+import tokenize
 import uuid
 import zipfile
 import zlib
@@ -17,6 +18,15 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 DAMAGED_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError)
 """What zipfile raises of a damaged archive, be it a workbook or arrays; RuntimeError where a part
 seems encrypted, or packed in a way that it does not know."""
+DAMAGED_ARRAYS = (
+    *(*DAMAGED_ARCHIVE, ValueError, KeyError, TypeError, AttributeError, MemoryError),
+    *(SyntaxError, tokenize.TokenError),
+)
+"""What NumPy raises of a damaged file of arrays, and what follows where one of them is of another
+kind: heads of arrays are read as Python, and may tell of more numbers than there is memory."""
+DAMAGED_JSON = (ValueError, RecursionError)
+"""What json raises: it is none, no UTF-8, has a number of thousands of digits, or is nested too
+deeply."""
 UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 """Names of files in the making."""
 
@@ -64,6 +74,20 @@ def remove_unfinished(folder: Path) -> int:
     for path in unfinished:
         path.unlink(missing_ok=True)
     return len(unfinished)
+
+
+def is_there(path: Path) -> bool:
+    """Say whether a file or a folder is there.
+
+    Raises
+    ------
+    FileError
+        Nobody can say, as where a network share is gone.
+    """
+    try:
+        return path.exists()
+    except OSError as error:
+        raise cannot_read(path, error) from error
 
 
 def check_place(path: Path) -> None:

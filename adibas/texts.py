@@ -17,14 +17,14 @@ from adibas.errors import AdibasError
 from adibas.resources import resource_path
 
 DOMAIN = "adibas"
-LANGUAGES = {"en": "English", "es": "Español", "ca": "Català"}
-"""What the program speaks, each language by its own name."""
+LANGUAGES = {"en": "English", "es": "Español", "ca": "Català", "pt": "Português"}
+"""What the program speaks, each language by its own name; Portuguese as in Brazil, for all."""
 
 VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 """Of the environment, the strongest first, as gettext reads them."""
 
-DECIMAL_COMMA = ("es", "ca")
-NAMES_ON_WINDOWS = {"spanish": "es", "catalan": "ca"}
+DECIMAL_COMMA = ("es", "ca", "pt")
+NAMES_ON_WINDOWS = {"spanish": "es", "catalan": "ca", "portuguese": "pt"}
 
 _spoken: ContextVar[str] = ContextVar("spoken")
 """Language of the block of `speaking` that this thread is in."""

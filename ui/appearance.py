@@ -49,10 +49,10 @@ class Appearance:
 
     def _speak(self) -> None:
         """Let Qt's own texts and numbers speak, too; every widget is told of the change."""
-        language = self._preferences.now.language
-        QLocale.setDefault(QLocale(language))
-        self._window.setLocale(QLocale(language))
+        locale = QLocale(self._preferences.now.language)
+        QLocale.setDefault(locale)
+        self._window.setLocale(locale)
         self._app.removeTranslator(self._translator)
         folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
-        self._translator.load(f"qtbase_{language}", folder)
+        self._translator.load(locale, "qtbase", "_", folder)  # of Portuguese Qt has qtbase_pt_BR
         self._app.installTranslator(self._translator)

@@ -185,6 +185,8 @@ class Application:
         logger.info("store opened, read only: %s", store.is_read_only)
         self.workspace = workspace
         workspace.noticed.subscribe(self.window.tell)
+        workspace.retry_offered.subscribe(self.window.offer_again)
+        workspace.dispute_found.subscribe(self.window.ask_which_holds)
         workspace.screen_wanted.subscribe(self._show_screen)
         workspace.patient_changed.subscribe(self._show_patient)
         for name, build in screen_builders(workspace, self._theme, self.window).items():

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from types import FrameType
 
+WORLD_FAILED = 1
 INTERRUPTED = 130
 """As shells count an end by Ctrl-C: 128 + SIGINT."""
 
@@ -18,9 +19,12 @@ def main() -> int:
     while_it_runs = signal.getsignal(signal.SIGINT)
     _end_on_ctrl_c()  # before the imports: there is nothing yet that could be left unfinished
     try:
-        if all(map(names_recording, sys.argv[1:])) and has_display():
-            # Ctrl-C in the terminal closes it like any other program.
-            return _open_window(sys.argv[1:])
+        if all(map(names_recording, sys.argv[1:])):
+            if has_display():
+                # Ctrl-C in the terminal closes it like any other program.
+                return _open_window(sys.argv[1:])
+            if sys.argv[1:]:
+                return _tell_no_display(sys.argv[1])
         from adibas.cli import main as run_command
 
         signal.signal(signal.SIGINT, while_it_runs)
@@ -52,6 +56,17 @@ def _open_window(recordings: list[str]) -> int:
     from ui.application import run
 
     return run(recordings)
+
+
+def _tell_no_display(recording: str) -> int:
+    from adibas.texts import translate as _
+
+    text = _(
+        "There is no display to show {file} on. The commands measure it without one: "
+        "see adibas posture --help"
+    )
+    sys.stderr.write(text.format(file=Path(recording).name) + "\n")
+    return WORLD_FAILED
 
 
 def _end_on_ctrl_c() -> None:

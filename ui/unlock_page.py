@@ -69,6 +69,7 @@ class UnlockPage(Screen):
         area.setWidgetResizable(True)
         area.setAlignment(Qt.AlignmentFlag.AlignCenter)
         area.setFrameShape(QScrollArea.Shape.NoFrame)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # it follows the fields in it
         inner.insertStretch(0)
         inner.addStretch()
         layout = QVBoxLayout(self)
@@ -92,8 +93,9 @@ class UnlockPage(Screen):
         self._title.setText(title)
         self._explanation.setText(explanation)
         self._button.setText(button)
-        self._first.setPlaceholderText(_("Passphrase"))
-        self._first.setAccessibleName(_("Passphrase"))
+        asked = _("Password of the server") if self._words is _server_words else _("Passphrase")
+        self._first.setPlaceholderText(asked)
+        self._first.setAccessibleName(asked)
         self._second.setPlaceholderText(_("The same passphrase again"))
         self._second.setAccessibleName(_("The same passphrase again"))
 
@@ -115,6 +117,10 @@ class UnlockPage(Screen):
     def ask_passphrase(self) -> None:
         self._show(_passphrase_words, fields=1)
         self._send = lambda: self._presenter.give_passphrase(self._first.text())
+
+    def ask_server_password(self) -> None:
+        self._show(_server_words, fields=1)
+        self._send = lambda: self._presenter.give_server_password(self._first.text())
 
     def ask_unlock(self) -> None:
         self._show(_unlock_words, fields=0)
@@ -165,6 +171,14 @@ def _new_words() -> tuple[str, str, str]:
 
 def _passphrase_words() -> tuple[str, str, str]:
     return _("Locked"), _("Type the passphrase of the patient store."), _("Unlock")
+
+
+def _server_words() -> tuple[str, str, str]:
+    return (
+        _("Patient database"),
+        _("The database of the patient store is on a server, which asks for its own password."),
+        _("Connect"),
+    )
 
 
 def _unlock_words() -> tuple[str, str, str]:

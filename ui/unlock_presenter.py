@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from adibas.errors import AdibasError
+from adibas.errors import AdibasError, ServerPasswordError
 from adibas.sessions import KeyState, key_state
 from adibas.texts import describe
 from adibas.texts import translate as _
@@ -27,6 +27,9 @@ class UnlockView(Protocol):
 
     def ask_passphrase(self) -> None:
         """Ask for the passphrase of the store."""
+
+    def ask_server_password(self) -> None:
+        """Ask for the password of the server that keeps the database."""
 
     def ask_unlock(self) -> None:
         """Ask for nothing but a button: the keyring keeps the key."""
@@ -67,6 +70,8 @@ class UnlockPresenter:
         self._operator = operator
         self._jobs = jobs
         self._opened = opened
+        self._passphrase: str | None = None
+        """Between the passphrase and the server's password alone."""
 
     def begin(self) -> None:
         """Open the store, or ask for what it needs."""
@@ -83,6 +88,10 @@ class UnlockPresenter:
     def give_passphrase(self, passphrase: str) -> None:
         """Open with the passphrase of an existing store."""
         self._open(passphrase, self._view.ask_passphrase)
+
+    def give_server_password(self, password: str) -> None:
+        """Open with the passphrase that was given, and with the password of the server."""
+        self._open(self._passphrase, self._view.ask_server_password, password)
 
     def give_new_passphrase(self, passphrase: str, repeated: str) -> None:
         """Make a store behind a passphrase that was typed twice alike."""
@@ -114,28 +123,59 @@ class UnlockPresenter:
             ended=self._view.ask_unlock,
         )
 
-    def _open(self, passphrase: str | None, ask_again: Callable[[], None]) -> None:
+    def _open(
+        self,
+        passphrase: str | None,
+        ask_again: Callable[[], None],
+        server_password: str | None = None,
+    ) -> None:
         self._view.show_busy()
+        self._passphrase = None
 
         def work(control: JobControl) -> "tuple[SessionStore, bool]":
             from adibas.sessions import open_store
 
             is_new = key_state(self._folder) in NEW
-            store = open_store(self._folder, passphrase, operator=self._operator)
+            store = open_store(
+                self._folder,
+                passphrase,
+                operator=self._operator,
+                server_password=server_password,
+            )
             try:
                 control.progress(1, 1)
             except CancelledError:
                 store.close()
                 raise
+            if server_password is not None:
+                _remember(self._folder, server_password)
             return store, is_new
+
+        def failed(error: AdibasError) -> None:
+            if isinstance(error, ServerPasswordError):
+                self._passphrase = passphrase
+                self._view.ask_server_password()
+                if server_password is None:
+                    return  # nothing is wrong yet
+            self._tell(error)
 
         self._jobs.start(
             _("Opening the patient store"),
             work,
             lambda opened: self._opened(*opened),
-            self._tell,
+            failed,
             ended=ask_again,
         )
 
     def _tell(self, error: AdibasError) -> None:
         self._view.show_problem(describe(error))
+
+
+def _remember(folder: Path, password: str) -> None:
+    """Keep a password that the server took in the desktop's keyring, where there is one."""
+    from adibas.sessions.server_address import read_server_file
+    from adibas.sessions.server_password import keep_password
+
+    address = read_server_file(folder)
+    if address is not None:
+        keep_password(address, password)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QEvent, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence, QShortcut
@@ -27,6 +28,9 @@ from ui.widgets.help_page import HelpDock
 from ui.widgets.message_bar import MessageBar
 from ui.widgets.progress_strip import ProgressStrip
 from ui.widgets.screen import Screen
+
+if TYPE_CHECKING:
+    from ui.disputes import Dispute
 
 USUAL_SIZE = (1280, 800)
 STATUS_MARGIN_PX = 10
@@ -208,6 +212,16 @@ class MainWindow(QMainWindow):
     def tell(self, kind: str, sentence: str) -> None:
         """Tell the user something."""
         self._messages.tell(kind, sentence)
+
+    def offer_again(self, sentence: str, again: Callable[[], object]) -> None:
+        """Tell the user what failed, and offer to try it again."""
+        self._messages.offer_again(sentence, again)
+
+    def ask_which_holds(self, dispute: "Dispute") -> None:
+        """Show what somebody else saved meanwhile, and let the user choose."""
+        from ui.widgets.dispute_dialog import DisputeDialog
+
+        DisputeDialog(dispute, self).open()
 
     def tell_of_bug(self, sentence: str) -> None:
         """Tell the user that the program failed, on whatever page he is."""

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 from adibas.data.patients import Patient
-from adibas.errors import AdibasError
+from adibas.errors import AdibasError, ServerAwayError
 from adibas.texts import describe
 from ui.events import Event
 from ui.ports import Jobs, LiveSource
@@ -15,8 +16,12 @@ if TYPE_CHECKING:  # compiler and database come later: the window is usable befo
     from adibas.data.sessions import Session
     from adibas.pipeline.posture import MarkerTarget
     from adibas.sessions import SessionStore
+    from adibas.sessions.conflicts import Decision
+    from ui.disputes import Dispute
 
 NoticeKind = Literal["good", "warning", "bad"]
+Save = Callable[["tuple[Decision, ...]"], None]
+"""Saves something as it was decided; nothing is decided at first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +70,10 @@ class Workspace:
         A screen asks for another one to be shown.
     noticed(kind, sentence)
         The user is told something.
+    retry_offered(sentence, again)
+        Something failed that can be tried again as it is.
+    dispute_found(dispute)
+        Somebody else changed the same meanwhile: the user has to choose.
     """
 
     def __init__(
@@ -84,6 +93,8 @@ class Workspace:
         self.target_changed: Event[[]] = Event()
         self.screen_wanted: Event[[str]] = Event()
         self.noticed: Event[[NoticeKind, str]] = Event()
+        self.retry_offered: Event[[str, Callable[[], object]]] = Event()
+        self.dispute_found: Event[[Dispute]] = Event()
 
     def choose_patient(self, patient: Patient | None) -> None:
         """Look at a patient; a session of another one is left."""
@@ -158,3 +169,64 @@ class Workspace:
             self.report_problem(error)
             return False
         return True
+
+    def save_shared(
+        self, save: "Save", ended: Callable[[], None] = lambda: None, *, is_kept: bool = True
+    ) -> bool:
+        """Save what others may change at the same time; return whether that went well at once.
+
+        Where somebody did, the user is asked, and it is saved as he decides. Where the server of
+        the store does not answer, he is offered to try again.
+
+        Parameters
+        ----------
+        save : callable
+            Takes the decisions of the user, which are none at first.
+        ended : callable
+            Told after each attempt.
+        is_kept : bool
+            Whether what is to be saved stays on the screen. Where it does not and the user does
+            not decide, both texts stay, and of markers the other version, with his own set aside.
+        """
+        return self._attempt_shared(_Attempt(save, ended, is_kept), ())
+
+    def _attempt_shared(self, attempt: "_Attempt", decisions: "tuple[Decision, ...]") -> bool:
+        try:
+            attempt.save(decisions)
+        except ServerAwayError as error:
+            again = partial(self._attempt_shared, attempt, decisions)
+            self.retry_offered.emit(describe(error), again)
+        except AdibasError as error:
+            self._tell_or_ask(error, attempt)
+        else:
+            attempt.ended()
+            return True
+        attempt.ended()
+        return False
+
+    def _tell_or_ask(self, error: AdibasError, attempt: "_Attempt") -> None:
+        from adibas.sessions.conflicts import ConflictError
+        from ui.disputes import Dispute, undecided
+
+        if not isinstance(error, ConflictError):
+            self.report_problem(error)
+            return
+        conflicts = error.conflicts
+
+        def put_off() -> None:
+            if not attempt.is_kept:
+                self._attempt_shared(attempt, undecided(conflicts))
+
+        def decide(decisions: "tuple[Decision, ...]") -> None:
+            self._attempt_shared(attempt, decisions)
+
+        self.dispute_found.emit(Dispute(conflicts, decide, put_off))
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    """What is saved, who is told after each attempt, whether it stays on the screen."""
+
+    save: Save
+    ended: Callable[[], None]
+    is_kept: bool

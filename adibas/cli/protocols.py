@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 SUMMARY = message("list, show or check protocols of landmarks and measures")
 
 HAS_MISTAKES = 1
-MOST_SHOWN = 100
 
 Work = Callable[[argparse.Namespace, Console], int]
 
@@ -73,14 +72,9 @@ def _show(arguments: argparse.Namespace, console: Console) -> int:
         definitions = protocol.measures_of(view)
         needed = protocol.marked_for(tuple(p for one in definitions for p in one.points))
         console.say(f"{view}: {', '.join(needed)}")
-        for one in definitions[:MOST_SHOWN]:
+        for one in definitions:
             positive = "" if one.positive is None else f"  (+ {one.positive.text})"
             console.say(f"    {one.measure_id}  {one.name.text} [{_(one.unit)}]{positive}")
-        if len(definitions) > MOST_SHOWN:
-            n_more = len(definitions) - MOST_SHOWN
-            console.say(
-                translate_plural("{n} more measure.", "{n} more measures.", n_more).format(n=n_more)
-            )
         views.append(
             {
                 "view": view,

@@ -1,6 +1,7 @@
 """`adibas skeleton`: names for markers that have none, and the models that know them."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 SUMMARY = message("give markers their names, and learn how named markers lie")
 TRAIN = message("learn a model from labelled point sets")
 LABEL = message("name the points of a file")
-
-N_BODIES, N_POSES, SEED = 240, 60, 1
-"""Of the shipped model."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,23 +45,20 @@ def _add_train(train: argparse.ArgumentParser) -> None:
     train.add_argument(
         "--bodies",
         type=positive_count,
-        default=N_BODIES,
         metavar="N",
-        help=_("how many people are simulated; {n} if not given").format(n=N_BODIES),
+        help=_("how many people are simulated; as many as of the shipped model if not given"),
     )
     train.add_argument(
         "--poses",
         type=positive_count,
-        default=N_POSES,
         metavar="N",
-        help=_("how many poses of each; {n} if not given").format(n=N_POSES),
+        help=_("how many poses of each; as many as of the shipped model if not given"),
     )
     train.add_argument(
         "--seed",
         type=int,
-        default=SEED,
         metavar="N",
-        help=_("start of the random numbers; {n} if not given").format(n=SEED),
+        help=_("start of the random numbers; that of the shipped model if not given"),
     )
     train.add_argument(
         "--sessions",
@@ -116,6 +111,11 @@ def _add_label(label: argparse.ArgumentParser) -> None:
         metavar="HZ",
         help=_("the shapes are frames of one movement, so many a second: names are followed"),
     )
+    label.add_argument(
+        "--posture",
+        action="store_true",
+        help=_("say of each shape which posture of the training it looks like"),
+    )
     add_out(label, "labelled.csv", _("file to write; an older one is replaced"))
     add_json(label)
     label.set_defaults(action=_label)
@@ -129,12 +129,19 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _learned(arguments: argparse.Namespace, console: Console) -> "SkeletonModel":
-    from adibas.pipeline.skeleton_training import train_from_file, train_from_simulator
+    from adibas.pipeline.skeleton_training import (
+        PROTOTYPE_PEOPLE,
+        train_from_file,
+        train_from_simulator,
+    )
 
     if arguments.simulator:
-        console.say(_("Seed {seed}").format(seed=arguments.seed))
+        given = {"n_bodies": arguments.bodies, "n_poses": arguments.poses, "seed": arguments.seed}
+        known = {key: value for key, value in given.items() if value is not None}
+        people = replace(PROTOTYPE_PEOPLE, **known)
+        console.say(_("Seed {seed}").format(seed=people.seed))
         with console.progress(_("Simulating people")) as progress:
-            return train_from_simulator(arguments.bodies, arguments.poses, arguments.seed, progress)
+            return train_from_simulator(people, progress)
     if arguments.sessions:
         return _learned_from_sessions(arguments, console)
     return train_from_file(arguments.shapes)
@@ -197,7 +204,11 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
 def _label(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.skeleton_labelling import LabelRequest, label_file
 
-    request = LabelRequest(arguments.points, arguments.model, arguments.view, arguments.movement)
+    if arguments.posture and arguments.movement:
+        raise FileError("--posture is said of single shapes. Leave out --movement.")
+    request = LabelRequest(
+        arguments.points, arguments.model, arguments.view, arguments.movement, arguments.posture
+    )
     with console.progress(_("Naming")) as progress:
         found = label_file(request, arguments.out, progress)
     console.say(

@@ -21,8 +21,10 @@ from adibas.reports.rows import (
     MeasureRow,
     NumberRow,
     distance_rows,
+    free_remark,
     free_rows,
     measure_rows,
+    names_line,
 )
 from adibas.texts import speaking
 from adibas.texts import translate as _
@@ -229,7 +231,7 @@ def _free_results(capture: CaptureReport) -> Iterator[Result]:
         points = (row.a, row.vertex, row.c) if row.vertex else (row.a, row.c)
         kind = "angle" if row.vertex else "distance"
         if row.value is None or row.low is None or row.high is None:
-            reason = _("not measured: a marker has no position")
+            reason = free_remark(row) or ""
             yield Result(
                 id_of_all(kind, points),
                 _name(points),
@@ -272,7 +274,7 @@ def _method(analysis: PostureAnalysis) -> str:
         parts[:0] = [f"{protocol.title.text} ({protocol.protocol_id}, {protocol.revision})"]
         parts += [_(PLANE_TEXTS[measures.plane])]
         parts += [_("vertical: {origin}").format(origin=_(VERTICAL_TEXTS[measures.vertical]))]
-    return "; ".join(parts)
+    return "; ".join(part for part in (*parts, names_line(analysis)) if part)
 
 
 def interval_text() -> str:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from pynetdicom.association import Association
 
 CONNECT_S, ANSWER_S = 10.0, 60.0
+ATTEMPTS = 2
+"""pynetdicom loses a refusal at times where the server hangs up at once, on a busy computer."""
 """How long a server may take to open a connection, and to answer."""
 VERIFICATION, WORK_LIST = "1.2.840.10008.1.1", "1.2.840.10008.5.1.4.31"
 """SOP classes of a question without content, and of the modality worklist."""
@@ -125,13 +127,16 @@ def _associated(server: DicomServer, name: str, kinds: Sequence[str]) -> "Iterat
     contexts = [build_context(kind, [ExplicitVRLittleEndian]) for kind in kinds]
     tls = _tls(server, name)
     _reach(server, name, tls)
-    association = entity.associate(
-        server.host,
-        server.port,
-        contexts,
-        ae_title=server.title,
-        tls_args=None if tls is None else (tls, server.host),
-    )
+    for _attempt in range(ATTEMPTS):
+        association = entity.associate(
+            server.host,
+            server.port,
+            contexts,
+            ae_title=server.title,
+            tls_args=None if tls is None else (tls, server.host),
+        )
+        if association.is_established or association.is_rejected:
+            break
     if not association.is_established:
         raise _refused(association, server, name)
     try:

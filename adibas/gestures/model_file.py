@@ -9,7 +9,7 @@ import numpy as np
 
 from adibas.arrays import AnyArray
 from adibas.errors import GestureError
-from adibas.files import written_whole
+from adibas.files import DAMAGED_JSON, written_whole
 from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams
 from adibas.gestures.hidden_markov import Chain, HiddenMarkov
 from adibas.gestures.likeness import Likeness
@@ -49,7 +49,7 @@ def read_model(path: Path) -> GestureModel:
     """
     try:
         document = json.loads(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (OSError, *DAMAGED_JSON) as error:
         raise GestureError(
             "{file} cannot be read: {reason}. Give a model that `adibas gestures train` wrote.",
             file=path.name,

@@ -32,15 +32,15 @@ class BurstParams:
         The sway moves all frames alike; so many count as one: 3.
     centre_sd_px, centre_sd_by_radius_px2 : float
         What no number of frames takes out of a centre: shading, foreshortening, what stands beside
-        it: 0.03 pixels, and 0.15 square pixels by the radius. As measured on 1,190
+        it: 0.045 pixels, and 0.14 square pixels by the radius. As measured on 1,715
         simulated markers that are 2.5 to 16 pixels wide (docs/benchmarks.md).
     """
 
     gate_px: float = 5.0
     least_share: float = 0.5
     frames_per_sample: float = 3.0
-    centre_sd_px: float = 0.03
-    centre_sd_by_radius_px2: float = 0.15
+    centre_sd_px: float = 0.045
+    centre_sd_by_radius_px2: float = 0.14
 
     def centre_variance_px2(self, radius_px: float) -> float:
         """Return the variance of a centre, along each axis, that all frames have in common."""

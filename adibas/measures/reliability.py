@@ -8,6 +8,7 @@ Lancet 327 (1986), for limits of agreement and their intervals.
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from adibas.texts import message
 LEAST_PATIENTS = 10
 LEAST_REPEATS = 2
 TAIL = 0.025
+FULL_TURN_DEG = 360.0
 MDC_FACTOR = float(ndtri(1.0 - TAIL)) * math.sqrt(2.0)
 
 NO_REPEATS = message("No patient was measured twice, so that nothing is known of repeats.")
@@ -82,6 +84,31 @@ def reliability_of(repeats: Sequence[Repeat]) -> Reliability:
         reasons=tuple(reasons),
         agreement=agreement_of(pairs) if len(pairs) >= LEAST_REPEATS else None,
     )
+
+
+def unwrap_repeats(repeats: Sequence[Repeat]) -> list[Repeat]:
+    """Return repeats of an angle in degrees without the jump from 180 to -180.
+
+    Returns
+    -------
+    repeats : list of Repeat
+        Whole turns are added so that the first value of each patient lies within half a turn of the
+        circular mean of all, and the others within half a turn of that first one.
+    """
+    if not repeats:
+        return []
+    angles_rad = np.radians([repeat.value for repeat in repeats])
+    up, right = float(np.sin(angles_rad).sum()), float(np.cos(angles_rad).sum())
+    of_all = math.degrees(math.atan2(up, right))
+    firsts: dict[str, float] = {}
+    unwrapped = []
+    for repeat in repeats:
+        center = firsts.get(repeat.patient, of_all)
+        n_turns = round((center - repeat.value) / FULL_TURN_DEG)
+        value = repeat.value + FULL_TURN_DEG * n_turns
+        firsts.setdefault(repeat.patient, value)
+        unwrapped.append(replace(repeat, value=value))
+    return unwrapped
 
 
 def within_subject_sd(rows: Sequence[Sequence[float]]) -> tuple[float, tuple[float, float]]:

@@ -7,8 +7,6 @@ what they must be. So whatever ends the program, and whenever, costs no picture 
 import hashlib
 import io
 import json
-import zipfile
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +19,14 @@ from adibas.arrays import UInt8Array
 from adibas.data.board import Board, BoardCorners
 from adibas.data.surface import BurstDisparity
 from adibas.errors import FileError
-from adibas.files import cannot_write, remove_unfinished, written_whole
+from adibas.files import (
+    DAMAGED_ARRAYS,
+    DAMAGED_JSON,
+    cannot_write,
+    is_there,
+    remove_unfinished,
+    written_whole,
+)
 from adibas.pipeline.calibrating import SearchedImage
 from adibas.pipeline.calibration_documents import (
     board_from_json,
@@ -37,7 +42,7 @@ PNG_EFFORT = 2
 """Of 0 to 9: lossless in any case; more costs time and saves little of a noisy picture."""
 
 PREVIEW_WIDTH_PX = 160
-_DAMAGED = (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, zlib.error)
+_DAMAGED = (OSError, *DAMAGED_ARRAYS, *DAMAGED_JSON)
 """What reading a file raises that somebody or something has changed."""
 
 
@@ -139,7 +144,7 @@ class PictureFolder:
 
     def read(self) -> KeptPictures:
         """Return what is there; what is damaged is left out and counted."""
-        if not self.folder.is_dir():
+        if not is_there(self.folder):
             return KeptPictures(None, ())
         documents = sorted(self.folder.glob("[0-9]*.json"))
         read = [_read_picture(path) for path in documents]
@@ -220,7 +225,7 @@ class PictureFolder:
         FileError
             The folder cannot be written.
         """
-        if not self.folder.is_dir():
+        if not is_there(self.folder):
             return
         try:
             for pattern in ("[0-9]*.json", "[0-9]*.png", "[0-9]*.npz"):

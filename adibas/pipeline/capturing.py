@@ -30,6 +30,7 @@ from adibas.pipeline.posture import (
 from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.skeleton_names import with_namer, with_names
+from adibas.pipeline.view_check import doubts_about_view
 from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
@@ -152,17 +153,17 @@ def take_capture(
             raise told from error
         undo.pop_all()
     namer = _namer(store, request)
+    markers, doubts = findings.markers, findings.notices
+    if namer is not None:
+        markers = with_names(namer, markers, request.view, calibration)
+        doubts += doubts_about_view(namer, markers, request.view, calibration)
     new = NewCapture(
         view=request.view,
         recording_id=writer.recording_id,
         first_frame=0,
         n_frames=len(burst),
         calibration=calibration,
-        detected=(
-            findings.markers
-            if namer is None
-            else with_names(namer, findings.markers, request.view, calibration)
-        ),
+        detected=markers,
         rejected=findings.rejected,
         provenance=with_namer(
             provenance_of(
@@ -171,7 +172,7 @@ def take_capture(
             namer,
         ),
         captured_utc=begun_utc,
-        notices=(*findings.notices, *_doubts_about_age(calibration, request, begun_utc)),
+        notices=(*doubts, *_doubts_about_age(calibration, request, begun_utc)),
     )
     return store.captures.add(request.session_id, new, findings.picture_rgb, findings.surface)
 

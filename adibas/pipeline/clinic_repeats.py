@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from adibas.data.protocol_measures import ProtocolMeasures
+from adibas.data.protocols import KINDS
 from adibas.data.reliability import Reliability, Repeat
 from adibas.data.sessions import Capture, Session
 from adibas.measures.protocol_measures import Capturing, measure_protocol
-from adibas.measures.reliability import LEAST_REPEATS, reliability_of
+from adibas.measures.reliability import LEAST_REPEATS, reliability_of, unwrap_repeats
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.progress import Progress
@@ -68,7 +69,12 @@ def reliability_in_clinic(
         n_looked_at += len(theirs)
         for key, values in _of_patient(store, wish, theirs, listed).items():
             repeats.setdefault(key, []).extend(values)
-    found = {key: reliability_of(values) for key, values in repeats.items()}
+    measures = wish.protocol.measures
+    angles = {one.measure_id for one in measures if KINDS[one.kind].quantity == "angle"}
+    found = {
+        key: reliability_of(unwrap_repeats(values) if key[1] in angles else values)
+        for key, values in repeats.items()
+    }
     return ClinicReliability(operator, wish, found)
 
 

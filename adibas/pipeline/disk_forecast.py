@@ -45,8 +45,8 @@ def free_bytes(folder: Path) -> int:
     FileError
         The disk cannot be asked.
     """
-    existing = next((place for place in (folder, *folder.parents) if place.exists()), folder)
     try:
+        existing = next((place for place in (folder, *folder.parents) if place.exists()), folder)
         return shutil.disk_usage(existing).free
     except OSError as error:
         raise FileError(

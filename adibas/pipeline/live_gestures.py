@@ -9,6 +9,7 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.gestures.model import GestureModel
 from adibas.gestures.watching import GestureWatcher, Seen, WatchParams
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 
 MOST_PEOPLE = 8
@@ -81,5 +82,10 @@ class LiveGestures:
         self._calibration, self._estimator, self._before_ns = calibration, None, None
         self._watchers.clear()
         if calibration.depth is not None:
-            segmenter = forest_segmenter(shipped_model(), calibration.depth)
-            self._estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor)
+            model = shipped_model()
+            self._estimator = PoseEstimator(
+                calibration.depth,
+                forest_segmenter(model, calibration.depth),
+                calibration.floor,
+                judge=person_judge(model, calibration.depth),
+            )

@@ -20,6 +20,7 @@ from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.skeleton_names import with_namer, with_names
+from adibas.pipeline.view_check import doubts_about_view
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -100,6 +101,7 @@ def analyse_recording(
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
         markers = with_names(namer, markers, request.view, calibration, by_hand)
+        notices += doubts_about_view(namer, markers, request.view, calibration)
     analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,

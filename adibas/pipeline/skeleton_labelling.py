@@ -1,6 +1,7 @@
 """Point sets of a file get names; the shipped model, or one of the clinic's own."""
 
 import functools
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.model_files import read_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
+from adibas.skeleton.postures import NearestPosture
 from adibas.skeleton.tracking import TrackedNames, name_movement
 
 DIGITS = 3
@@ -63,12 +65,15 @@ class LabelRequest:
     frames_per_s : float or None
         The shapes are frames of one movement, in their order, so many a second; None: each stands
         for itself.
+    with_posture : bool
+        Whether each shape that stands for itself is told which posture it is nearest to.
     """
 
     points: Path
     model: Path | None = None
     view: str = ""
     frames_per_s: float | None = None
+    with_posture: bool = False
 
 
 def label_file(request: LabelRequest, out: Path, progress: Progress) -> LabelledFile:
@@ -82,6 +87,7 @@ def label_file(request: LabelRequest, out: Path, progress: Progress) -> Labelled
     namer = shipped_namer() if request.model is None else Namer(read_model(request.model))
     sets = read_points(request.points)
     labelled, confidences, guesses = [], [], []
+    postures: list[NearestPosture] = []
     n_named = n_unsure = 0
     for done, (one, words) in enumerate(_all_words(namer, sets, request), 1):
         named = _with_given(one, words)
@@ -93,15 +99,35 @@ def label_file(request: LabelRequest, out: Path, progress: Progress) -> Labelled
             ]
         )
         guesses.append([guess or "" for guess in words.guesses])
+        if request.with_posture:
+            heading_rad = words.heading_rad if isinstance(words, Labelling) else math.nan
+            view = one.view or request.view
+            postures.append(namer.posture(one.positions_m, view, heading_rad))
         n_named += sum(bool(label) for label in named.labels)
         n_unsure += sum(
             bool(guess) and not label
             for guess, label in zip(words.guesses, named.labels, strict=True)
         )
         progress(done, len(sets))
-    write_points(labelled, out, {"confidence": confidences, "guess": guesses})
+    columns = {"confidence": confidences, "guess": guesses, **_columns(labelled, postures)}
+    write_points(labelled, out, columns)
     n_points = sum(len(one.points) for one in sets)
     return LabelledFile(len(sets), n_points, n_named, n_unsure)
+
+
+def _columns(
+    sets: Sequence[PointSet], postures: Sequence[NearestPosture]
+) -> dict[str, list[list[str]]]:
+    """Return the posture of each shape and how far from it, again for each of its points."""
+    if not postures:
+        return {}
+    pairs = list(zip(sets, postures, strict=True))
+    return {
+        "posture": [[found.kind] * len(one.points) for one, found in pairs],
+        "posture_distance": [
+            [f"{found.distance:.{DIGITS}f}"] * len(one.points) for one, found in pairs
+        ],
+    }
 
 
 def _all_words(

@@ -1,7 +1,7 @@
 """From labelled shapes, of a file or of simulated people, to a skeleton model."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,12 @@ from adibas.arrays import BoolArray, FloatArray
 from adibas.clock import Clock, utc_now
 from adibas.data.joints import JOINT_NAMES
 from adibas.errors import FileError
-from adibas.pipeline.skeleton_simulator import TRAINING_SHARES, simulate_shapes
+from adibas.pipeline.skeleton_simulator import (
+    KIND_SHARES,
+    TRAINING_SHARES,
+    LabelledShapes,
+    simulate_shapes,
+)
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.shapes.point_distribution import LEAST_SHAPES, learn_distribution
@@ -30,8 +35,16 @@ TEMPERATURE = 1.0
 VIEW_SD_RAD = 0.2
 """How far patients stand from the view that was declared."""
 N_PLANE_PROTOTYPES = 10
-KIND_WEIGHTS = {"standing": 0.3, "seated": 0.15, "active": 0.2}
-"""How often a clinic meets them, ours; the others as in the training."""
+KIND_WEIGHTS: Mapping[str, float] = {
+    "standing": 0.3,
+    "moving": 0.2,
+    "seated": 0.15,
+    "gesture": 0.1,
+    "table": 0.05,
+    "active": 0.2,
+}
+"""How often a clinic meets them, ours."""
+PARTS_SEED_OFF = 10
 FILLING_SIGMA_M = 0.02
 
 
@@ -87,7 +100,7 @@ def learn_sets(
     for view in ("", *HEADINGS_RAD):
         of_view = [o for o in sets if o.positions_m.shape[1] == PLANE and o.view == view]
         if of_view:
-            planes[view] = _learn(called, names, of_view)
+            planes[view] = _learn(f"{called} [{view}]" if view else called, names, of_view)
     provenance = {
         **source,
         "n_shapes": len(sets),
@@ -98,37 +111,91 @@ def learn_sets(
     return SkeletonModel(space, planes, TEMPERATURE, provenance, parts)
 
 
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """Which simulated people are learned from.
+
+    Attributes
+    ----------
+    n_bodies, n_poses : int
+        People, and poses of each.
+    seed : int
+        Of the draw.
+    shares : Mapping
+        Of the kinds of poses; they sum to 1.
+    """
+
+    n_bodies: int
+    n_poses: int
+    seed: int
+    shares: Mapping[str, float]
+
+
+PROTOTYPE_PEOPLE = Drawn(240, 60, 1, KIND_SHARES)
+"""Of the shipped model's prototypes."""
+
+
+def parts_people(prototypes: Drawn) -> Drawn:
+    """Return whom core and limbs are learned from beside the prototypes' people: others.
+
+    13 for each 24, in 7 poses for each 6, broader: the 130 and 70 of the shipped model.
+    """
+    return Drawn(
+        -(-13 * prototypes.n_bodies // 24),
+        -(-7 * prototypes.n_poses // 6),
+        prototypes.seed + PARTS_SEED_OFF,
+        TRAINING_SHARES,
+    )
+
+
 def train_from_simulator(
-    n_bodies: int, n_poses: int, seed: int, progress: Progress, clock: Clock = utc_now
+    people: Drawn, progress: Progress, clock: Clock = utc_now
 ) -> SkeletonModel:
-    """Learn the 15 joints from simulated people, in space and in the plane of each view."""
-    learned = simulate_shapes(n_bodies, n_poses, seed, progress, TRAINING_SHARES)
-    rng = np.random.default_rng([seed, 1])
-    params = TrainingParams()
-    space = learn_points(JOINT_NAMES, learned.shapes_m, learned.kinds, params)
-    of_parts = PartsParams(weights={**TRAINING_SHARES, **KIND_WEIGHTS})
-    parts = learn_parts(JOINT_NAMES, learned.shapes_m, learned.kinds, of_parts)
+    """Learn the 15 joints from simulated people, in space and in the plane of each view.
+
+    Parameters
+    ----------
+    people : Drawn
+        Of the prototypes; core and limbs are learned from `parts_people`.
+    """
+    others = parts_people(people)
+    n_people = people.n_bodies + others.n_bodies
+    learned = _simulated(people, lambda done, _all: progress(done, n_people))
+    of_parts = _simulated(others, lambda done, _all: progress(people.n_bodies + done, n_people))
+    params, parts_params = TrainingParams(), PartsParams(weights=KIND_WEIGHTS)
     in_plane = TrainingParams(n_prototypes=N_PLANE_PROTOTYPES)
+    return SkeletonModel(
+        learn_points(JOINT_NAMES, learned.shapes_m, learned.kinds, params),
+        _learn_planes(learned, people.seed, in_plane),
+        TEMPERATURE,
+        {
+            "source": "simulated people: adibas skeleton train --simulator",
+            "prototypes_from": asdict(people),
+            "parts_from": asdict(others),
+            "version": __version__,
+            "created_utc": clock().isoformat(timespec="seconds"),
+            "training": asdict(params),
+            "training_in_plane": asdict(in_plane),
+            "training_of_parts": asdict(parts_params),
+        },
+        learn_parts(JOINT_NAMES, of_parts.shapes_m, of_parts.kinds, parts_params),
+    )
+
+
+def _simulated(people: Drawn, progress: Progress) -> LabelledShapes:
+    return simulate_shapes(people.n_bodies, people.n_poses, people.seed, progress, people.shares)
+
+
+def _learn_planes(
+    learned: LabelledShapes, seed: int, params: TrainingParams
+) -> dict[str, PointModel]:
+    rng = np.random.default_rng([seed, 1])
     planes = {}
     for view, heading_rad in HEADINGS_RAD.items():
         angles = heading_rad + rng.normal(scale=VIEW_SD_RAD, size=len(learned.shapes_m))
         seen = turned_about_y(learned.shapes_m, angles)[..., :PLANE]
-        planes[view] = learn_points(
-            JOINT_NAMES, np.ascontiguousarray(seen), learned.kinds, in_plane
-        )
-    provenance: Mapping[str, object] = {
-        "source": "simulated people: adibas skeleton train --simulator",
-        "seed": seed,
-        "n_bodies": n_bodies,
-        "n_poses": n_poses,
-        "kinds": dict(TRAINING_SHARES),
-        "version": __version__,
-        "created_utc": clock().isoformat(timespec="seconds"),
-        "training": asdict(params),
-        "training_in_plane": asdict(in_plane),
-        "training_of_parts": asdict(of_parts),
-    }
-    return SkeletonModel(space, planes, TEMPERATURE, provenance, parts)
+        planes[view] = learn_points(JOINT_NAMES, np.ascontiguousarray(seen), learned.kinds, params)
+    return planes
 
 
 def _learn_parts(names: tuple[str, ...], sets: Sequence[PointSet]) -> PartsModel | None:

@@ -4,6 +4,7 @@ Both are in millimetres and have upright axes. C3D: x to the right of the camera
 from the camera, z up. TRC, as OpenSim has it: x away from the camera, y up, z to the right.
 """
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -20,14 +21,21 @@ TRC_FIELDS = (
     "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame"
     "\tOrigNumFrames"
 )
+ON_ITS_SIDE = math.cos(math.radians(30.0))
 MOST_C3D_FRAMES = 65_535
 """A C3D file counts its frames in 16 bits."""
 
 
 def upright_axes(up: FloatArray) -> FloatArray:
-    """Return (3, 3) rows of length 1: to the right of the picture, away from the camera, up."""
+    """Return (3, 3) rows of length 1: to the right of the picture, away from the camera, up.
+
+    Where the camera lies on its side, so that its picture's right is up or down, the right is that
+    of somebody who stands behind it.
+    """
     up = np.asarray(up, float) / np.linalg.norm(up)
     right = np.array([1.0, 0.0, 0.0])
+    if abs(right @ up) > ON_ITS_SIDE:
+        right = np.cross([0.0, 0.0, 1.0], up)
     right = right - (right @ up) * up
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(up, right), up])

@@ -7,7 +7,7 @@ from openpyxl import Workbook
 from adibas.data.movement import Movement
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.movement_facts import general_facts, movement_facts
-from adibas.reports.movement_plots import movement_picture
+from adibas.reports.movement_plots import SPEED, movement_picture
 from adibas.reports.movement_rows import curve_table, range_rows, symmetry_rows
 from adibas.reports.movement_texts import angle_text
 from adibas.reports.sheets import (
@@ -40,6 +40,7 @@ def _add_sheets(workbook: Workbook, movement: Movement) -> None:
         Part("", movement_facts(movement)),
         Part(_("About this report"), general_facts(movement)),
         Part(_("Angles over time"), [], movement_picture(movement, *PICTURE_PT)),
+        Part(_("Speeds over time"), [], movement_picture(movement, *PICTURE_PT, SPEED)),
     ]
     add_parts(workbook, _("Summary"), _("Movement report"), summary, footer)
     add_table(workbook, _("Ranges"), _range_columns(), _ranges(movement), footer)

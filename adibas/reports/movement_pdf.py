@@ -1,4 +1,4 @@
-"""The PDF report of a movement: ranges and symmetry, and a page of plots."""
+"""The PDF report of a movement: ranges and symmetry, and a page each of angles and speeds."""
 
 import textwrap
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from reportlab.platypus import Flowable, PageBreak
 from adibas.data.movement import Movement
 from adibas.reports.facts import intended_use
 from adibas.reports.movement_facts import general_facts, movement_facts
-from adibas.reports.movement_plots import movement_figure
+from adibas.reports.movement_plots import SPEED, movement_figure
 from adibas.reports.movement_rows import RangeRow, range_rows, symmetry_rows
 from adibas.reports.pdf_document import write_document
 from adibas.reports.pdf_layout import WIDTH, facts_table, note, number_table, title
@@ -64,6 +64,10 @@ def _story(movement: Movement) -> Iterator[Flowable]:
     yield PageBreak()
     yield title(_("Angles over time"), level=2)
     yield FigureFlowable(movement_figure(movement, WIDTH, PLOTS_HEIGHT))
+    yield PageBreak()
+    yield title(_("Speeds over time"), level=2)
+    yield FigureFlowable(movement_figure(movement, WIDTH, PLOTS_HEIGHT, SPEED))
+    yield note(_("Grey: as fast as noise alone shows in 1 of 100 recordings of this length."))
 
 
 def _ranges(movement: Movement) -> Flowable:

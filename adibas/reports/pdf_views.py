@@ -28,6 +28,7 @@ from adibas.reports.rows import (
     free_rows,
     marker_rows,
     measure_rows,
+    names_line,
 )
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
@@ -68,6 +69,9 @@ def view_flowables(page: ViewPage) -> Iterator[Flowable]:
         yield Spacer(1, GAP)
         yield from _markers(page.capture, rows, WIDTH)
         yield from _free_measures(page.capture, WIDTH)
+    names = names_line(page.capture.analysis)
+    if names:
+        yield note(names)
     yield from _measures(page.capture)
     yield from _distances(page.capture)
     n_angles = len(page.capture.analysis.angles)

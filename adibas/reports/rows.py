@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker, is_numbered
 from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import Estimate
 from adibas.data.protocols import CONVENTION, MeasureDefinition, ReferenceValue
 from adibas.data.report import CaptureReport
-from adibas.texts import decimal_text
+from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
 
 MM_PER_M = 1000.0
@@ -169,6 +170,29 @@ def name_origin(marker: Marker) -> tuple[str, float | None]:
     if marker.named_by is not None:
         return marker.named_by.model, marker.named_by.confidence
     return "" if is_numbered(marker.label) else USER, None
+
+
+def names_line(analysis: PostureAnalysis) -> str:
+    """Return who named the markers and which name is least sure; empty where none has a name."""
+    by_model = [
+        (one.named_by.confidence, one.label) for one in analysis.markers if one.named_by is not None
+    ]
+    n_by_hand = sum(name_origin(one)[0] == USER for one in analysis.markers)
+    parts = []
+    if by_model:
+        confidence, label = min(by_model)
+        text = translate_plural(
+            "{n} automatic (least sure: {marker}, {percent} %)",
+            "{n} automatic (least sure: {marker}, {percent} %)",
+            len(by_model),
+        )
+        percent = math.floor(100.0 * confidence)
+        parts.append(text.format(n=len(by_model), marker=landmark_text(label), percent=percent))
+    if n_by_hand:
+        parts.append(
+            translate_plural("{n} by a person", "{n} by a person", n_by_hand).format(n=n_by_hand)
+        )
+    return _("Names of markers: {parts}").format(parts=", ".join(parts)) if parts else ""
 
 
 def distance_rows(analysis: PostureAnalysis) -> Iterator[DistanceRow]:

@@ -17,6 +17,7 @@ from adibas.shapes import labelling_exchange_kernels as exchanging
 from adibas.shapes import labelling_search_kernels as search
 from adibas.skeleton.model import PointModel
 from adibas.skeleton.prepared import PoseSpread, PreparedModel
+from adibas.skeleton.side_odds import side_factor
 from adibas.skeleton.starts import heading_cost, heading_of_turn, list_turns, log_radius
 
 LEAST_POINTS = 3
@@ -47,11 +48,11 @@ class LabelParams:
         Weight of the neighbours' energy against the prototype's: 0.7.
     view_kappa : float
         Concentration of a patient's heading about the declared view: 4, most within 30 degrees.
-    side_temperature : float
-        By how much energies are divided where left and right are exchanged: 7; without a view it
-        is the shape alone that tells them, and real people differ more than simulated ones.
+    side_divisor : float
+        Of the log odds that left and right are exchanged: 7; without a view it is the shape alone
+        that tells them, and real people differ more than simulated ones.
     sure : float
-        Least confidence of a name that is given: 0.75.
+        Least confidence of a name that is given: 0.9.
     spread : PoseSpread
         How far a pose may be from its start.
     """
@@ -66,8 +67,8 @@ class LabelParams:
     room_m: float = 1.5
     tree_share: float = 0.7
     view_kappa: float = 4.0
-    side_temperature: float = 7.0
-    sure: float = 0.75
+    side_divisor: float = 7.0
+    sure: float = 0.9
     spread: PoseSpread = field(default_factory=PoseSpread)
 
     @property
@@ -188,18 +189,21 @@ def _named(
     """Return the names of the best candidate, doubted by all others."""
     best = min((one.candidate for one in found), key=lambda one: one.energy)
     masses = np.zeros((n_points, len(model.names) + 1))
+    of_other_side = np.zeros_like(masses)
     seen: set[bytes] = set()
     for one in found:
         candidate = one.candidate
         if candidate.partners.tobytes() in seen:
             continue
         seen.add(candidate.partners.tobytes())
-        divisor = temperature
-        if _is_other_side(candidate.partners, best.partners, model.names):
-            divisor = max(params.side_temperature, temperature)
+        is_other = _is_other_side(candidate.partners, best.partners, model.names)
+        side = of_other_side if is_other else masses
         itself = np.array([candidate.energy])
-        exchanging.weigh(masses, candidate.partners[None], itself, best.energy, divisor)
-        exchanging.weigh(masses, one.others, one.energies, best.energy, divisor)
+        exchanging.weigh(side, candidate.partners[None], itself, best.energy, temperature)
+        exchanging.weigh(side, one.others, one.energies, best.energy, temperature)
+    # Each way to name gives every point its weight once.
+    weights = float(masses[0].sum()), float(of_other_side[0].sum())
+    masses += side_factor(*weights, params.side_divisor) * of_other_side
     masses /= masses.sum(axis=1, keepdims=True)
     index = np.full(n_points, len(model.names))
     index[best.partners[best.partners >= 0]] = np.flatnonzero(best.partners >= 0)

@@ -50,6 +50,9 @@ class LimbFitParams:
         Of the limb's points that must lie there: 0.02.
     least_own : float
         Of the limb's points that must lie at the lower bone and be its own: 0.05.
+    bare_reach_m, bare_share : float
+        A joint that nothing was proposed for is seen only where surface so near (0.1) has more
+        than this share (0.3) of the limb: knees behind a table were laid where no leg was seen.
     """
 
     arm_radius_m: float = 0.03
@@ -66,6 +69,8 @@ class LimbFitParams:
     reach_m: float = 0.14
     least_near: float = 0.02
     least_own: float = 0.05
+    bare_reach_m: float = 0.1
+    bare_share: float = 0.3
 
 
 def fit_limbs(
@@ -129,7 +134,14 @@ def _fitted(
         cost = fit_limb(points, both, start_m, pulls, sizes)
         if cost < least:
             best_m, least = start_m, cost
-    return _seen_only(points, both, best_m, params)
+    seen_m = _seen_only(points, both, best_m, params)
+    is_bare = ~np.isfinite(joints_m[:, 0])
+    own_m = cloud.points_m[total > params.bare_share * cloud.weights_m2.sum(axis=1)]
+    gaps_m = np.linalg.norm(own_m[:, None] - seen_m[is_bare], axis=2)
+    seen_m[is_bare] = np.where(
+        (gaps_m < params.bare_reach_m).any(axis=0)[:, None], seen_m[is_bare], np.nan
+    )
+    return seen_m
 
 
 _LEGS = [k for k, name in enumerate(BODY_PART_NAMES) if name.endswith("upper_leg")]

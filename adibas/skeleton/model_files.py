@@ -9,7 +9,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.errors import FileError
-from adibas.files import cannot_read, written_whole
+from adibas.files import DAMAGED_JSON, cannot_read, written_whole
 from adibas.skeleton.model import NeighbourTree, PointModel, Prototype, SkeletonModel
 from adibas.skeleton.parts_files import parts_from_json, parts_to_json
 
@@ -43,7 +43,7 @@ def read_model(path: Path) -> SkeletonModel:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise cannot_read(path, error) from error
-    except ValueError as error:
+    except DAMAGED_JSON as error:
         raise _no_model(path) from error
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise _no_model(path)

@@ -8,6 +8,7 @@ from adibas.arrays import FloatArray
 from adibas.skeleton.labelling import LEAST_POINTS, Labelling, LabelParams, label_points
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.parts_naming import MOST_POINTS, PartsOdds, label_parts
+from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
 from adibas.skeleton.second_opinion import combined, is_in_doubt
 
@@ -48,6 +49,12 @@ class Namer:
     def knows(self, n_dimensions: int) -> bool:
         """Say whether the model has a part for points of so many dimensions."""
         return bool(self._parts(n_dimensions, ""))
+
+    def posture(self, points_m: FloatArray, view: str, heading_rad: float) -> NearestPosture:
+        """Say which posture of the training (M, D) points are nearest to; see `label`."""
+        parts = self._parts(points_m.shape[1], view)
+        found = [nearest_posture(part.model, points_m, heading_rad) for part in parts]
+        return min(found, key=lambda one: one.distance)
 
     def label(self, points_m: FloatArray, view: str = "") -> Labelling:
         """Name (M, D) points in metres, y down; see `label_points`.

@@ -17,6 +17,7 @@ from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.parts import PartsModel
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
+from adibas.skeleton.side_odds import side_factor
 from adibas.skeleton.starts import (
     HEADINGS_RAD,
     heading_of_turn,
@@ -65,7 +66,7 @@ class PartsOdds:
     gap : float
         Ways less likely than the best by so much, in nats, do not count: 9.
     side_divisor : float
-        Of energies of a patient who faces the other way, where no view is told: 7; real people
+        Of the log odds that a patient faces the other way, where no view is told: 7; real people
         differ more than simulated ones.
     temperature : float
         By which differences of energy are divided before they are log odds.
@@ -224,11 +225,12 @@ def _weighed(
     one where the best way is not plausible, or leaves most points without a name.
     """
     best = int(np.argmin(pool.energies))
-    above = (pool.energies - pool.energies[best]) / odds.temperature
+    weights = np.exp((pool.energies[best] - pool.energies) / odds.temperature)
     if math.isnan(expected.heading_rad):
         faces_away = np.cos(pool.headings - pool.headings[best]) < 0
-        above = np.where(faces_away, above * odds.temperature / expected.side_divisor, above)
-    weights = np.exp(-above)
+        weights[faces_away] *= side_factor(
+            float(weights[~faces_away].sum()), float(weights[faces_away].sum()), odds.side_divisor
+        )
     lead = (expected.counts[-1] - pool.energies[best]) / odds.temperature
     weights /= weights.sum() + math.exp(-max(lead, -MOST_NATS))
     n_named = np.count_nonzero(pool.partners[best] >= 0)

@@ -60,7 +60,7 @@ def read_points(path: Path) -> tuple[PointSet, ...]:
     Raises
     ------
     FileError
-        The file is missing, lacks a column, or holds something else than numbers.
+        The file is missing, lacks a column, has no point, or holds something else than numbers.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -76,6 +76,11 @@ def read_points(path: Path) -> tuple[PointSet, ...]:
         raise FileError(
             "{file} is no CSV file in UTF-8. Save it as such.", file=path.name
         ) from error
+    if not shapes:
+        raise FileError(
+            "{file} holds no point. Write a row for each: shape,point,label,x_m,y_m,z_m.",
+            file=path.name,
+        )
     return tuple(_point_set(path, name, rows) for name, rows in shapes.items())
 
 

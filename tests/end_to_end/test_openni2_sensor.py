@@ -1,5 +1,10 @@
 """The real OpenNI2 library with a virtual sensor: all but the hardware."""
 
+import json
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -14,6 +19,7 @@ from tests.virtual_openni2.virtual_sensor import (
     INFRARED,
     MODES,
     N_IMAGES,
+    PROJECT,
     RGB888,
     VirtualSensor,
     build_openni2,
@@ -377,3 +383,26 @@ give(serials=[one.serial for one in found],
 """)
     assert given["serials"] == ["VIRTUAL-0001"] * 2
     assert given["sources"] == ["openni2:virtual/0", "openni2:virtual/1"]
+
+
+def test_a_sensor_that_is_pulled_out_while_recording_comes_back_each_time(sensor):
+    """`adibas benchmark reliability sensor` pulls it a hundred times."""
+    run = subprocess.run(
+        [sys.executable, "-m", "benchmarks.sensor_trial", "3"],
+        cwd=PROJECT,
+        env=os.environ
+        | {"OPENNI2_REDIST": str(sensor.library), "ADIBAS_VIRTUAL_SENSOR": str(sensor.dump)},
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    *pulls, end = map(json.loads, run.stdout.splitlines())
+    assert end == {"left": []}
+    for pull in pulls:
+        assert "was unplugged" in pull["sentence"]
+        assert pull["burst"]
+    assert len(pulls) == 3
+    assert pulls[-1]["n_threads"] == pulls[1]["n_threads"]
+    assert pulls[-1]["n_files"] == pulls[1]["n_files"]

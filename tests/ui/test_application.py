@@ -353,6 +353,17 @@ def test_every_screen_speaks_the_new_language_at_once(user):
     user.close()
 
 
+def test_the_buttons_of_qt_speak_the_new_language_too(user):
+    """Of Portuguese Qt brings the Brazilian texts alone."""
+    user.application.preferences.change(language="pt")
+    user.settle()
+    dialog = QFileDialog(user.window)
+    dialog.show()
+    assert "Cancelar" in {one.text().replace("&", "") for one in visible(dialog, QPushButton)}
+    dialog.close()
+    user.close()
+
+
 def test_the_demo_patient_is_called_as_in_the_new_language(user):
     with speaking("en"):
         demo = demo_patient(user.store)

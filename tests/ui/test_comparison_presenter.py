@@ -218,6 +218,20 @@ def test_the_repeats_are_looked_through_once_until_a_session_changes(
     assert first.operator == "tester"
 
 
+def test_repeats_are_those_of_the_later_session_s_operator_until_another_is_chosen(
+    presenter, view, visit, store
+):
+    store.operator = ""
+    visit(0.0)
+    store.operator = "Ada"
+    visit(0.01)
+    presenter.enter()
+    assert (choices(view).operators, choices(view).operator) == (("", "Ada"), "Ada")
+    presenter.choose_operator("")
+    presenter.enter()
+    assert choices(view).operator == ""
+
+
 def test_a_stopped_look_through_is_told_and_can_be_begun_again(presenter, view, visit, workspace):
     visit(0.0)
     visit(0.01)

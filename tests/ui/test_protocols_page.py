@@ -8,7 +8,10 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
+    QCheckBox,
     QComboBox,
+    QLabel,
+    QLineEdit,
     QListWidget,
     QMessageBox,
     QPlainTextEdit,
@@ -17,8 +20,15 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.measures import protocol_store
-from adibas.measures.protocol_store import find_protocol, protocol_text, protocol_titles
+from adibas.measures.protocol_file import read_protocol
+from adibas.measures.protocol_store import (
+    find_protocol,
+    new_protocol_text,
+    protocol_text,
+    protocol_titles,
+)
 from tests.unit.store_samples import add_session
+from ui.settings.protocol_forms import LandmarkForm, MeasureForm
 from ui.settings.protocols_presenter import Mistake, ProtocolsPresenter, ProtocolsView
 from ui.settings.screen import build_settings_screen
 from ui.settings.view import PROTOCOLS_TAB
@@ -255,3 +265,95 @@ def test_what_is_typed_outlives_a_lock_and_another_protocol(workspace, qtbot):
     again.protocols.findChild(QPlainTextEdit).undo()
     assert again.protocols.findChild(QPlainTextEdit).toPlainText() == draft[1:]
     again.closed()
+
+
+@pytest.fixture
+def page(workspace, qtbot):
+    screen = build_settings_screen(workspace)
+    qtbot.addWidget(screen)
+    screen.show()
+    screen.protocols.show_text(new_protocol_text())
+    yield screen.protocols
+    screen.closed()
+
+
+def button(widget, text):
+    return next(one for one in widget.findChildren(QPushButton) if one.text() == text)
+
+
+def typed(page):
+    return json.loads(page.findChild(QPlainTextEdit).toPlainText())
+
+
+def test_a_landmark_is_added_by_a_form_and_taken_back_by_undo(page):
+    button(page, "Add a land&mark...").click()
+    form = page.findChild(LandmarkForm)
+    add = button(form, "&Add to the protocol")
+    assert not add.isEnabled()
+    form.findChild(QLineEdit).setText("Tip of the nose")
+    assert not add.isEnabled()
+    boxes = {one.text(): one for one in form.findChildren(QCheckBox)}
+    boxes["Front"].click()
+    add.click()
+    assert typed(page)["landmarks"][-1] == {
+        "id": "tip_of_the_nose",
+        "name": {"en": "Tip of the nose"},
+        "views": ["anterior"],
+    }
+    assert page.changed_text
+    page.findChild(QPlainTextEdit).undo()
+    assert typed(page) == json.loads(new_protocol_text())
+
+
+def test_a_measure_is_added_by_a_form_without_writing_json(page, qtbot):
+    button(page, "Add a meas&ure...").click()
+    form = page.findChild(MeasureForm)
+    name, positive = form.findChildren(QLineEdit)
+    kind, axis, *points = form.findChildren(QComboBox)
+    name.setText("Shoulder beside the middle")
+    {one.text(): one for one in form.findChildren(QCheckBox)}["Front"].click()
+    assert [box.isVisibleTo(form) for box in points] == [True, True, False, False]
+    kind.setCurrentIndex(kind.findData("offset"))
+    assert [axis.itemData(i) for i in range(axis.count())] == ["left", "right", "up"]
+    points[0].setCurrentIndex(points[0].findText("Acromion, left"))
+    points[1].setCurrentIndex(points[1].findText("Middle of the acromia"))
+    add = button(form, "&Add to the protocol")
+    assert not add.isEnabled()  # what a positive value means is not said
+    positive.setText("to the patient's left")
+    add.click()
+    checked = read_protocol(page.findChild(QPlainTextEdit).toPlainText(), "new")
+    assert checked.errors == ()
+    added = checked.protocol.measures[-1]
+    assert (added.kind, added.points, added.axis) == (
+        "offset",
+        ("left_acromion", "mid_acromia"),
+        "left",
+    )
+    told = "No mistake: 2 landmarks, 2 measures."
+    qtbot.waitUntil(lambda: told in [one.text() for one in page.findChildren(QLabel)])
+
+
+def test_a_distance_has_neither_direction_nor_sign(page):
+    button(page, "Add a meas&ure...").click()
+    form = page.findChild(MeasureForm)
+    kind, axis, *_points = form.findChildren(QComboBox)
+    kind.setCurrentIndex(kind.findData("distance"))
+    form.findChildren(QLineEdit)[0].setText("Shoulders")
+    {one.text(): one for one in form.findChildren(QCheckBox)}["Back"].click()
+    assert not axis.isVisibleTo(form)
+    button(form, "&Add to the protocol").click()
+    added = typed(page)["measures"][-1]
+    assert (added["kind"], added["unit"], added["points"]) == (
+        "distance",
+        "mm",
+        ["right_acromion", "left_acromion"],
+    )
+    assert not {"axis", "positive"} & set(added)
+
+
+def test_a_text_with_mistakes_of_writing_opens_no_form_and_says_why(page, told):
+    page.show_text("{")
+    button(page, "Add a meas&ure...").click()
+    button(page, "Add a land&mark...").click()
+    assert page.findChild(LandmarkForm) is None
+    assert "mistakes of writing" in told[-1][1]

@@ -84,7 +84,7 @@ def seen(capture):
 
 
 def editor_of(store, capture):
-    return CaptureEditor(capture, lambda h: store.captures.correct(capture.capture_id, h))
+    return CaptureEditor(capture, lambda _seen, h: store.captures.correct(capture.capture_id, h))
 
 
 def undo_all(editor):
@@ -210,7 +210,7 @@ def test_new_markers_get_the_next_number(editor):
 def test_what_cannot_be_saved_does_not_happen(store):
     capture = saved_session(store)[2][0]
 
-    def fail(_history):
+    def fail(_seen, _history):
         raise StoreError("The disk is full.")
 
     editor = CaptureEditor(capture, fail)

@@ -377,7 +377,7 @@ def test_corrections_are_told_to_the_other_screens_when_this_one_is_left(review,
 def test_what_cannot_be_saved_is_told_and_taken_back(points, seen, workspace, store, monkeypatch):
     sentences = told(workspace)
 
-    def full(_capture_id, _history):
+    def full(_capture_id, _history, **_seen):
         raise StoreError("The disk is full. Free some space.")
 
     monkeypatch.setattr(store.captures, "correct", full)
@@ -532,7 +532,7 @@ def test_a_session_with_learned_markers_opens_readable_or_not(
 
 def test_notes_are_saved_and_told(review, workspace, store, saved, seen):
     session_id = saved[1].session_id
-    review.change_notes(session_id, "Stands on one leg.")
+    review.change_notes(session_id, "Stands on one leg.", "")
     assert store.sessions.get(session_id).notes == "Stands on one leg."
     assert workspace.session.notes == "Stands on one leg."
     assert seen.last("show_notes").args == (session_id, "Stands on one leg.")
@@ -543,7 +543,7 @@ def test_notes_that_were_typed_for_a_session_are_saved_for_that_one(
 ):
     other = store.sessions.start(saved[0].pseudonym, SessionSetup())
     workspace.choose_session(other)
-    review.change_notes(saved[1].session_id, "Late.")
+    review.change_notes(saved[1].session_id, "Late.", "")
     assert store.sessions.get(saved[1].session_id).notes == "Late."
     assert workspace.session.session_id == other.session_id
 

@@ -1,5 +1,7 @@
 """The review screen through its widgets: mouse, keyboard, undo, a restart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -15,13 +17,23 @@ from PySide6.QtWidgets import (
     QToolBar,
 )
 
+from adibas.data.markers import AutomaticName
 from adibas.sessions import open_store
 from adibas.texts import use_language
 from tests.ui.conftest import PASSPHRASE, NoSensor
-from tests.ui.review_scene import DOTS, REFUSED, UNNOTICED, mm_between, places, saved_session
+from tests.ui.review_scene import (
+    DOTS,
+    REFUSED,
+    UNNOTICED,
+    detected,
+    mm_between,
+    places,
+    saved_session,
+)
 from ui.jobs import JobRunner
 from ui.review.content import MeasureRow, Points, Space
 from ui.review.drawing import overlays_of
+from ui.review.markers_model import MarkersModel
 from ui.review.measures_model import INTERVAL, KIND, NAME, VALUE, MeasuresModel
 from ui.review.screen import build_review_screen
 from ui.review.space_view import SpaceView
@@ -523,6 +535,20 @@ def test_an_arc_goes_the_shorter_way_round_its_vertex(user):
     radii = np.linalg.norm(np.array(arc.points) - vertex, axis=1)
     np.testing.assert_allclose(radii, radii[0])
     assert max(v for _u, v in arc.points) < DOTS["m03"][1]  # both arms go up
+
+
+def test_the_list_says_which_names_the_program_gave_and_how_sure_it_was(theme, qtmodeltester):
+    first, second, third = detected()
+    named = replace(first, label="neck", named_by=AutomaticName("model of May", 0.936))
+    moved = replace(second, label="head", named_by=AutomaticName("model of May", 0.5))
+    model = MarkersModel(theme)
+    model.show_points(Points(markers=(named, moved, third), by_hand=frozenset({"head"})))
+    assert model.texts() == [
+        ("Neck", "named automatically, 93 %"),
+        ("Head", "corrected by hand; named automatically, 50 %: please check"),
+        ("m03", ""),
+    ]
+    qtmodeltester.check(model)
 
 
 def test_thousands_of_measures_are_sorted_by_what_is_seen(qtmodeltester):

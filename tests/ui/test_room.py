@@ -1,18 +1,21 @@
 """Every screen has room in a small window, in every language and with letters of twice the size."""
 
 import threading
+from types import SimpleNamespace
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QProgressBar, QTabBar
+from PySide6.QtWidgets import QLabel, QProgressBar, QTabBar
 
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
+from adibas.pipeline.live import SensorState
 from adibas.sessions import open_store
 from adibas.texts import LANGUAGES
 from tests.ui import window_user
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import SECRET, visible
+from ui.capture.status_line import SPACING_PX, StatusLine
 from ui.navigation import TITLES
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
@@ -74,6 +77,9 @@ def test_the_help_stands_beside_the_screen_where_there_is_room_and_floats_elsewh
     assert not help_dock.isFloating()
     user.application.preferences.change(font_scale=2.0)
     user.go_to("capture")
+    help_dock.hide()
+    user.window.resize(user.window.minimumSizeHint().width() + 50, 800)
+    user.window.show_help()
     assert help_dock.isFloating()
     assert help_dock.isVisible()
     user.window.resize(1920, 1080)
@@ -104,3 +110,20 @@ def test_what_is_said_at_the_bottom_never_widens_the_window(open_window, languag
     user.settle()
     user.close()
     first.close()
+
+
+@pytest.mark.parametrize("width_px", [300, 900])
+def test_long_numbers_in_the_line_below_the_picture_ask_for_no_more_room(qtbot, width_px):
+    status = StatusLine()
+    qtbot.addWidget(status)
+    status.show()
+
+    status.show_state(SensorState("live"))
+    status.show_frame(SimpleNamespace(frame_rate_hz=30.0, n_dropped=1_234_567))
+    status.show_disk(9_876_543.0)
+    status.resize(width_px, status.height())
+    words_px = [
+        max(map(label.fontMetrics().horizontalAdvance, label.text().split())) + 2
+        for label in status.findChildren(QLabel)
+    ]
+    assert status.minimumSizeHint().width() <= sum(words_px) + 2 * SPACING_PX

@@ -23,7 +23,7 @@ from adibas.sensors.doctor import Finding
 from adibas.sessions import open_store
 from adibas.sessions.store import SessionStore
 from adibas.texts import use_language
-from tests.ui.conftest import PASSPHRASE, NoSensor
+from tests.ui.conftest import CHEAP, PASSPHRASE, NoSensor
 from ui.log import log_folder
 from ui.settings import presenter as settings
 from ui.settings.presenter import SettingsPresenter, SettingsView
@@ -235,3 +235,20 @@ def test_in_a_store_that_is_only_read_the_passphrase_stays(
     screen.entered()
     assert not labelled(screen, "New passphrase", QLineEdit).isEnabled()
     screen.closed()
+
+
+def test_another_store_is_opened_from_the_next_start_on(presenter, workspace, told, tmp_path):
+    presenter.choose_store(tmp_path / "empty")
+    assert told[-1][0] == "bad"
+    assert workspace.preferences.now.store == ""
+    open_store(tmp_path / "shared", PASSPHRASE, key_params=CHEAP).close()
+    presenter.choose_store(tmp_path / "shared")
+    assert told[-1][0] == "good"
+    assert workspace.preferences.now.store == str(tmp_path / "shared")
+
+
+def test_the_protection_names_the_server_of_the_database(presenter, view, store, monkeypatch):
+    monkeypatch.setattr(store, "server", "clinic.example")
+    presenter.enter()
+    (place,) = view.show_protection.call_args.args
+    assert place == f"{store.folder}, its database on clinic.example"

@@ -6,11 +6,15 @@ from unittest.mock import create_autospec
 import pytest
 from keyring.backends import fail
 
+from adibas.errors import ServerPasswordError
 from adibas.sessions import open_store
 from adibas.sessions.key_file import KEY_FILE
+from adibas.sessions.server_address import ServerAddress, read_server_file, write_server_file
+from adibas.sessions.server_password import kept_password
 from tests.ui.conftest import CHEAP, PASSPHRASE
 from tests.unit.store_samples import MemoryKeyring, use_keyring
 from ui.ports import CancelledError
+from ui.unlock_page import UnlockPage
 from ui.unlock_presenter import UnlockPresenter, UnlockView
 
 
@@ -194,3 +198,57 @@ def test_who_cancels_the_opening_is_asked_again(presenter, view, inline_jobs, op
     assert not opened
     with open_store(folder, PASSPHRASE) as store:  # the one that was opened is closed
         assert not store.is_read_only
+
+
+@pytest.fixture
+def on_a_server(folder, behind_passphrase, monkeypatch):  # noqa: ARG001  (it is used)
+    """A store that opens with the password "letmein" of a server besides."""
+    write_server_file(folder, ServerAddress("clinic.example", 5432, "adibas"))
+
+    def answer(where, passphrase, *, server_password=None, **_more):
+        (where / "server.json").rename(where / "kept")
+        try:
+            if server_password != "letmein":
+                raise ServerPasswordError("The database needs the password of its user.")
+            return open_store(where, passphrase)
+        finally:
+            (where / "kept").rename(where / "server.json")
+
+    monkeypatch.setattr("adibas.sessions.open_store", answer, raising=False)
+
+
+@pytest.mark.usefixtures("on_a_server")
+def test_the_password_of_the_server_is_asked_after_the_passphrase(presenter, view, opened):
+    presenter.give_passphrase(PASSPHRASE)
+    view.ask_server_password.assert_called_once_with()
+    view.show_problem.assert_not_called()
+    presenter.give_server_password("wrong")
+    assert "needs the password" in told(view)
+    assert view.ask_server_password.call_args_list
+    presenter.give_server_password("letmein")
+    ((store, is_new),) = opened
+    assert not is_new
+    assert store.patients.search("") == ()
+
+
+@pytest.mark.usefixtures("on_a_server")
+def test_a_password_that_the_server_took_is_kept_in_the_keyring(
+    presenter, folder, opened, monkeypatch
+):
+    kept = use_keyring(monkeypatch, MemoryKeyring())
+    presenter.give_passphrase(PASSPHRASE)
+    presenter.give_server_password("wrong")
+    assert kept.entries == {}
+    presenter.give_server_password("letmein")
+    assert opened
+    assert kept_password(read_server_file(folder)) == "letmein"
+
+
+def test_the_page_asks_for_the_servers_password_in_its_own_words(qtbot, theme):
+    page = UnlockPage(theme)
+    qtbot.addWidget(page)
+    page.ask_server_password()
+    assert page._first.placeholderText() == "Password of the server"
+    assert page._first.echoMode() == page._first.EchoMode.Password
+    page.ask_passphrase()
+    assert page._first.placeholderText() == "Passphrase"

@@ -136,7 +136,7 @@ def test_with_content_every_screen_speaks_the_new_language(user):
     for name in TITLES:
         user.go_to(name)
         user.settle()
-        same = english[name] & texts(user)
+        same = (english[name] & texts(user)) - {"Somebody"}  # the patient's name
         assert sorted(text for text in same if translate(text) != text) == [], name
     user.close()
 

@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLineEdit, QPushButton, QTextBrowser, QVBoxLayout, QWidget
 
-from adibas.texts import use_language
+from adibas.texts import LANGUAGES, use_language
 from ui.jobs import JobRunner
 from ui.widgets.help_page import HelpDock, read_help
 from ui.widgets.message_bar import MessageBar
@@ -166,7 +166,7 @@ def test_short_work_shows_nothing(strip, jobs, qtbot):
     assert not strip._patience.isActive()
 
 
-@pytest.mark.parametrize("language", ["en", "es", "ca"])
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_the_frame_fits_a_small_screen_with_the_largest_letters(
     window, pages, theme, language, qapp
 ):

@@ -20,7 +20,10 @@ def test_one_that_is_young_enough_is_taken(made):
 
 
 def test_where_no_age_is_asked_for_any_will_do():
-    check_age(RgbdCalibration(created_utc="1999-01-01"), None, NOW)
+    calibration = RgbdCalibration(created_utc="1999-01-01")
+    check_age(calibration, None, NOW)
+    with pytest.raises(CalibrationError, match="days old"):
+        check_age(calibration, 9_000, NOW)
 
 
 @pytest.mark.parametrize("made", ["", "last week"])

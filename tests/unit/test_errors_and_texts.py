@@ -81,6 +81,8 @@ def test_a_block_that_fails_leaves_its_language(tmp_path, monkeypatch):
         ("ca@valencia", "ca"),
         ("ca-ES-valencia", "ca"),
         ("fr:es", "es"),
+        ("pt_BR.UTF-8", "pt"),
+        ("pt-PT", "pt"),
         ("fr", "en"),
         ("C", "en"),
         ("en", "en"),
@@ -104,6 +106,8 @@ def test_without_any_variable_the_system_is_asked(monkeypatch):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("adibas.texts.locale.getlocale", lambda: ("Spanish_Spain", "1252"))
     assert system_language() == "es"
+    monkeypatch.setattr("adibas.texts.locale.getlocale", lambda: ("Portuguese_Brazil", "1252"))
+    assert system_language() == "pt"
     monkeypatch.setattr("adibas.texts.locale.getlocale", lambda: (None, None))
     assert system_language() == "en"
 
@@ -124,7 +128,8 @@ def test_no_text_stays_no_text(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("language", "text"), [("en", "1234.57"), ("es", "1234,57"), ("ca", "-0,06"), ("en", "-0.06")]
+    ("language", "text"),
+    [("en", "1234.57"), ("es", "1234,57"), ("ca", "-0,06"), ("pt", "-0,06"), ("en", "-0.06")],
 )
 def test_numbers_on_paper_have_the_decimal_mark_of_the_language(language, text):
     with speaking(language):

@@ -82,6 +82,8 @@ def test_every_measure_stands_there_with_unit_interval_and_method(report):
         told = found[code]
         assert told["code"]["text"] == row.name
         assert "SAPO-1" in told["method"]["text"]
+        n_markers = len(report.captures[0].analysis.markers)
+        assert f"Names of markers: {n_markers} by a person" in told["method"]["text"]
         if row.main is None:
             assert "valueQuantity" not in told
             assert told["dataAbsentReason"]["text"] == row.remark

@@ -70,6 +70,7 @@ def test_no_page_leads_to_the_network(language):
         ("en", "not for diagnosis"),
         ("es", "No sirve para el diagnóstico"),
         ("ca", "No serveix per al diagnòstic"),
+        ("pt", "Não serve para diagnóstico"),
     ],
 )
 def test_intended_use_and_licence_are_told(language, words):
@@ -84,7 +85,7 @@ def test_the_licence_of_every_dependency_is_named(language):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     dependencies = {re.split(r"[<>=!\[; ]", one)[0] for one in project["dependencies"]}
     named = licences(about(language))
-    titles = {"Package", "Paquete", "Paquet"}
+    titles = {"Package", "Paquete", "Paquet", "Pacote"}
     assert set(named) - titles == dependencies
     assert [named[name] for name in sorted(dependencies)] == [
         licences(about("en"))[name] for name in sorted(dependencies)

@@ -44,6 +44,7 @@ def test_nothing_is_left_out_that_is_asked_for():
         (("PySide6/Qt/plugins/imageformats/libqsvg.so", "x", "BINARY"), True),
         (("PySide6/Qt/plugins/imageformats/libqwebp.so", "x", "BINARY"), False),
         (("PySide6/Qt/translations/qtbase_ca.qm", "x", "DATA"), True),
+        (("PySide6/Qt/translations/qtbase_pt_BR.qm", "x", "DATA"), True),
         (("PySide6/Qt/translations/qtbase_fr.qm", "x", "DATA"), False),
         (("libavif-1.so", "pillow.libs/libavif-1.so", "SYMLINK"), False),
         (("libtiff-1.so", "pillow.libs/libtiff-1.so", "SYMLINK"), True),
@@ -90,6 +91,14 @@ def test_the_desktop_knows_every_kind_of_recording_and_opens_it_with_us():
 def test_the_program_takes_what_the_desktop_gives_it_for_a_recording():
     assert main.names_recording("Visit 2.MCAP")
     assert not any(map(main.names_recording, command_line.COMMANDS))
+
+
+def test_without_a_display_a_recording_is_not_taken_for_a_command(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["adibas", "visits/Visit 2.MCAP"])
+    monkeypatch.setattr(main, "has_display", lambda: False)
+    assert main.main() == 1
+    told = capsys.readouterr().err
+    assert told.startswith("There is no display to show Visit 2.MCAP on.")
 
 
 def test_the_rules_of_the_sensors_are_lines_that_udev_reads():

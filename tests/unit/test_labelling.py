@@ -1,5 +1,6 @@
 """Points find their names, and are not named where that would be a guess."""
 
+import csv
 import json
 from dataclasses import replace
 
@@ -7,9 +8,14 @@ import numpy as np
 import pytest
 
 from adibas.cli.command_line import main
-from adibas.data.joints import mirror_order, other_side
+from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.errors import FileError
 from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.pipeline.skeleton_poses import draw_pose
+from adibas.pipeline.skeleton_training import KIND_WEIGHTS, PROTOTYPE_PEOPLE, parts_people
+from adibas.simulation.body import load_body_model
+from adibas.simulation.body_shape import BodyShape
+from adibas.simulation.poses import standing
 from adibas.skeleton.labelling import LabelParams
 from adibas.skeleton.model import SkeletonModel, left_of
 from adibas.skeleton.model_files import read_model, write_model
@@ -109,11 +115,6 @@ def test_a_shape_in_any_turn_is_found_where_the_training_was_in_any_turn():
 
 
 def test_the_shipped_model_names_a_simulated_patient():
-    from adibas.data.joints import JOINT_NAMES
-    from adibas.simulation.body import load_body_model
-    from adibas.simulation.body_shape import BodyShape
-    from adibas.simulation.poses import standing
-
     body = load_body_model().shaped(BodyShape("female", 40, 1.65, 62))
     joints_m = body.posed(standing()).joints_m
     order = np.random.default_rng(1).permutation(len(joints_m))
@@ -329,6 +330,7 @@ def test_a_name_that_is_given_stays(tmp_path):
         ("shape,point,label,x_m,y_m,z_m\n1,1,,1,2,3\n1,2,,1,2,\n", "with and without"),
         ("shape,point,label,x_m,y_m\n1,1,a,1,2\n1,2,a,1,2\n", "two points named a"),
         ("shape,point,label,x_m,y_m,view\n1,1,a,1,2,top\n", "no view"),
+        ("shape,point,label,x_m,y_m\n", "holds no point"),
     ],
 )
 def test_a_broken_file_of_points_is_told_by_line(tmp_path, text, match):
@@ -357,6 +359,77 @@ def test_shapes_that_do_not_suffice_are_told(tmp_path, capsys, n_shapes, labelle
     assert main(["skeleton", "train", str(shapes), "--out", str(out)]) == 1
     assert match in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_the_posture_of_points_without_names_is_told(tmp_path, capsys):
+    body = load_body_model().shaped(BodyShape("female", 40, 1.65, 62))
+    rng = np.random.default_rng(2)
+    lines = ["shape,point,label,x_m,y_m,z_m"]
+    for number in range(6):
+        kind = "seated" if number % 2 else "standing"
+        joints_m = body.posed(draw_pose(rng, kind)).joints_m @ turn_back(0.4 * number)
+        order = rng.permutation(len(joints_m))
+        lines += [f"{kind}{number},{i},,{x},{y},{z}" for i, (x, y, z) in enumerate(joints_m[order])]
+    points, out = tmp_path / "points.csv", tmp_path / "labelled.csv"
+    points.write_text("\n".join(lines))
+    assert main(["skeleton", "label", str(points), "--posture", "--out", str(out)]) == 0
+    with out.open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 6 * 15
+    assert {(row["shape"][:-1], row["posture"]) for row in rows} == {
+        ("standing", "standing"),
+        ("seated", "seated"),
+    }
+    assert all(0.0 < float(row["posture_distance"]) < 1.0 for row in rows)
+    capsys.readouterr()
+    command = ["skeleton", "label", str(points), "--posture", "--movement", "30"]
+    assert main([*command, "--out", str(out)]) == 1
+    assert "--movement" in capsys.readouterr().err
+
+
+def test_the_view_that_has_too_few_shapes_in_the_plane_is_named(tmp_path, capsys):
+    lines = ["shape,point,label,x_m,y_m,view"]
+    for number, person in enumerate(people(7)):
+        view = "posterior" if number < 2 else "anterior"
+        for name, (x, y, _z) in zip(NAMES, person, strict=True):
+            lines.append(f"s{number},{name},{name},{x:.4f},{y:.4f},{view}")
+    shapes = tmp_path / "shapes.csv"
+    shapes.write_text("\n".join(lines))
+    assert main(["skeleton", "train", str(shapes), "--out", str(tmp_path / "model.json")]) == 1
+    assert "shapes.csv [posterior] has 2 shapes" in capsys.readouterr().err
+
+
+def test_the_command_learns_from_the_people_of_the_shipped_model():
+    told = shipped_namer().provenance
+    others = parts_people(PROTOTYPE_PEOPLE)
+    assert (told["n_bodies"], told["n_poses"], told["seed"], told["kinds"]) == (
+        PROTOTYPE_PEOPLE.n_bodies,
+        PROTOTYPE_PEOPLE.n_poses,
+        PROTOTYPE_PEOPLE.seed,
+        PROTOTYPE_PEOPLE.shares,
+    )
+    of_parts = told["parts"]
+    assert (of_parts["n_bodies"], of_parts["n_poses"], of_parts["seeds"], of_parts["kinds"]) == (
+        others.n_bodies,
+        others.n_poses,
+        [others.seed],
+        others.shares,
+    )
+    assert of_parts["training"]["weights"] == KIND_WEIGHTS
+
+
+def test_a_model_is_learned_from_simulated_people_and_tells_whom(tmp_path, capsys):
+    out = tmp_path / "model.json"
+    command = ["skeleton", "train", "--simulator", "--bodies", "4", "--poses", "40", "--seed", "3"]
+    assert main([*command, "--out", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert tuple(told["names"]) == JOINT_NAMES
+    drawn = [
+        [told["provenance"][key][name] for name in ("n_bodies", "n_poses", "seed")]
+        for key in ("prototypes_from", "parts_from")
+    ]
+    assert drawn == [[4, 40, 3], [3, 47, 13]]
+    assert read_model(out).parts is not None
 
 
 def test_training_needs_a_file_or_the_simulator(tmp_path, capsys):

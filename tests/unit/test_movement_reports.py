@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 
 import ezc3d
 import numpy as np
@@ -19,6 +20,7 @@ from adibas.reports.motion_files import upright_axes, write_c3d
 from adibas.reports.movement import MOVEMENT_KINDS, write_movement
 from adibas.reports.movement_facts import movement_facts
 from adibas.reports.movement_json import movement_to_json
+from adibas.reports.movement_plots import ANGLE, SPEED, movement_figure
 from tests.unit.movement_samples import bending, source
 
 
@@ -68,7 +70,7 @@ def test_the_workbook_holds_ranges_symmetry_and_curves_as_numbers(movement, tmp_
     words = {cell.value for row in book["Summary"].iter_rows() for cell in row}
     assert {"P-7", "5.0"} <= words
     assert any("markers on the skin" in str(word) for word in words)
-    assert len(book["Summary"]._images) == 1
+    assert len(book["Summary"]._images) == 2
 
 
 def test_the_pdf_says_it_in_the_readers_language(movement, tmp_path):
@@ -79,6 +81,25 @@ def test_the_pdf_says_it_in_the_readers_language(movement, tmp_path):
     assert f"{elbow.greatest_deg:.1f}".replace(".", ",") in text
     assert f"{elbow.fastest_deg_s:.0f} ± {1.96 * elbow.speed_sd_deg_s:.0f}" in text
     assert "Movement report" not in text
+
+
+@pytest.mark.parametrize(("quantity", "unit"), [(ANGLE, "[°]"), (SPEED, "[°/s]")])
+def test_plots_show_each_curve_of_angle_and_of_speed(movement, quantity, unit):
+    axes = movement_figure(movement, 500.0, 600.0, quantity).axes
+    elbow = next(one for one in axes if one.get_title() == f"Elbow: flexion {unit}")
+    drawn = {line.get_label(): line.get_ydata() for line in elbow.get_lines()}
+    left = curve_of(movement, "left_elbow_flexion")
+    np.testing.assert_array_equal(drawn["left side"], quantity.of_curve(left))
+
+
+def test_the_speed_of_what_stands_still_lies_in_the_band_of_noise(movement):
+    neck = next(one for one in movement.ranges if one.name == "neck_flexion")
+    axes = movement_figure(movement, 500.0, 600.0, SPEED).axes
+    (plot,) = [one for one in axes if one.get_title() == "Neck: flexion [°/s]"]
+    (band,) = plot.patches
+    low, high = band.get_window_extent().transformed(plot.transData.inverted()).intervaly
+    assert (low, high) == pytest.approx((-neck.noise_deg_s, neck.noise_deg_s))
+    assert neck.fastest_deg_s < high
 
 
 def test_csv_has_every_angle_at_every_time(movement, tmp_path):
@@ -165,6 +186,19 @@ def test_upright_axes_are_a_right_handed_turn():
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(axes) == pytest.approx(1.0)
     np.testing.assert_allclose(axes @ (up / np.linalg.norm(up)), [0, 0, 1], atol=1e-12)
+
+
+@pytest.mark.parametrize(("up", "right"), [([1, 0, 0], [0, 1, 0]), ([-1, 0, 0], [0, -1, 0])])
+def test_a_camera_on_its_side_has_a_right_all_the_same(up, right):
+    np.testing.assert_allclose(upright_axes(np.array(up)), [right, [0, 0, 1], up], atol=1e-12)
+
+
+def test_upright_axes_do_not_jump_where_a_camera_is_turned_on_its_side():
+    axes = [
+        upright_axes(np.array([math.sin(roll_rad), -math.cos(roll_rad), 0.0]))
+        for roll_rad in np.radians(np.arange(0.0, 91.0))
+    ]
+    assert np.abs(np.diff(axes, axis=0)).max() < 0.02
 
 
 def test_json_says_no_number_where_there_is_none(movement):

@@ -1,6 +1,7 @@
 """Repeats, correlations and changes against published examples, closed forms and simulation."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from adibas.measures.reliability import (
     icc_3_1,
     mean_squares,
     reliability_of,
+    unwrap_repeats,
     within_subject_sd,
 )
 
@@ -160,6 +162,18 @@ def test_only_placings_count_where_markers_were_placed_anew():
         for number in range(4)
     ]
     assert reliability_of(found).sem == pytest.approx(math.sqrt(2.0))
+
+
+def test_an_angle_about_180_degrees_repeats_as_well_as_any_other():
+    turned = [
+        replace(one, value=(one.value + 170.0 + 180.0) % 360.0 - 180.0) for one in repeats(10, 3)
+    ]
+    assert min(one.value for one in turned) < -150.0
+    found, expected = reliability_of(unwrap_repeats(turned)), reliability_of(repeats(10, 3))
+    assert found.sem == pytest.approx(expected.sem)
+    assert found.icc_2_1.value == pytest.approx(expected.icc_2_1.value)
+    assert found.agreement.differences == pytest.approx(expected.agreement.differences)
+    assert unwrap_repeats([]) == []
 
 
 def test_single_values_and_values_without_spread_are_told():

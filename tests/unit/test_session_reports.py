@@ -176,7 +176,7 @@ def test_the_csv_table_says_why_a_value_is_missing_and_what_must_be_known(report
     assert "cut" in notices[0]
 
 
-def test_every_format_but_the_pdf_tells_who_named_a_marker(analysis, tmp_path):
+def test_every_format_tells_who_named_a_marker(analysis, tmp_path):
     by_model, by_user, *numbered = analysis.markers
     by_model = replace(by_model, label="neck", named_by=AutomaticName("model of May", 0.93))
     markers = (by_model, replace(by_user, label="head"), replace(numbered[0], label="m03"))
@@ -193,6 +193,8 @@ def test_every_format_but_the_pdf_tells_who_named_a_marker(analysis, tmp_path):
     rows = [row for row in csv_rows(written(single, ".csv", tmp_path)) if row["quantity"] == "u"]
     found = [(row["named_by"], row["name_confidence"]) for row in rows]
     assert found == [("model of May", "0.93"), ("user", ""), ("", "")]
+    line = "Names of markers: 1 automatic (least sure: Neck, 93 %), 1 by a person"
+    assert line in " ".join(pdf_text(written(single, ".pdf", tmp_path)).split())
 
 
 def test_every_distance_of_the_pdf_is_the_workbook_s_to_a_tenth(report, tmp_path):

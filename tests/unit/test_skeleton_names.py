@@ -14,13 +14,15 @@ from adibas.data.posture import Provenance
 from adibas.geometry.distortion import FoldWarning, project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures.protocol_store import find_protocol
-from adibas.pipeline import skeleton_names
+from adibas.pipeline import skeleton_names, view_check
 from adibas.pipeline.namers import namer_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import with_namer, with_names
+from adibas.pipeline.view_check import LOOKS_OTHERWISE, doubts_about_view
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
+from adibas.skeleton.side_odds import side_factor
 
 COVARIANCE = np.eye(3) * 1e-6
 
@@ -188,3 +190,23 @@ def test_a_marker_without_a_position_keeps_its_label_where_no_other_has_one(tilt
     tilted_by([0.0, -1.0, 0.0])
     flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
     assert with_names(shipped_namer(), flat, "anterior", None) == flat
+
+
+def test_a_view_that_the_shape_contradicts_is_told_and_the_right_one_is_not(
+    joints_m, tilted_by, monkeypatch
+):
+    tilted_by([0.0, -1.0, 0.0])
+    monkeypatch.setattr(view_check, "vertical_of", skeleton_names.vertical_of)
+    namer, markers = shipped_namer(), markers_at(joints_m)
+    for view, told in (("anterior", ()), ("posterior", (LOOKS_OTHERWISE,)), ("", ())):
+        named = with_names(namer, markers, view, None)
+        assert doubts_about_view(namer, named, view, None) == told
+    nowhere = tuple(replace(one, position_m=None, covariance_m2=None) for one in markers)
+    assert doubts_about_view(namer, nowhere, "posterior", None) == ()
+
+
+def test_the_log_odds_of_the_other_way_are_divided_however_many_names_share_them():
+    one_way, other_way = 1.0, 1e-3
+    assert side_factor(one_way, other_way, 7.0) * other_way == pytest.approx(1e-3 ** (1 / 7))
+    assert side_factor(one_way, other_way, 1.0) == 1.0
+    assert side_factor(one_way, 0.0, 7.0) == 1.0

@@ -1,4 +1,4 @@
-"""Every text of the program stands in the Spanish and Catalan catalogues, with the same fields."""
+"""Every text of the program stands in the catalogue of each language, with the same fields."""
 
 import argparse
 import ast
@@ -292,6 +292,7 @@ def test_argparse_says_nothing_that_is_not_translated():
             "Postura y movimiento medidos con una cámara de profundidad.",
         ),
         ("LC_ALL", "ca_ES@valencia", "ús:", "mostrar aquesta ajuda i sortir"),
+        ("LC_ALL", "pt_BR.UTF-8", "uso:", "mostrar esta ajuda e sair"),
         ("LC_ALL", "C", "usage:", "show this help message and exit"),
     ],
 )
@@ -312,7 +313,8 @@ def test_the_command_line_speaks_the_language_of_the_environment(
 
 
 @pytest.mark.parametrize(
-    ("language", "expected"), [("es_MX", "Ángulos"), ("ca@valencia", "Angles")]
+    ("language", "expected"),
+    [("es_MX", "Ángulos"), ("ca@valencia", "Angles"), ("pt_BR", "Ângulos")],
 )
 def test_the_window_may_ask_for_a_region(language, expected):
     assert Texts(language).translate("Angles") == expected

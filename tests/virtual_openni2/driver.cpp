@@ -4,8 +4,8 @@
 // OniPixelFormat, width, height, frames/s, number of images) and the images, one block a video
 // mode. All streams share one clock, so that image k of each belongs to the same moment.
 //
-// Files beside the dump play the world: DUMP.unplug (the sensor goes), DUMP.silence (it stays but
-// sends nothing), DUMP.gone (it was never there), DUMP.mirrored (mirroring cannot be switched
+// Files beside the dump play the world: DUMP.unplug (the sensor goes; without it,
+// comes back), DUMP.silence (it stays but sends nothing), DUMP.gone (it was never there), DUMP.mirrored (mirroring cannot be switched
 // off), DUMP.plain (neither registration nor frame synchronisation), DUMP.second (there are two
 // of them, with images in another order), DUMP.twins (both have one serial number).
 
@@ -286,6 +286,9 @@ private:
             if (is_plugged && is_told(".unplug")) {
                 is_plugged = false;
                 deviceDisconnected(&infos_[0]);
+            } else if (!is_plugged && !is_told(".unplug")) {
+                is_plugged = true;
+                deviceConnected(&infos_[0]);
             }
             std::lock_guard<std::mutex> lock(mutex_);
             if (!is_plugged || is_told(".silence")) continue;

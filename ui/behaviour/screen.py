@@ -1,5 +1,7 @@
 """Builds the behaviour screen: the one place where its view, presenters and the core meet."""
 
+from pathlib import Path
+
 from PySide6.QtWidgets import QWidget
 
 from adibas.errors import AdibasError
@@ -10,6 +12,7 @@ from ui.behaviour.tools import stored_title
 from ui.behaviour.view import BehaviourScreen
 from ui.frame_bridge import CallBridge
 from ui.limbs.dialog import open_limb_editor
+from ui.limbs.ports import StoredRecording
 from ui.theme import Theme
 from ui.workspace import Workspace
 
@@ -28,5 +31,22 @@ def build_behaviour_screen(
     feed = QtFrameFeed(view)
     presenter = BehaviourPresenter(view, workspace, feed, keeper, title_of=stored_title)
     view.bind(presenter)
-    view.offer_labelling(lambda: open_limb_editor(workspace, view, presenter.recording))
+    view.offer_labelling(lambda: open_limb_editor(workspace, view, _to_label(workspace, presenter)))
     return view
+
+
+def _to_label(workspace: Workspace, presenter: BehaviourPresenter) -> Path | StoredRecording | None:
+    """Return what is looked at, as the limb editor opens it; None for several recordings."""
+    source = presenter.source
+    if source is None or source.parts:
+        return None
+    if not source.session_id:
+        return presenter.recording
+
+    def note_export() -> None:
+        if not workspace.store.is_read_only:
+            workspace.store.note_export("limb labels", source.session_id)
+
+    return StoredRecording(
+        source.title, source.name, lambda: source.access.open(source.path), note_export
+    )

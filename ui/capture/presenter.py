@@ -1,6 +1,7 @@
 """What the capture screen shows, and when. Knows nothing of Qt."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from adibas.clock import utc_now
 from adibas.data.posture import VIEWS
@@ -21,6 +22,9 @@ from ui.capture.taken import TakenViews
 from ui.capture.wand_presenter import WandPresenter, WandView, without_old_wand
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
+
+if TYPE_CHECKING:
+    from adibas.sessions.conflicts import Decision
 
 USUAL_RATE_HZ = 30.0
 WAITING = {
@@ -192,10 +196,10 @@ class CapturePresenter:
 
     def _session(self) -> Session | None:
         """Return the session, a new one where none was started; None where that fails."""
-        self._workspace.attempt(self._start_session)
+        self._workspace.save_shared(self._start_session)
         return self._workspace.session
 
-    def _start_session(self) -> None:
+    def _start_session(self, decisions: "tuple[Decision, ...]") -> None:
         """Start a session where there is none, and note in it what is looked for."""
         workspace, setup = self._workspace, self.sources.setup
         session, patient, sessions = workspace.session, workspace.patient, workspace.store.sessions
@@ -205,7 +209,10 @@ class CapturePresenter:
             setup = without_old_wand(setup, utc_now())
             workspace.choose_session(sessions.start(patient.pseudonym, setup))
         elif session is not None and setup is not self.sources.setup:
-            workspace.choose_session(sessions.change(session.session_id, setup=setup))
+            changed = sessions.change(
+                session.session_id, setup=setup, seen=session, decisions=decisions
+            )
+            workspace.choose_session(changed)
 
     def _go_to(self, view: str) -> None:
         self._next_view = view

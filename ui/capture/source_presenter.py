@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from adibas.data.posture import VIEWS
@@ -132,9 +133,11 @@ class SourcePresenter:
         workspace, session = self._workspace, self._workspace.session
         self.setup = setup
         if session is not None and not workspace.store.is_read_only:
-            change = workspace.store.sessions.change
-            if workspace.attempt(
-                lambda: workspace.choose_session(change(session.session_id, setup=setup))
+            change = partial(
+                workspace.store.sessions.change, session.session_id, setup=setup, seen=session
+            )
+            if workspace.save_shared(
+                lambda decisions: workspace.choose_session(change(decisions=decisions))
             ):
                 return
         self.use(setup)

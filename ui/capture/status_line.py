@@ -62,8 +62,6 @@ class StatusLine(QWidget):
         if self._box.direction() != direction:
             self._box.setSpacing(SPACING_PX if fits else 0)
             self._box.setDirection(direction)
-            for label in (self._dropped, self._disk):
-                label.setWordWrap(fits)
 
     def show_state(self, state: SensorState) -> None:
         """Say how the sensor fares; a source that is opened has lost nothing yet."""

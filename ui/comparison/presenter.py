@@ -49,7 +49,7 @@ class ComparisonPresenter:
         self._choices = Choices()
         self._patient: str | None = None
         self._opened_id: str | None = None
-        self._is_protocol_chosen = False
+        self._is_protocol_chosen = self._is_operator_chosen = False
         self._is_seen = False
         self._ends: list[Callable[[], None]] = [
             workspace.patient_changed.subscribe(self._follow),
@@ -69,7 +69,8 @@ class ComparisonPresenter:
         patient = self._workspace.patient
         pseudonym = None if patient is None else patient.pseudonym
         if pseudonym != self._patient:
-            self._patient, self._is_protocol_chosen = pseudonym, False
+            self._patient = pseudonym
+            self._is_protocol_chosen = self._is_operator_chosen = False
             self._choices = Choices()
         self._choices = self._chosen_anew(sessions)
         self._say_what_lacks(sessions)
@@ -108,6 +109,7 @@ class ComparisonPresenter:
 
     def choose_operator(self, operator: str) -> None:
         """Look at the repeats of somebody else."""
+        self._is_operator_chosen = True
         self._choices = replace(self._choices, operator=operator)
         self.numbers.choose_operator(operator)
 
@@ -197,7 +199,7 @@ class ComparisonPresenter:
     def _with_operators(self, choices: Choices) -> Choices:
         names = {one.operator for one in choices.sessions} | {self._workspace.store.operator}
         operator = choices.operator
-        if operator not in names:
+        if not self._is_operator_chosen or operator not in names:
             later = choices.later
             operator = self._workspace.store.operator if later is None else later.operator
         return replace(choices, operators=tuple(sorted(names)), operator=operator)

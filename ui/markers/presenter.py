@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from adibas.data.calibration import RgbdCalibration
@@ -171,9 +172,11 @@ class LearnerPresenter:
         session = self._workspace.session
         if session is not None and not self._workspace.store.is_read_only:
             setup = replace(session.setup, markers=target_to_document(target))
-            changed = self._workspace.store.sessions.change
-            self._workspace.attempt(
-                lambda: self._workspace.choose_session(changed(session.session_id, setup=setup))
+            change = partial(
+                self._workspace.store.sessions.change, session.session_id, setup=setup, seen=session
+            )
+            self._workspace.save_shared(
+                lambda decisions: self._workspace.choose_session(change(decisions=decisions))
             )
         self._workspace.tell("good", _("From now on these markers are looked for."))
         self._workspace.show_screen("capture")

@@ -120,12 +120,15 @@ class Draft:
         None where none is given.
     is_new : bool
         Whether the form asks for a consent, too.
+    seen : PatientEntry or None
+        The patient from whom the entry was typed; None of a new one.
     """
 
     edited: str | None
     entry: PatientEntry | None
     consent: ConsentEntry | None
     is_new: bool
+    seen: PatientEntry | None = None
 
     def to_text(self) -> str:
         """Return what `from_text` reads."""
@@ -141,6 +144,7 @@ class Draft:
             entry=entry and PatientEntry(**entry),
             consent=consent and ConsentEntry(**consent | {"purposes": tuple(consent["purposes"])}),
             is_new=known["is_new"],
+            seen=known["seen"] and PatientEntry(**known["seen"]),
         )
 
 

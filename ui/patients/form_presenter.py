@@ -1,8 +1,9 @@
 """What is typed of a patient and of a consent: checked, then saved. Knows nothing of Qt."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, date, datetime
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from adibas.data.patients import Consent, Identity, Patient
 from adibas.texts import translate as _
@@ -15,6 +16,9 @@ from ui.patients.content import (
     read_birth_date,
 )
 from ui.workspace import Workspace
+
+if TYPE_CHECKING:
+    from adibas.sessions.conflicts import Decision
 
 MOST_ALIKE = 50
 
@@ -75,15 +79,7 @@ class FormPresenter:
         patient = self._workspace.patient
         if patient is None or self._workspace.store.is_read_only:
             return
-        identity, born = patient.identity, patient.identity.birth_date
-        entry = PatientEntry(
-            identity.name,
-            "" if born is None else f"{born:%d/%m/%Y}",
-            identity.record_number,
-            patient.sex,
-            patient.notes,
-        )
-        self._open(patient, entry)
+        self._open(patient, _entry_of(patient))
         self._view.show_age(patient.age_years(self._today()))
 
     def edit_consents(self) -> None:
@@ -98,7 +94,8 @@ class FormPresenter:
         if typed is None:
             return ""
         edited = None if self._edited is None else self._edited.pseudonym
-        return Draft(edited, *typed, is_new=self._is_new).to_text()
+        seen = None if self._edited is None else _entry_of(self._edited)
+        return Draft(edited, *typed, is_new=self._is_new, seen=seen).to_text()
 
     def take_back(self, text: str) -> None:
         """Open a form as it stood; that a patient is gone meanwhile is told."""
@@ -129,7 +126,9 @@ class FormPresenter:
         except EntryError as error:
             self._view.show_problem(error.field, error.sentence)
             return
-        self._workspace.attempt(lambda: self._write(identity, entry, given))
+        self._workspace.save_shared(
+            lambda decisions: self._write(identity, entry, given, decisions)
+        )
 
     def give(self, entry: ConsentEntry) -> None:
         """Save a consent of the chosen patient."""
@@ -169,13 +168,23 @@ class FormPresenter:
     def _open_again(self, draft: Draft) -> None:
         edited = draft.edited
         patient = None if edited is None else self._workspace.store.patients.get(edited)
+        if patient is not None and draft.seen is not None:  # others may have changed her meanwhile
+            seen = draft.seen
+            identity = self._identity(seen)
+            patient = replace(patient, identity=identity, sex=seen.sex, notes=seen.notes)
         self._open(patient, draft.entry, is_new=draft.is_new)
         if draft.entry is not None:
             self.note_birth_date(draft.entry.birth_date)
         if draft.consent is not None:
             self._view.show_consent(draft.consent)
 
-    def _write(self, identity: Identity, entry: PatientEntry, consent: Consent | None) -> None:
+    def _write(
+        self,
+        identity: Identity,
+        entry: PatientEntry,
+        consent: Consent | None,
+        decisions: "tuple[Decision, ...]",
+    ) -> None:
         patients = self._workspace.store.patients
         if self._edited is None:
             patient = patients.add(identity, sex=entry.sex, notes=entry.notes.strip())
@@ -186,6 +195,8 @@ class FormPresenter:
                 identity=identity,
                 sex=entry.sex,
                 notes=entry.notes.strip(),
+                seen=self._edited,
+                decisions=decisions,
             )
         if consent is not None:
             patient = patients.give_consent(patient.pseudonym, consent)
@@ -238,6 +249,18 @@ class FormPresenter:
 
     def _today(self) -> date:
         return self._now().astimezone().date()
+
+
+def _entry_of(patient: Patient) -> PatientEntry:
+    """Return a patient as the form shows her."""
+    identity, born = patient.identity, patient.identity.birth_date
+    return PatientEntry(
+        identity.name,
+        "" if born is None else f"{born:%d/%m/%Y}",
+        identity.record_number,
+        patient.sex,
+        patient.notes,
+    )
 
 
 def _is_alike(one: Identity, other: Identity) -> bool:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # patients are listed before anything is known of their sessi
     from adibas.data.protocols import Wording
     from adibas.data.sessions import Session, SessionSetup
     from adibas.sessions import SessionStore
+    from adibas.sessions.conflicts import Decision
 
 Thumbnails = dict[str, tuple[Thumbnail, ...]]
 """By the session's id."""
@@ -156,13 +157,12 @@ class HistoryPresenter:
         setup = replace(session.setup, is_repeat=is_repeat)
         sessions, current = self._workspace.store.sessions, self._workspace.session
 
-        def change() -> None:
-            changed = sessions.change(session_id, setup=setup)
+        def change(decisions: "tuple[Decision, ...]") -> None:
+            changed = sessions.change(session_id, setup=setup, seen=session, decisions=decisions)
             if current is not None and current.session_id == session_id:
                 self._workspace.choose_session(changed)
 
-        self._workspace.attempt(change)
-        self.refresh()
+        self._workspace.save_shared(change, self.refresh)
 
     def delete(self, session_id: str) -> None:
         """Hide a session; it can be undone."""

@@ -13,6 +13,7 @@ class PagesBar(QTabBar):
         self._titles: tuple[str, ...] = ()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setDrawBase(False)
+        self.setEnabled(False)
 
     def show_titles(self, titles: tuple[str, ...]) -> None:
         """Show these tabs; the one that was chosen stays so where it is still there."""
@@ -24,6 +25,7 @@ class PagesBar(QTabBar):
         for title in titles:
             self.addTab(title)
         self.blockSignals(False)
+        self.setEnabled(bool(titles))  # Tab does not stop where nothing can be chosen
         self.setCurrentIndex(min(chosen, len(titles) - 1))
         self._fit()
 

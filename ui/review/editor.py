@@ -16,6 +16,8 @@ from adibas.data.markers import NUMBERED, Marker
 from adibas.data.sessions import Capture
 from adibas.errors import MarkerError
 
+Save = Callable[[CorrectionHistory, CorrectionHistory], Capture]
+
 
 class CaptureEditor:
     """One capture with its undo stack, and a drag that is in progress.
@@ -25,10 +27,11 @@ class CaptureEditor:
     capture : Capture
         As the store has it.
     save : callable
-        Saves a history and returns the capture with it; what it raises leaves all as it was.
+        Takes the history that was seen and the one to be saved, and returns the capture with what
+        is saved now; what it raises leaves all as it was.
     """
 
-    def __init__(self, capture: Capture, save: Callable[[CorrectionHistory], Capture]) -> None:
+    def __init__(self, capture: Capture, save: Save) -> None:
         self._capture = capture
         self._save = save
         self._held: Marker | None = None
@@ -137,7 +140,7 @@ class CaptureEditor:
 
     def _keep(self, history: CorrectionHistory) -> None:
         self._held = None
-        self._capture = self._save(history)
+        self._capture = self._save(self._capture.history, history)
 
 
 def alike(labels: tuple[str, ...], others: tuple[str, ...]) -> bool:

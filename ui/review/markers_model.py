@@ -18,6 +18,8 @@ Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex
 NAME, X, Z, REMARK = 0, 1, 3, 4
 MM_PER_M = 1000.0
+SURE = 0.9
+"""Of an automatic name that nobody needs to look at: of less sure ones a third is wrong."""
 
 
 class MarkersModel(QAbstractTableModel):
@@ -114,13 +116,26 @@ class MarkersModel(QAbstractTableModel):
         """Return what is seen of the remark where there is no room for it."""
         if marker.position_m is None:
             return self._theme.icon("refused")
-        return self._theme.icon("rename") if marker.label in self._points.by_hand else None
+        if marker.label in self._points.by_hand:
+            return self._theme.icon("rename")
+        return self._theme.icon("help") if _is_unsure(marker) else None
 
     def _remark(self, marker: Marker) -> str:
         is_placed = marker.label in self._points.by_hand
         if marker.position_m is None:
             return _("corrected by hand; no depth here") if is_placed else _("no depth here")
-        return _("corrected by hand") if is_placed else ""
+        named = marker.named_by
+        percent = 0 if named is None else math.floor(100.0 * named.confidence)
+        text = _("named automatically, {percent} %")
+        if _is_unsure(marker):
+            text = _("named automatically, {percent} %: please check")
+        sure = text.format(percent=percent) if named else ""
+        remarks = (_("corrected by hand") if is_placed else "", sure)
+        return "; ".join(remark for remark in remarks if remark)
+
+
+def _is_unsure(marker: Marker) -> bool:
+    return marker.named_by is not None and marker.named_by.confidence < SURE
 
 
 def _coordinate(marker: Marker, axis: int, *, is_brief: bool) -> str:

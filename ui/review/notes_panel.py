@@ -12,8 +12,8 @@ PAUSE_MS = 1500
 class NotesPanel(QWidget):
     """A field for free text, and what must be known of the capture."""
 
-    written = Signal(str, str)
-    """The session, and its notes."""
+    written = Signal(str, str, str)
+    """The session, its notes, and what they were before."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -47,13 +47,16 @@ class NotesPanel(QWidget):
     def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
         """Show saved notes; what is being typed for the same session is not disturbed."""
         self._text.setReadOnly(not can_edit)
-        is_typing = self._pause.isActive() and session_id == self._session_id
-        if not is_typing:
-            self.save()
-            self._session_id, self._saved = session_id, notes
-            if self._text.toPlainText() != notes:  # else the cursor would jump to the beginning
-                self._text.setPlainText(notes)
-            self._pause.stop()
+        is_same = session_id == self._session_id
+        if is_same and self._pause.isActive():
+            return
+        self.save()
+        if is_same and self._text.toPlainText() != self._saved:
+            return  # it could not be saved
+        self._session_id, self._saved = session_id, notes
+        if self._text.toPlainText() != notes:  # else the cursor would jump to the beginning
+            self._text.setPlainText(notes)
+        self._pause.stop()
 
     def show_notices(self, sentences: tuple[str, ...]) -> None:
         """Show what must be known of the capture: texts of the catalogues, not translated yet."""
@@ -69,8 +72,13 @@ class NotesPanel(QWidget):
         self._pause.stop()
         notes = self._text.toPlainText()
         if notes != self._saved and not self._text.isReadOnly():
-            self._saved = notes
-            self.written.emit(self._session_id, notes)
+            seen, self._saved = self._saved, notes
+            self.written.emit(self._session_id, notes, seen)
+
+    def keep(self, session_id: str, saved: str) -> None:
+        """Note what is saved: where that is not what stands here, it is handed out again."""
+        if session_id == self._session_id:
+            self._saved = saved
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802  (Qt's name)
         if event.type() == QEvent.Type.FocusOut and self._pause.isActive():

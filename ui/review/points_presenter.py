@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from adibas.data.protocols import Protocol as LandmarkProtocol
     from adibas.pipeline.posture import MarkerTarget
     from adibas.pipeline.review import CaptureSurface
+    from adibas.sessions.conflicts import Decision
 
 SAME_PLACE_PX = 1.0
 
@@ -84,6 +85,7 @@ class PointsPresenter:
         self._passed: frozenset[str] = frozenset()
         self._shows_rejected = False
         self._has_values = False
+        self._decisions: tuple[Decision, ...] = ()
 
     @property
     def picture_rgb(self) -> UInt8Array | None:
@@ -299,17 +301,29 @@ class PointsPresenter:
             return None, None
         return self._editor, self._opened
 
-    def _save(self, capture_id: str, history: CorrectionHistory) -> Capture:
-        capture = self._workspace.store.captures.correct(capture_id, history)
+    def _save(
+        self, capture_id: str, seen: CorrectionHistory, history: CorrectionHistory
+    ) -> Capture:
+        capture = self._workspace.store.captures.correct(
+            capture_id, history, seen=seen, decisions=self._decisions
+        )
         self._corrected(capture)
+        if capture.history.n_done != history.n_done:
+            told = _("Somebody else corrected this picture meanwhile; that is shown, too.")
+            self._workspace.tell("warning", told)
         return capture
 
     def _edit(self, edit: Callable[[CaptureEditor], None]) -> None:
         """Correct something; a failure is told, and leaves all as it was saved."""
         editor = self._editable()[0]
-        if editor is not None:
-            self._workspace.attempt(lambda: edit(editor))
-            self._show_corrected()
+        if editor is None:
+            return
+
+        def save(decisions: "tuple[Decision, ...]") -> None:
+            self._decisions = decisions
+            edit(editor)
+
+        self._workspace.save_shared(save, self._show_corrected, is_kept=False)
 
     def _show_corrected(self) -> None:
         """Show what is saved now, or still."""

@@ -18,6 +18,7 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.data.surface import BurstDisparity
     from adibas.pipeline.posture import MarkerTarget
+    from adibas.sessions.conflicts import Decision
 
 NO_SESSION = message("No session is open. Choose a patient and a session.")
 NO_CAPTURE = message("This session has no picture yet. Take one first.")
@@ -44,6 +45,9 @@ class ReviewView(PointsView, Protocol):
 
     def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
         """Show the notes of a session."""
+
+    def keep_notes(self, session_id: str, saved: str) -> None:
+        """Take these for the saved notes of a session; what stands there stays."""
 
     def show_names(self, names: tuple[str, ...]) -> None:
         """Suggest names that this patient's markers had."""
@@ -98,16 +102,30 @@ class ReviewPresenter:
         if capture_id != self._opened:
             self._workspace.choose_capture(capture_id)
 
-    def change_notes(self, session_id: str, notes: str) -> None:
-        """Save the notes of a session; its content is told to others where it is looked at."""
+    def change_notes(self, session_id: str, notes: str, seen: str) -> None:
+        """Save the notes of a session; its content is told to others where it is looked at.
 
-        def save() -> None:
-            changed = self._workspace.store.sessions.change(session_id, notes=notes)
-            now = self._workspace.session
-            if now is not None and now.session_id == session_id:
+        Parameters
+        ----------
+        seen : str
+            The notes from which they were typed.
+        """
+        sessions = self._workspace.store.sessions
+
+        def save(decisions: "tuple[Decision, ...]") -> None:
+            before = replace(sessions.get(session_id), notes=seen)
+            changed = sessions.change(session_id, notes=notes, seen=before, decisions=decisions)
+            self._view.keep_notes(session_id, notes)
+            if self._is_looked_at(session_id):
                 self._workspace.choose_session(changed)
 
-        self._workspace.attempt(save)
+        is_kept = self._is_looked_at(session_id)
+        if not self._workspace.save_shared(save, is_kept=is_kept):
+            self._view.keep_notes(session_id, seen)
+
+    def _is_looked_at(self, session_id: str) -> bool:
+        now = self._workspace.session
+        return now is not None and now.session_id == session_id
 
     def open_space(self) -> None:
         """Show the surface of the capture in 3-D."""

@@ -164,6 +164,9 @@ class ReviewScreen(Screen):
     def show_notices(self, sentences: tuple[str, ...]) -> None:
         self._notes.show_notices(sentences)
 
+    def keep_notes(self, session_id: str, saved: str) -> None:
+        self._notes.keep(session_id, saved)
+
     def show_notes(self, session_id: str, notes: str, *, can_edit: bool) -> None:
         self._is_read_only = not can_edit
         self._notes.show_notes(session_id, notes, can_edit=can_edit)

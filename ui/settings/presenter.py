@@ -1,5 +1,6 @@
 """What the settings screen shows and changes. Knows nothing of Qt."""
 
+from pathlib import Path
 from typing import Any, Protocol
 
 from adibas.sensors.doctor import Finding, findings
@@ -81,6 +82,23 @@ class SettingsPresenter:
             lambda report: self._view.show_check(tuple(one.text for one in report.findings)),
         )
 
+    def choose_store(self, folder: Path) -> None:
+        """Work with the store in another folder, such as a shared one, from the next start on."""
+
+        def work(_control: JobControl) -> KeyState:
+            return key_state(folder)
+
+        def done(state: KeyState) -> None:
+            if state in (KeyState.NEW_KEYRING, KeyState.NEW_PASSPHRASE):
+                told = _("There is no patient store in {folder}. Choose the folder of one.")
+                self._workspace.tell("bad", told.format(folder=folder))
+                return
+            self._workspace.preferences.change(store=str(folder))
+            told = _("The patient store in {folder} is opened from the next start on.")
+            self._workspace.tell("good", told.format(folder=folder))
+
+        self._workspace.jobs.start(_("Looking for the key of the patient store"), work, done)
+
     def change_passphrase(self, old: str, new: str, repeated: str) -> None:
         """Put the store's key behind a new passphrase."""
         if new != repeated:
@@ -115,8 +133,13 @@ class SettingsPresenter:
             return key_state(store.folder) is KeyState.PASSPHRASE
 
         def done(has_passphrase: bool) -> None:
+            place = str(store.folder)
+            if store.server:
+                place = _("{folder}, its database on {server}").format(
+                    folder=place, server=store.server
+                )
             self._view.show_protection(
-                str(store.folder), has_passphrase=has_passphrase, is_read_only=store.is_read_only
+                place, has_passphrase=has_passphrase, is_read_only=store.is_read_only
             )
 
         self._workspace.jobs.start(_("Looking for the key of the patient store"), work, done)

@@ -1,15 +1,19 @@
 """Who gets at the patients' data: locking, the passphrase, and a check of the store."""
 
 from functools import partial
+from pathlib import Path
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
+    QFileDialog,
     QFormLayout,
     QGroupBox,
+    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPlainTextEdit,
     QPushButton,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -28,11 +32,16 @@ class ProtectionPage(PreferencePage):
     check_asked = Signal()
     passphrase_given = Signal(str, str, str)
     """Old, new, and the new one again."""
+    store_chosen = Signal(object)
+    """The folder of another store."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._folder, self._minutes_label = QLabel(self), QLabel(self)
         self._folder.setWordWrap(True)
+        self._other = QToolButton(self)
+        self._other.setText("...")
+        self._other.clicked.connect(self._ask_folder)
         self._minutes = WholeNumberField(self)
         self._minutes.setRange(0, LONGEST_WAIT_MINUTES)
         self._minutes_label.setBuddy(self._minutes)
@@ -50,7 +59,7 @@ class ProtectionPage(PreferencePage):
         )
         self._groups = [QGroupBox(self) for _ in range(3)]
         self._has_passphrase = False
-        self._where = ""
+        self._where = self._start = ""
         self._lay_out()
         self.retranslate()
 
@@ -65,7 +74,11 @@ class ProtectionPage(PreferencePage):
             form.addRow(label, field)
         form.addRow("", self._change_button)
         column = QVBoxLayout(check)
-        for widget in (self._folder, self._check, self._result):
+        place = QHBoxLayout()
+        place.addWidget(self._folder, 1)
+        place.addWidget(self._other)
+        column.addLayout(place)
+        for widget in (self._check, self._result):
             column.addWidget(widget)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(9, 4, 9, 4)
@@ -91,11 +104,20 @@ class ProtectionPage(PreferencePage):
             else _("Protect with a passphrase instead of the keyring")
         )
         self._check.setText(_("&Check the store"))
+        other = _("Use the patient store in another folder, such as one that workstations share")
+        self._other.setToolTip(other)
+        self._other.setAccessibleName(other)
         self._result.setAccessibleName(_("Result of the check"))
         self._folder.setText(_("It lies in {folder}").format(folder=self._where))
 
+    def _ask_folder(self) -> None:
+        path = QFileDialog.getExistingDirectory(self, self._other.toolTip(), self._start)
+        if path:
+            self.store_chosen.emit(Path(path))
+
     def show_preferences(self, preferences: Preferences) -> None:
         """Show what holds now."""
+        self._start = preferences.store
         self._minutes.show_value(preferences.autolock_minutes)
 
     def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:

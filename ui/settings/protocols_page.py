@@ -1,11 +1,12 @@
 """The page of protocols: a text, what is wrong with it, and a button."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QFontDatabase, QTextCursor
 from PySide6.QtWidgets import (
     QComboBox,
+    QDialog,
     QLabel,
     QListWidget,
     QListWidgetItem,
@@ -15,9 +16,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from adibas.measures.protocol_edits import NewEntry, NewMeasure
 from adibas.texts import translate as _
+from ui.settings.protocol_forms import LandmarkForm, MeasureForm
 from ui.settings.protocols_presenter import Mistake
-from ui.widgets.flow import FlowLayout
+from ui.widgets.flow import FlowLayout, in_a_flow
 from ui.widgets.question import ask
 
 PAUSE_MS = 400
@@ -35,6 +38,9 @@ class ProtocolsPage(QWidget):
     saved = Signal(str)
     delete_asked = Signal(str)
     """The chosen one; the text that stands there."""
+    landmark_asked = Signal(str)
+    """A form for a new landmark; the text that stands there."""
+    measure_asked = Signal(str)
     names_asked = Signal()
     """Who gives markers the names of landmarks is asked for."""
 
@@ -48,6 +54,7 @@ class ProtocolsPage(QWidget):
         self._summary, self._hint, self._save = QLabel(self), QLabel(self), QPushButton(self)
         self._new, self._to_names = QPushButton(self), QPushButton(self)
         self._delete = QPushButton(self)
+        self._landmark, self._measure = QPushButton(self), QPushButton(self)
         self._delete.setEnabled(False)
         self._new.clicked.connect(self.begun)
         self._to_names.clicked.connect(self.names_asked)
@@ -62,6 +69,8 @@ class ProtocolsPage(QWidget):
         self._mistakes.itemActivated.connect(self._on_mistake)
         self._mistakes.itemClicked.connect(self._on_mistake)
         self._save.clicked.connect(lambda: self.saved.emit(self._text.toPlainText()))
+        self._landmark.clicked.connect(lambda: self.landmark_asked.emit(self._text.toPlainText()))
+        self._measure.clicked.connect(lambda: self.measure_asked.emit(self._text.toPlainText()))
         self._delete.clicked.connect(lambda: self.delete_asked.emit(self._text.toPlainText()))
 
     def _lay_out(self) -> None:
@@ -80,6 +89,7 @@ class ProtocolsPage(QWidget):
         column = QVBoxLayout(self)
         column.addLayout(above)
         column.addWidget(self._hint)
+        column.addLayout(in_a_flow(self._landmark, self._measure))
         column.addWidget(self._text, 3)
         column.addWidget(self._summary)
         column.addWidget(self._mistakes, 1)
@@ -94,6 +104,8 @@ class ProtocolsPage(QWidget):
         self._new.setText(_("Ne&w protocol"))
         self._delete.setText(_("Delete"))
         self._delete.setToolTip(_("Delete this protocol of your own; no session may follow it"))
+        self._landmark.setText(_("Add a land&mark..."))
+        self._measure.setText(_("Add a meas&ure..."))
         self._to_names.setText(_("Who &names the markers"))
         self._word_hint()
         if not self._is_stopped and (text := self._text.toPlainText()):
@@ -133,6 +145,20 @@ class ProtocolsPage(QWidget):
         self._text.document().setModified(False)
         self._text.blockSignals(False)
 
+    def ask_landmark(self, take: Callable[[NewEntry], None]) -> None:
+        """Open the form for a landmark."""
+        form = LandmarkForm(self)
+        form.made.connect(take)
+        self._open(form)
+
+    def ask_measure(
+        self, landmarks: Mapping[str, str], take: Callable[[NewEntry, NewMeasure], None]
+    ) -> None:
+        """Open the form for a measure between these landmarks."""
+        form = MeasureForm(landmarks, self)
+        form.measured.connect(take)
+        self._open(form)
+
     def show_check(self, mistakes: tuple[Mistake, ...], summary: str) -> None:
         self._mistakes.clear()
         for one in mistakes:
@@ -149,6 +175,11 @@ class ProtocolsPage(QWidget):
         """Check nothing any more."""
         self._is_stopped = True
         self._pause.stop()
+
+    def _open(self, form: QDialog) -> None:
+        form.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        form.setModal(True)
+        form.open()
 
     def _word_hint(self) -> None:
         self._hint.setText(

@@ -1,10 +1,17 @@
 """Protocols as they are written: to read, to change, to save as one's own. Knows no Qt."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 from adibas.errors import AdibasError
+from adibas.measures.protocol_edits import (
+    NewEntry,
+    NewMeasure,
+    landmarks_of,
+    with_landmark,
+    with_measure,
+)
 from adibas.measures.protocol_file import CheckedProtocol, read_protocol
 from adibas.measures.protocol_store import (
     UNSAVED,
@@ -44,6 +51,14 @@ class ProtocolsView(Protocol):
 
     def show_changed(self, text: str) -> None:
         """Show a text that is not saved."""
+
+    def ask_landmark(self, take: Callable[[NewEntry], None]) -> None:
+        """Ask for a landmark to be added."""
+
+    def ask_measure(
+        self, landmarks: Mapping[str, str], take: Callable[[NewEntry, NewMeasure], None]
+    ) -> None:
+        """Ask for a measure to be added between these landmarks, names by id."""
 
     def show_check(self, mistakes: tuple[Mistake, ...], summary: str) -> None:
         """Show what is wrong, or else what the protocol holds."""
@@ -107,6 +122,34 @@ class ProtocolsPresenter:
             return read_protocol(text, UNSAVED)
 
         self._job = self._workspace.jobs.start(_("Checking the protocol"), work, self._show)
+
+    def ask_landmark(self, text: str) -> None:
+        """Ask for a landmark to be added to a text that can be read."""
+
+        def ask() -> None:
+            landmarks_of(text)  # a text that cannot be read is told before the form is filled in
+            self._view.ask_landmark(lambda entry: self._add(lambda: with_landmark(text, entry)))
+
+        self._workspace.attempt(ask)
+
+    def ask_measure(self, text: str) -> None:
+        """Ask for a measure to be added to a text that can be read."""
+
+        def ask() -> None:
+            self._view.ask_measure(
+                landmarks_of(text),
+                lambda entry, measure: self._add(lambda: with_measure(text, entry, measure)),
+            )
+
+        self._workspace.attempt(ask)
+
+    def _add(self, changed: Callable[[], str]) -> None:
+        def show() -> None:
+            text = changed()
+            self._view.show_changed(text)
+            self.check(text)
+
+        self._workspace.attempt(show)
 
     def save(self, text: str) -> None:
         """Write the text among this user's own protocols."""

@@ -1,6 +1,6 @@
 """The settings screen: six pages, one of them with a page behind it. No decisions."""
 
-from PySide6.QtCore import QSize
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QLabel,
     QScrollArea,
@@ -120,6 +120,8 @@ class SettingsScreen(Screen):
         self._protocols.typed.connect(protocols.check)
         self._protocols.saved.connect(protocols.save)
         self._protocols.delete_asked.connect(protocols.ask_delete)
+        self._protocols.landmark_asked.connect(protocols.ask_landmark)
+        self._protocols.measure_asked.connect(protocols.ask_measure)
         self._protocols.names_asked.connect(self._show_names)
         self._names.closed.connect(self._show_protocols)
         self._names.learned.connect(names.learn)
@@ -130,6 +132,7 @@ class SettingsScreen(Screen):
             page.changed.connect(lambda name, value: presenter.change(**{name: value}))
         self._protection.check_asked.connect(presenter.check_store)
         self._protection.passphrase_given.connect(presenter.change_passphrase)
+        self._protection.store_chosen.connect(presenter.choose_store)
         self._computer.asked.connect(presenter.examine_computer)
         self._tabs.currentChanged.connect(self._on_tab)
 
@@ -254,6 +257,7 @@ def _scrolled(page: QWidget) -> QScrollArea:
     area.setWidgetResizable(True)
     area.setWidget(page)
     area.setFrameShape(QScrollArea.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # it follows the fields in it
     for part in (area.viewport(), page):
         part.setAutoFillBackground(False)  # the frame of the tabs shines through
     return area

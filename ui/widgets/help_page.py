@@ -1,14 +1,24 @@
-"""The offline help of one screen."""
+"""The offline help of one screen, and the way to its page of the manual."""
 
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QApplication, QDockWidget, QTextBrowser, QWidget
+from PySide6.QtCore import Qt, QUrl
+from PySide6.QtGui import QDesktopServices, QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QApplication,
+    QDockWidget,
+    QLabel,
+    QPushButton,
+    QTextBrowser,
+    QVBoxLayout,
+    QWidget,
+)
 from shiboken6 import isValid
 
 from adibas.resources import resource_path
 from adibas.texts import spoken_language
 from adibas.texts import translate as _
+from ui.manual import manual_page
 
+MANUAL_KEY = "Shift+F1"
 LEAST_WIDTH_PX = 320
 SEPARATOR_PX = 8
 FLOATING_LETTERS = 48
@@ -25,7 +35,10 @@ def read_help(name: str, language: str) -> str:
 
 
 class HelpDock(QDockWidget):
-    """Shows the help beside the screen it is about; Escape puts it away."""
+    """Shows the help beside the screen it is about; Escape puts it away.
+
+    The manual, with figures and in full, is opened by what the desktop opens pages with.
+    """
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -34,7 +47,13 @@ class HelpDock(QDockWidget):
         self._text = QTextBrowser(self)
         self._text.setOpenLinks(False)
         self._text.setMinimumWidth(LEAST_WIDTH_PX)
-        self.setWidget(self._text)
+        self._manual = QPushButton(self)
+        self._manual.clicked.connect(self.open_manual)
+        self._problem = QLabel(self)
+        self._problem.setProperty("kind", "warning")
+        self._problem.setWordWrap(True)
+        self._problem.hide()
+        self._lay_out()
         self.setAllowedAreas(
             Qt.DockWidgetArea.RightDockWidgetArea | Qt.DockWidgetArea.LeftDockWidgetArea
         )
@@ -42,12 +61,26 @@ class HelpDock(QDockWidget):
         self._is_pushed_out = False
         escape = QShortcut(QKeySequence(Qt.Key.Key_Escape), self._text, self._put_away)
         escape.setContext(Qt.ShortcutContext.WidgetShortcut)
+        QShortcut(QKeySequence(MANUAL_KEY), parent or self, self.open_manual)
         self.retranslate()
         self.hide()
+
+    def _lay_out(self) -> None:
+        content = QWidget(self)
+        column = QVBoxLayout(content)
+        column.setContentsMargins(0, 0, 0, 0)
+        for part in (self._text, self._problem, self._manual):
+            column.addWidget(part)
+        self.setWidget(content)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self.setWindowTitle(_("Help"))
+        self._manual.setText(_("Open the manual"))
+        keys = QKeySequence(MANUAL_KEY).toString(QKeySequence.SequenceFormat.NativeText)
+        tip = _("Everything about this screen, with figures, in the browser")
+        self._manual.setToolTip(f"{tip} ({keys})")
+        self._problem.hide()  # a sentence of the page or the language before
         self._text.setAccessibleName(_("Help"))
         self._text.setMarkdown(read_help(self._name, spoken_language()))
 
@@ -59,6 +92,24 @@ class HelpDock(QDockWidget):
         self.retranslate()
         self.show()
         self._text.setFocus()
+
+    def open_manual(self) -> None:
+        """Open the manual where it tells of the screen that is seen; say where it cannot be."""
+        page = manual_page(self._name, spoken_language())
+        if page is None:
+            self._tell(_("The manual is not there. Install the program again, or: make manual"))
+        elif not QDesktopServices.openUrl(QUrl.fromLocalFile(str(page))):
+            self._tell(
+                _("Nothing opens the manual here. Open this file in a browser: {file}").format(
+                    file=page
+                )
+            )
+
+    def _tell(self, sentence: str) -> None:
+        self.show_page(self._name)
+        self._problem.setText(sentence)
+        self._problem.setAccessibleName(sentence)
+        self._problem.show()
 
     def stand_beside(self, window: QWidget, room_px: int) -> None:
         """Stand in the window where there is room for it, else float above its right edge."""

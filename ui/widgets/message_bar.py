@@ -1,5 +1,7 @@
 """One line that tells the user something, until it is put away."""
 
+from collections.abc import Callable
+
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
@@ -21,7 +23,10 @@ class MessageBar(QFrame):
             | Qt.TextInteractionFlag.TextSelectableByKeyboard
         )
         self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        self._close = QPushButton(self)
+        self._again, self._close = QPushButton(self), QPushButton(self)
+        self._try_again: Callable[[], object] = lambda: None
+        self._again.clicked.connect(self._on_again)
+        self._again.hide()
         self._close.clicked.connect(self.put_away)
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
@@ -30,6 +35,7 @@ class MessageBar(QFrame):
         layout = QHBoxLayout(self)
         layout.setContentsMargins(12, 8, 8, 8)
         layout.addWidget(self._label)
+        layout.addWidget(self._again, 0, Qt.AlignmentFlag.AlignTop)
         layout.addWidget(self._close, 0, Qt.AlignmentFlag.AlignTop)
         self.retranslate()
         self.hide()
@@ -46,15 +52,29 @@ class MessageBar(QFrame):
         self.style().polish(self)
         self._label.setText(sentence)
         self._label.setAccessibleName(sentence)
+        self._again.hide()
         self.show()
         if kind == "good":
             self._timer.start()
         else:
             self._timer.stop()
 
+    def offer_again(self, sentence: str, again: Callable[[], object]) -> None:
+        """Say what failed, with a button that tries it again as it was."""
+        self.tell("bad", sentence)
+        self._try_again = again
+        self._again.setText(_("&Try again"))
+        self._again.show()
+
+    def _on_again(self) -> None:
+        again, self._try_again = self._try_again, lambda: None
+        self.put_away()
+        again()
+
     def put_away(self) -> None:
         """Tell nothing any more; no word of it is kept."""
         self._timer.stop()
+        self._again.hide()
         self.hide()
         self._label.clear()
         self._label.setAccessibleName("")

@@ -1,0 +1,43 @@
+"""Whether the markers look like a patient who shows the side that was declared."""
+
+import numpy as np
+
+from adibas.data.calibration import RgbdCalibration
+from adibas.data.joints import JOINT_NAMES, other_side
+from adibas.data.markers import Marker
+from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.skeleton_names import upright_turn
+from adibas.skeleton.namer import Namer
+from adibas.texts import message
+
+LOOKS_OTHERWISE = message(
+    "The markers look like a patient who shows the camera the opposite side than declared: "
+    "left and right may be exchanged. Check the view."
+)
+
+
+def doubts_about_view(
+    namer: Namer, markers: tuple[Marker, ...], view: str, calibration: RgbdCalibration
+) -> tuple[str, ...]:
+    """Return what must be known of the declared view, or nothing.
+
+    The markers are named once more without being told the view: where the shape alone is sure of
+    left and right, and most of the names that were given say the contrary, the view is doubted.
+    Only the 15 joints show which way somebody faces.
+
+    Parameters
+    ----------
+    markers : tuple of Marker
+        With their names.
+    """
+    placed = [marker for marker in markers if marker.position_m is not None]
+    if not view or namer.names != JOINT_NAMES or not placed:
+        return ()
+    positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
+    untold = namer.label(positions_m @ upright_turn(vertical_of(calibration).up).T)
+    contrary = alike = 0
+    for marker, name in zip(placed, untold.names, strict=True):
+        if name is not None and other_side(name) != name:
+            contrary += marker.label == other_side(name)
+            alike += marker.label == name
+    return (LOOKS_OTHERWISE,) if contrary > alike else ()
