@@ -83,6 +83,10 @@ class PassphraseError(StoreError):
     """The store needs a passphrase, or another one."""
 
 
+class NotAllowedError(StoreError):
+    """Whoever has the store open may not do this: it is for another role."""
+
+
 class ServerPasswordError(StoreError):
     """The server of the store's database needs a password, or another one."""
 
