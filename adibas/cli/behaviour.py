@@ -69,8 +69,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         required=True,
         action="append",
-        metavar="report.xlsx|.csv",
-        help=_("report, or what was found as a coding; may be given several times"),
+        metavar="report.xlsx|.csv|DIR",
+        help=_(
+            "report, or what was found as a coding; may be given several times. In a folder the "
+            "report is named after the recordings, and none that stands there is replaced"
+        ),
     )
     add_json(parser)
 
@@ -85,15 +88,31 @@ def named_section(text: str) -> tuple[str, float, float]:
     return name.strip(), *seconds_range(span)
 
 
+def _file(path: Path, called: str) -> Path:
+    """Return a file as it is given; in a folder one that is named after what was watched.
+
+    There nothing that stands already is written over.
+    """
+    if not path.is_dir():
+        return path
+    from adibas.reports.batch import free_path
+
+    return free_path(path, f"{called}-behaviour", ".xlsx")
+
+
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Measure, write the reports, and say what was found."""
     from adibas.behaviour.activity import ActivityParams
     from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
-    from adibas.pipeline.joined_access import access_to
+    from adibas.pipeline.joined_access import access_to, joined_name
+    from adibas.recordings.joints_csv import recording_name
     from adibas.reports.behaviour import BEHAVIOUR_KINDS, write_behaviour
     from adibas.reports.behaviour_json import behaviour_to_json
 
-    for path in arguments.out:
+    names = [recording_name(path) for path in arguments.sources]
+    called = joined_name(names)
+    out = [_file(path, called) for path in arguments.out]
+    for path in out:
         check_report(path, BEHAVIOUR_KINDS)
     request = BehaviourRequest(
         arguments.sources[0],
@@ -105,15 +124,17 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         arguments.patient,
         ActivityParams(still_s=arguments.still),
         access=access_to(arguments.sources),
+        name=called,
+        parts=tuple(names) if len(names) > 1 else (),
     )
     with console.progress(_("Analysing")) as advance:
         analysis = analyse_behaviour(request, advance)
-    for path in arguments.out:
+    for path in out:
         write_behaviour(analysis, path, arguments.language)
     for notice in analysis.notices:
         console.warn(notice.text)
     n_people, n_events = len(analysis.people), len(analysis.detected.occurrences)
-    for path in arguments.out:
+    for path in out:
         console.say(
             _("{file}: {people}, {events}.").format(
                 file=path,
@@ -123,5 +144,5 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
                 ),
             )
         )
-    console.give({**behaviour_to_json(analysis), "out": [str(path) for path in arguments.out]})
+    console.give({**behaviour_to_json(analysis), "out": [str(path) for path in out]})
     return 0

@@ -99,6 +99,10 @@ class BehaviourRequest:
         How the recording is opened: usually as a file.
     joints : FoundJoints or None
         Of the same recording, found before; None: they are read or found now.
+    name : str
+        What the recording is called, or several together; empty: as its file.
+    parts : tuple of str
+        Names of the recordings, where several are watched as one.
     """
 
     source: Path
@@ -112,6 +116,13 @@ class BehaviourRequest:
     posture: PostureParams = field(default_factory=PostureParams)
     access: RecordingAccess = FILES
     joints: FoundJoints | None = None
+    name: str = ""
+    parts: tuple[str, ...] = ()
+
+    @property
+    def called(self) -> str:
+        """Return what the recording is called in the report."""
+        return self.name or recording_name(self.source)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,6 +142,8 @@ class BehaviourAnalysis:
     notices : tuple of Sentence
     joints : FoundJoints
         What all this was measured in.
+    parts : tuple of str
+        Names of the recordings that were watched as one; empty where there was one.
     """
 
     recording: str
@@ -142,6 +155,7 @@ class BehaviourAnalysis:
     provenance: Provenance
     notices: tuple[Sentence, ...]
     joints: FoundJoints
+    parts: tuple[str, ...] = ()
 
 
 def analyse_behaviour(
@@ -156,7 +170,7 @@ def analyse_behaviour(
     """
     joints = request.joints or find_joints(request, progress, clock)
     tracks, notices = joints.tracks, list(joints.notices)
-    name = recording_name(request.source)
+    name = request.called
     ethogram = None if request.ethogram is None else read_ethogram(request.ethogram)
     observed, more = _observed(request, ethogram)
     notices += more
@@ -183,6 +197,7 @@ def analyse_behaviour(
         _provenance(request, clock),
         _once(notices),
         joints,
+        request.parts,
     )
 
 
@@ -264,7 +279,7 @@ def _observed(
     found = read_codings(request.coding, ethogram)
     if not found:
         raise BehaviourError("{file} holds no session.", file=request.coding.name)
-    name = recording_name(request.source)
+    name = request.called
     chosen = next((one for one in found if one.name == name), found[0])
     if len(found) == 1 or chosen.name == name:
         return chosen, []

@@ -62,6 +62,16 @@ def access_to(paths: Sequence[Path]) -> RecordingAccess:
     return joined_access(paths, FILES)
 
 
+def joined_name(names: Sequence[str]) -> str:
+    """Return what recordings are called that are watched as one; of one recording its own name.
+
+    The first one, how many more, and what tells these from others that begin with the same one.
+    """
+    if len(names) == 1:
+        return names[0]
+    return f"{names[0]}+{len(names) - 1}-{joined_key(names)}"
+
+
 def joined_key(names: Sequence[str]) -> str:
     """Return a short text that is the same for the same parts in the same order."""
     return hashlib.sha256("\n".join(names).encode()).hexdigest()[:8]

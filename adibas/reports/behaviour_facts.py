@@ -15,6 +15,7 @@ def behaviour_facts(analysis: BehaviourAnalysis) -> Pairs:
     told: Pairs = [
         (_("Patient (pseudonym)"), analysis.patient),
         (_("Recording"), analysis.recording),
+        (_("Recordings"), ", ".join(analysis.parts)),
         (_("Duration [s]"), decimal_text(detected.duration_ms / MS_PER_S, 1)),
         (_("People"), str(len(analysis.people))),
         (_("Observer"), "" if observed is None else observed.observer or _("not told")),

@@ -18,6 +18,7 @@ def behaviour_to_json(analysis: BehaviourAnalysis) -> dict[str, Any]:
     codings = [one for one in (analysis.observed, analysis.detected) if one is not None]
     return {
         "recording": analysis.recording,
+        "recordings": list(analysis.parts or (analysis.recording,)),
         "patient": analysis.patient,
         "begin_s": analysis.detected.begin_ms / MS_PER_S,
         "end_s": analysis.detected.end_ms / MS_PER_S,

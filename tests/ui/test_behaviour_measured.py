@@ -1,12 +1,13 @@
 """What the program measured is shown as tables and plots, by section and in time bins."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QFileDialog
 
 from adibas.behaviour.editing import with_section
 from adibas.data.coding import Section
@@ -15,6 +16,7 @@ from adibas.data.skeleton_track import track_of
 from adibas.pipeline.behaviour import BehaviourRequest, FoundJoints, analyse_behaviour, divided
 from tests.unit.coding_samples import coding
 from tests.unit.test_activity import HAND, circling, still
+from ui.behaviour.agreement_page import AgreementPage
 from ui.behaviour.counts_page import CountsPage
 from ui.behaviour.counts_presenter import TABLES
 from ui.behaviour.measured import MEASURED, HeatMap, heat_map, measured_table, raster
@@ -167,3 +169,20 @@ def test_the_page_shows_tables_plots_and_what_lacks(qtbot, theme, analysis):
     page.show_unmeasured(is_unmeasured=True)
     assert "has not looked" in page._unmeasured.text()
     assert set(MEASURED) < set(TABLES)
+
+
+@pytest.mark.parametrize(
+    ("page_of", "proposed"),
+    [
+        (CountsPage, "noon+1-ab12-behaviour"),
+        (lambda _theme: AgreementPage(), "noon+1-ab12-agreement"),
+    ],
+)
+def test_files_are_proposed_under_the_recordings_name(qtbot, theme, page_of, proposed):
+    page = page_of(theme)
+    qtbot.addWidget(page)
+    page.show_name("noon+1-ab12")
+    page._ask_file()
+    (dialog,) = page.findChildren(QFileDialog)
+    assert [Path(name).stem for name in dialog.selectedFiles()] == [proposed]
+    dialog.reject()

@@ -14,6 +14,7 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
 from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour, gesture_occurrences
 from adibas.pipeline.behaviour_agreement import icc_of
+from adibas.pipeline.joined_access import joined_name
 from adibas.recordings.boris_writing import write_boris
 from adibas.recordings.coding_csv import write_coding_csv
 from adibas.recordings.codings import read_codings
@@ -277,3 +278,49 @@ def test_what_is_counted_is_written(observers, tmp_path, capsys):
 
 def test_too_few_intervals_have_a_reason():
     assert "takes 5 intervals" in icc_of("icc-count", np.zeros((4, 2))).reason.text
+
+
+@pytest.fixture
+def recordings(tmp_path, monkeypatch):
+    """Recordings of one camera, whose joints arrive without the chain that is tested elsewhere."""
+    track = track_of(*still(100, 15.0))
+    monkeypatch.setattr(
+        "adibas.pipeline.behaviour.pose_recording",
+        lambda *_told: SimpleNamespace(tracks=(track,), notices=()),
+    )
+    paths = [tmp_path / name for name in ("morning.mcap", "noon.mcap", "evening.mcap")]
+    for path in paths:
+        path.write_bytes(path.name.encode())
+    return paths
+
+
+def test_recordings_that_are_watched_as_one_are_told_by_all_their_names(
+    recordings, tmp_path, capsys
+):
+    report, found = tmp_path / "r.xlsx", tmp_path / "found.csv"
+    code, document = told(capsys, "behaviour", *recordings, "--out", report, "--out", found)
+    assert code == 0
+    assert document["recordings"] == ["morning", "noon", "evening"]
+    (coded,) = read_codings(found)
+    assert coded.name == document["recording"] == joined_name(document["recordings"])
+    book = load_workbook(report)
+    summary = dict(book["Summary"].iter_rows(max_col=2, values_only=True))
+    assert summary["Recordings"] == "morning, noon, evening"
+    book.close()
+
+
+def test_reports_in_a_folder_are_named_after_what_was_watched_and_none_is_replaced(
+    recordings, tmp_path, capsys
+):
+    folder = tmp_path / "reports"
+    folder.mkdir()
+    runs = (recordings[:1], recordings[:2], [recordings[0], recordings[2]], recordings[:2])
+    written = []
+    for some in runs:
+        code, document = told(capsys, "behaviour", *some, "--out", folder)
+        assert code == 0
+        written += document["out"]
+    assert sorted(written) == sorted(str(path) for path in folder.iterdir())
+    assert len(written) == len(runs)
+    assert written[0] == str(folder / "morning-behaviour.xlsx")
+    assert all("morning+1-" in path for path in written[1:])

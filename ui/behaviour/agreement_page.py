@@ -10,7 +10,13 @@ from PySide6.QtWidgets import (
 from adibas.behaviour.agreement import AgreementParams
 from adibas.data.coding import MS_PER_S
 from adibas.texts import translate as _
-from ui.behaviour.file_dialogs import ask_open, ask_save, coding_filter, workbook_filter
+from ui.behaviour.file_dialogs import (
+    ask_open,
+    ask_save,
+    coding_filter,
+    named_after,
+    workbook_filter,
+)
 from ui.behaviour.tables import TextTable
 from ui.behaviour.text_table import TextTableView
 from ui.widgets.flow import in_a_flow
@@ -31,6 +37,7 @@ class AgreementPage(SidePanel):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._name = ""
         self._open, self._write = QPushButton(self), QPushButton(self)
         self._fields = {name: DecimalField(self) for name in FIELDS}
         self._labels = {name: QLabel(self) for name in FIELDS}
@@ -68,6 +75,10 @@ class AgreementPage(SidePanel):
         self._table.setAccessibleName(_("Agreement"))
         self._word()
 
+    def show_name(self, name: str) -> None:
+        """Show what the recording is called, after which files are named."""
+        self._name = name
+
     def show_agreement(self, table: TextTable, sentence: str) -> None:
         """Show figures, and what is to be said of them."""
         self._sentence = sentence
@@ -91,4 +102,5 @@ class AgreementPage(SidePanel):
 
     def _ask_file(self) -> None:
         filters = (workbook_filter(),)
-        ask_save(self, _("Write the agreement"), filters, "agreement", self.file_chosen.emit)
+        file = named_after(self._name, "agreement")
+        ask_save(self, _("Write the agreement"), filters, file, self.file_chosen.emit)

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from ui.behaviour.counts_presenter import IN_INTERVALS, TABLES, USUAL_BIN_S
-from ui.behaviour.file_dialogs import ask_save, workbook_filter
+from ui.behaviour.file_dialogs import ask_save, named_after, workbook_filter
 from ui.behaviour.measured import HeatMap, Raster
 from ui.behaviour.tables import TextTable
 from ui.behaviour.text_table import TextTableView
@@ -33,6 +33,7 @@ class CountsPage(SidePanel):
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._name = ""
         self._kind, self._bin, self._bin_label = QComboBox(self), DecimalField(self), QLabel(self)
         self._bin_label.setBuddy(self._bin)
         self._write = QPushButton(self)
@@ -79,6 +80,10 @@ class CountsPage(SidePanel):
         )
         self._plot.redraw()
 
+    def show_name(self, name: str) -> None:
+        """Show what the recording is called, after which files are named."""
+        self._name = name
+
     def show_counts(self, table: TextTable) -> None:
         """Show a table."""
         self._table.show_table(table)
@@ -101,4 +106,5 @@ class CountsPage(SidePanel):
     def _ask_file(self) -> None:
         filters = (workbook_filter(), "CSV (*.csv)")
         title = _("Write what is counted")
-        ask_save(self, title, filters, "behaviour", self.file_chosen.emit)
+        file = named_after(self._name, "behaviour")
+        ask_save(self, title, filters, file, self.file_chosen.emit)

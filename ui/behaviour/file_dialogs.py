@@ -52,6 +52,11 @@ def ask_save(parent: QWidget, title: str, filters: tuple[str, ...], file: str, t
     _ask(dialog, then)
 
 
+def named_after(recording: str, what: str) -> str:
+    """Return the proposed name of a file: two recordings' files do not meet."""
+    return f"{recording}-{what}" if recording else what
+
+
 def _ending(name_filter: str) -> str:
     return name_filter.rpartition("*.")[2].rstrip(")")
 

@@ -76,7 +76,10 @@ class FindingPresenter:
         def work(control: JobControl) -> "BehaviourAnalysis":
             from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
 
-            request = BehaviourRequest(source.path, models, access=source.access, joints=joints)
+            request = BehaviourRequest(
+                *(source.path, models),
+                access=source.access, joints=joints, name=source.name, parts=source.parts,
+            )  # fmt: skip
             return analyse_behaviour(request, control.progress)
 
         self._view.show_finding(is_on=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from adibas.clock import NS_PER_S
 from adibas.pipeline.coding_drafts import BesideRecording
-from adibas.pipeline.joined_access import joined_access, joined_key
+from adibas.pipeline.joined_access import joined_access, joined_key, joined_name
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.recordings.joints_csv import recording_name
 from adibas.sessions.coding_drafts import InStore
@@ -53,7 +53,7 @@ def files_source(paths: Sequence[Path]) -> Source:
     if len(ordered) == 1:
         return file_source(ordered[0])
     names = tuple(recording_name(path) for path in ordered)
-    name = f"{names[0]}+{len(names) - 1}-{joined_key(names)}"
+    name = joined_name(names)
     whole = ordered[0].with_name(f"{name}.mcap")
     return Source(
         joined_title(names[0], len(names)),

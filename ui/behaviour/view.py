@@ -238,6 +238,8 @@ class BehaviourScreen(Screen):
 
     def show_source(self, title: str, name: str) -> None:
         self._tools.show_source(title, name)
+        for page in (self._counts, self._agreement):
+            page.show_name(name)
         self._pages.setCurrentIndex(int(bool(title)))
         if title:
             self._take_keys()
