@@ -18,12 +18,11 @@ from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.report_options import add_language, check_report
 from adibas.cli.store_options import add_store, open_existing
 from adibas.data.report import PictureChoice
-from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
-    from adibas.exchange.content import Handover
+    from adibas.exchange.handing_over import HandoverWish
     from adibas.sessions import SessionStore
 
 SUMMARY = message("hand a session over to other systems as FHIR or DICOM")
@@ -91,13 +90,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _fhir(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.exchange.fhir_bundle import write_fhir
+    from adibas.exchange.handing_over import export_fhir
 
     out: Path = arguments.out
     check_report(out, (".json",))
-    handover = _handed_over(store, arguments)
-    n_observations = write_fhir(handover, out)
-    _note(store, "fhir", handover)
+    n_observations = export_fhir(store, _wish(arguments), out)
     text = translate_plural("{file}: {n} observation.", "{file}: {n} observations.", n_observations)
     console.say(text.format(file=out, n=n_observations))
     console.give({"out": [str(out)], "n_observations": n_observations})
@@ -105,14 +102,9 @@ def _fhir(store: "SessionStore", arguments: argparse.Namespace, console: Console
 
 
 def _dicom(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.exchange.dicom_files import dicom_paths, write_dicom
+    from adibas.exchange.handing_over import export_dicom
 
-    folder: Path = arguments.out
-    handover = _handed_over(store, arguments)
-    for path in dicom_paths(handover, folder):
-        check_place(path)
-    written = write_dicom(handover, folder)
-    _note(store, "dicom", handover)
+    written = export_dicom(store, _wish(arguments), arguments.out)
     for path in written:
         console.say(str(path))
     console.give({"out": [str(path) for path in written]})
@@ -120,44 +112,30 @@ def _dicom(store: "SessionStore", arguments: argparse.Namespace, console: Consol
 
 
 def _send(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.exchange.dicom_files import dicom_datasets
-    from adibas.exchange.dicom_network import send
+    from adibas.exchange.handing_over import export_to_server
 
     name = arguments.to
     server = named_server(name)
     warn_of_listeners(server, name, console)
-    handover = _handed_over(store, arguments)
-    datasets = dicom_datasets(handover)
-    _note(store, "dicom server", handover)  # before: a connection that breaks has sent something
+    wish = _wish(arguments)
     with console.progress(name) as progress:
-        send(server, name, datasets, progress)
-    text = translate_plural("{server} has {n} file.", "{server} has {n} files.", len(datasets))
-    console.say(text.format(server=name, n=len(datasets)))
-    uids = [str(one.SOPInstanceUID) for one in datasets.values()]
+        uids = export_to_server(store, wish, server, name, progress)
+    text = translate_plural("{server} has {n} file.", "{server} has {n} files.", len(uids))
+    console.say(text.format(server=name, n=len(uids)))
     console.give({"server": name, "sop_instance_uids": uids})
     return 0
 
 
-def _handed_over(store: "SessionStore", arguments: argparse.Namespace) -> "Handover":
-    """Return the session that the options name, with as much of the patient as they allow."""
-    from adibas.exchange.content import hand_over
-    from adibas.exchange.orders import check_same_patient
-    from adibas.pipeline.stored_report import ReportWish, stored_report
+def _wish(arguments: argparse.Namespace) -> "HandoverWish":
+    """Return what the options ask for."""
+    from adibas.exchange.handing_over import HandoverWish
 
-    session = store.sessions.get(arguments.session)
-    order = wished_order(arguments) if "order" in arguments else None
-    if order is not None:
-        check_same_patient(order, store.patients.get(session.patient).identity)
-    is_known = arguments.with_identity or order is not None
-    by_default = PictureChoice.AS_IS if is_known else PictureChoice.BLURRED
-    pictures = by_default if arguments.pictures is None else PictureChoice(arguments.pictures)
-    wish = ReportWish(arguments.language, pictures, wished_protocol(arguments))
-    report = stored_report(store, session.session_id, wish)
-    person = store.patients.get(session.patient) if arguments.with_identity else None
-    return hand_over(session.session_id, report, person, order)
-
-
-def _note(store: "SessionStore", kind: str, handover: "Handover") -> None:
-    """Write into the audit log what left the clinic, and whether it says who it is."""
-    told = f"{kind}, with identity" if handover.tells_who else kind
-    store.note_export(told, handover.session_id)
+    pictures = arguments.pictures
+    return HandoverWish(
+        session_id=arguments.session,
+        language=arguments.language,
+        with_identity=arguments.with_identity,
+        pictures=None if pictures is None else PictureChoice(pictures),
+        protocol=wished_protocol(arguments),
+        order=wished_order(arguments) if "order" in arguments else None,
+    )

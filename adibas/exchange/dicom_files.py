@@ -1,5 +1,6 @@
 """A session as DICOM files: pictures, the PDF report, and the numbers."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
     from pydicom import Dataset
 
 ENDING = ".dcm"
+N_DOCUMENTS = 2
+"""Files beside the pictures: report and measures."""
 
 
 def dicom_datasets(handover: Handover) -> "dict[str, Dataset]":
@@ -51,12 +54,27 @@ def write_dicom(handover: Handover, folder: Path) -> list[Path]:
     FileError
         The disk is full, or the folder cannot be written.
     """
+    return write_datasets(dicom_datasets(handover), folder)
+
+
+def write_datasets(
+    datasets: "Mapping[str, Dataset]", folder: Path, written: Callable[[], None] | None = None
+) -> list[Path]:
+    """Write `dicom_datasets` into a folder and return their paths; `written` is told of each.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
     paths = []
-    for name, dataset in dicom_datasets(handover).items():
+    for name, dataset in datasets.items():
         path = folder / f"{name}{ENDING}"
         with written_whole(path) as unfinished:
             save(dataset, unfinished)
         paths.append(path)
+        if written is not None:
+            written()
     return paths
 
 

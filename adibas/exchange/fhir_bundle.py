@@ -34,7 +34,17 @@ def write_fhir(handover: Handover, path: Path) -> int:
     FileError
         The disk is full, or the folder cannot be written.
     """
-    bundle = fhir_bundle(handover)
+    return write_bundle(fhir_bundle(handover), path)
+
+
+def write_bundle(bundle: Json, path: Path) -> int:
+    """Write a `fhir_bundle` and return how many observations are in it.
+
+    Raises
+    ------
+    FileError
+        The disk is full, or the folder cannot be written.
+    """
     encoded = json.dumps(bundle, allow_nan=False, ensure_ascii=False, indent=1)
     with written_whole(path) as unfinished:
         unfinished.write_text(encoded, encoding="utf-8")
