@@ -1,7 +1,12 @@
-"""Gestures: the thesis' table 7.3 on simulated skeletons, and real sets, one subject left out."""
+"""Gestures: the thesis' table 7.3 on simulated skeletons, and real sets, one subject left out.
+
+With ADIBAS_BENCHMARK_RESULTS=FILE the table's every method and actor is kept in that file as it is
+done, and what stands there is not done again.
+"""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +19,7 @@ from adibas.gestures.training import TrainingParams
 from adibas.pipeline.gesture_examples import examples_of
 from adibas.timeseries.dtw import pairwise_costs
 from benchmarks.gesture_actors import GESTURES, streams
+from benchmarks.kept_folds import kept_leave_one_out
 from benchmarks.skeleton_sets import SkeletonSet, msr_action3d, utd_mhad, utkinect
 from benchmarks.table import Row
 
@@ -51,8 +57,13 @@ def rows(*, quick: bool) -> Iterable[Row]:
 
 def _simulated(*, quick: bool) -> Iterator[Row]:
     n_actors, n_each = (4, 4) if quick else (10, 20)
-    tracks, events = streams(n_actors, n_each, SEED)
-    examples, _, _ = examples_of(tracks, events, DESCRIPTOR)
+    kept = os.environ.get("ADIBAS_BENCHMARK_RESULTS")
+    file = Path(kept) if kept and not quick else None
+
+    @cache
+    def examples() -> Examples:
+        return examples_of(*streams(n_actors, n_each, SEED), DESCRIPTOR)[0]
+
     told = f"{n_actors} actors x {5 * n_each}, seed {SEED}{', quick' if quick else ''}"
     compared: tuple[tuple[Method, int, str], ...] = (
         ("table-7.1", 0, "thesis, plain"),
@@ -63,7 +74,8 @@ def _simulated(*, quick: bool) -> Iterator[Row]:
         ("likeness", 1, "thesis, weighted"),
     )
     for method, column, whose in compared:
-        result = leave_one_out(examples, DESCRIPTOR, TrainingParams(method=method, seed=SEED))
+        params = TrainingParams(method=method, seed=SEED)
+        result = kept_leave_one_out(told, n_actors, examples, DESCRIPTOR, params, file)
         for gesture in GESTURES:
             found = result.accuracy_of(result.labels.index(gesture))
             name = f"{method}, {gesture}: A by 7.7 ({told})"

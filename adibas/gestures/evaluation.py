@@ -99,10 +99,17 @@ def leave_one_out(
     parts = []
     for number, group in enumerate(groups):
         progress(number, len(groups))
-        held = examples.groups == group
-        model = train(examples.without(held), descriptor, params)
-        parts.append(compare(model, examples.picked(held), examples.picked(~held)))
+        parts.append(one_left_out(examples, int(group), descriptor, params))
     return pooled(parts)
+
+
+def one_left_out(
+    examples: Examples, group: int, descriptor: DescriptorParams, params: TrainingParams
+) -> Evaluation:
+    """Train without one group, and test on it; see `leave_one_out`."""
+    held = examples.groups == group
+    model = train(examples.without(held), descriptor, params)
+    return compare(model, examples.picked(held), examples.picked(~held))
 
 
 def compare(model: GestureModel, examples: Examples, trained: Examples | None = None) -> Evaluation:
