@@ -13,6 +13,7 @@ from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
 from adibas.cli.sessions_backup import SOMETHING_FOUND, add_backup_arguments, tell_report
+from adibas.cli.sessions_people import add_people_arguments
 from adibas.cli.sessions_retention import add_retention_arguments, retain
 from adibas.cli.sessions_server import add_server_arguments
 from adibas.cli.store_options import add_store, open_existing
@@ -87,8 +88,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     def add_alone(name: str, summary: str) -> argparse.ArgumentParser:
         return actions.add_parser(name, help=summary, description=summary)
 
-    add_backup_arguments(add_alone)
-    add_server_arguments(add_alone)
+    for add_more in (add_backup_arguments, add_server_arguments, add_people_arguments):
+        add_more(add_alone)
     add_retention_arguments(
         add("retention", _("Patients whose time is over, and when the disk is full."), retain)
     )

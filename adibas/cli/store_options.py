@@ -86,10 +86,11 @@ def passphrase_of(arguments: argparse.Namespace, folder: Path) -> str | None:
     FileError
         The file of the passphrase cannot be read.
     """
-    from adibas.sessions import KeyState, key_state
+    from adibas.sessions import key_state
+    from adibas.sessions.keys import BEHIND_PASSPHRASE
 
     passphrase = read_passphrase(arguments.passphrase_file)
-    if passphrase is None and key_state(folder) is KeyState.PASSPHRASE:
+    if passphrase is None and key_state(folder) in BEHIND_PASSPHRASE:
         passphrase = os.environ.get(PASSPHRASE_VARIABLE)
     return passphrase
 

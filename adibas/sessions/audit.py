@@ -12,6 +12,8 @@ from sqlalchemy import select
 
 from adibas.clock import Clock, to_text
 from adibas.sessions.database import Database
+from adibas.sessions.person_keys import Person
+from adibas.sessions.roles import Permission, Role, may, refusal
 from adibas.sessions.rows import Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import AUDIT, AUDIT_HEAD
 
@@ -27,6 +29,7 @@ Action = Literal[
     "recover",
     "backup",
     "merge",
+    "refuse",
 ]
 
 BEGINNING = "0" * 64
@@ -83,19 +86,60 @@ class AuditLine(NamedTuple):
 
 
 class AuditLog:
-    """Writes lines; every change and its line are one transaction.
+    """Writes lines; every change and its line are one transaction. Refuses what a role may not.
 
     Parameters
     ----------
     operator : str
-        Who works; may change.
+        Who works; may change, but not where `person` says it.
+    person : Person, optional
+        Whose passphrase opened the store; None in a store without people.
     """
 
-    def __init__(self, database: Database, clock: Clock, operator: str) -> None:
-        self.operator = operator
+    def __init__(
+        self, database: Database, clock: Clock, operator: str, person: Person | None = None
+    ) -> None:
+        self.person = person
+        self._operator = operator
         self._database = database
         self._clock = clock
         self._last_views: dict[tuple[str, str], datetime] = {}
+
+    @property
+    def operator(self) -> str:
+        """Who works."""
+        return self._operator if self.person is None else self.person.name
+
+    @operator.setter
+    def operator(self, name: str) -> None:
+        self._operator = name
+
+    @property
+    def role(self) -> Role:
+        """What whoever works may; in a store without people everything."""
+        return Role.ADMINISTRATOR if self.person is None else self.person.role
+
+    def become(self, person: Person) -> None:
+        """Let `person` be who works from now on."""
+        self.person = person
+
+    def require(self, permission: Permission, subject: str = "store") -> None:
+        """See that whoever works may do something; a refusal is a line.
+
+        Parameters
+        ----------
+        subject : str
+            To what it would be done.
+
+        Raises
+        ------
+        NotAllowedError
+            It is for another role; nothing was done.
+        """
+        if not may(self.role, permission):
+            told = {"permission": permission.value, "role": self.role.value}
+            self.append("refuse", subject, **told)
+            raise refusal(self.role, permission)
 
     def now_utc(self) -> datetime:
         """Return the time of day."""

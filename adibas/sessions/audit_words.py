@@ -15,8 +15,13 @@ ACTION_WORDS = {
     "recover": message("recovered after a crash"),
     "backup": message("backed up"),
     "merge": message("restored from a backup"),
+    "refuse": message("was refused"),
 }
-SUBJECT_WORDS = {"store": message("the patient store"), "patients": message("the list of patients")}
+SUBJECT_WORDS = {
+    "store": message("the patient store"),
+    "patients": message("the list of patients"),
+    "people": message("who may open the store"),
+}
 
 
 def action_text(action: str) -> str:

@@ -114,7 +114,8 @@ class Backups:
         Parameters
         ----------
         passphrase : str, optional
-            With which the backup opens; without it, the one of the store.
+            With which the backup opens; without it, the one of the store, or those of its people,
+            who have their roles in what is restored from it, too.
         progress : callable, optional
             Called with (bytes done, bytes in all); what it raises ends the backup, and no file is
             left.
@@ -237,12 +238,12 @@ class Backups:
         return file
 
     def _key_behind(self, passphrase: str | None, params: Argon2Params | None) -> KeyFile:
-        """Return the store's key behind a passphrase; None: the one that opens the store."""
+        """Return the store's key behind a passphrase; None: what opens the store itself."""
         file = self._own_key_file()
         if passphrase is not None:
             params = params or Argon2Params()
             return behind_passphrase(file.store_id, self._key, passphrase, params)
-        if file.place != "passphrase":
+        if file.place == "keyring":
             raise PassphraseError(
                 "The key of this patient store is in the desktop's keyring, which a backup does "
                 "not have. Choose a passphrase for the backup, and keep it safe."

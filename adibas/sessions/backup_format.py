@@ -16,8 +16,8 @@ from typing import Any, BinaryIO, Self
 from adibas.errors import PassphraseError, StoreError
 from adibas.files import cannot_read
 from adibas.recordings.seal import SealError
-from adibas.sessions.key_file import ID_LENGTH, KeyFile, fingerprint_of
-from adibas.sessions.key_wrapping import unwrap_key
+from adibas.sessions.key_file import ID_LENGTH, KeyFile, KeyPlace, fingerprint_of, version_of
+from adibas.sessions.keys import key_behind
 from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal, key_for
 
 MAGIC = b"\x8aADIBAK\x01"
@@ -47,7 +47,7 @@ class BackupHeader:
     n_bytes : int
         Of all files inside.
     wrapped : Mapping
-        The store's key behind a passphrase; see `wrap_key`.
+        The store's key behind a passphrase, or behind those of its people; see `KeyFile`.
     """
 
     store_id: str
@@ -56,6 +56,12 @@ class BackupHeader:
     salt: str
     n_bytes: int
     wrapped: Mapping[str, object]
+
+    @property
+    def key_file(self) -> KeyFile:
+        """What `key.json` of the store says, made of this backup."""
+        place: KeyPlace = "people" if "slots" in self.wrapped else "passphrase"
+        return KeyFile(self.store_id, place, self.fingerprint, self.wrapped)
 
 
 def header_of(file: KeyFile, created_utc: str, n_bytes: int) -> BackupHeader:
@@ -75,7 +81,8 @@ class BackupWriter:
     """
 
     def __init__(self, file: BinaryIO, header: BackupHeader, key: bytes) -> None:
-        line = json.dumps({"format": FORMAT, "version": VERSION, **asdict(header)}).encode()
+        version = version_of(header.key_file.place)
+        line = json.dumps({"format": FORMAT, "version": version, **asdict(header)}).encode()
         self._file = file
         self._seal = _seal(line, header, key)
         self._n_pieces = self.n_files = self.n_bytes = 0
@@ -138,8 +145,8 @@ class BackupReader:
                 file=self._path.name,
             )
         try:
-            key = unwrap_key(self.header.wrapped, passphrase, self.header.store_id)
-        except ValueError as error:
+            key = key_behind(self.header.key_file, passphrase)
+        except StoreError as error:
             raise self._damaged() from error
         if key is None:
             raise PassphraseError(
@@ -234,9 +241,10 @@ class BackupReader:
             raise self._damaged() from error
         if not isinstance(document, dict) or document.pop("format", None) != FORMAT:
             raise self._damaged()
-        if document.pop("version", None) != VERSION:
+        version, header = document.pop("version", None), _header_in(document)
+        place = None if header is None else header.key_file.place
+        if version != version_of(place):
             raise self.of_later_version()
-        header = _header_in(document)
         if header is None:
             raise self._damaged()
         return header

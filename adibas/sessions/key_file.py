@@ -14,9 +14,11 @@ from adibas.sessions.lock import cannot_use
 KEY_FILE = "key.json"
 FORMAT = "adibas-key"
 VERSION = 1
+VERSION_WITH_PEOPLE = 2
+"""A program that knows no people refuses such a store: it would let everybody do everything."""
 ID_LENGTH = 32
 
-KeyPlace = Literal["keyring", "passphrase"]
+KeyPlace = Literal["keyring", "passphrase", "people"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +29,13 @@ class KeyFile:
     ----------
     store_id : str
         Random; names the entry in the keyring.
-    place : "keyring" or "passphrase"
-        Where the key is.
+    place : "keyring", "passphrase" or "people"
+        Where the key is: in the keyring, behind the store's passphrase, or behind one passphrase a
+        person.
     fingerprint : str
         Of the key; tells another store's key from this one's and gives nothing of it away.
     wrapped : Mapping
-        See `wrap_key`; empty for a keyring.
+        See `wrap_key`, for people `person_keys`; empty for a keyring.
     """
 
     store_id: str
@@ -78,7 +81,7 @@ def write_key_file(folder: Path, file: KeyFile) -> None:
     """
     document = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": version_of(file.place),
         "store_id": file.store_id,
         "place": file.place,
         "fingerprint": file.fingerprint,
@@ -86,6 +89,11 @@ def write_key_file(folder: Path, file: KeyFile) -> None:
     }
     with written_whole(folder / KEY_FILE) as path:
         path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
+
+
+def version_of(place: object) -> int:
+    """Return the version of a file whose key is at `place`."""
+    return VERSION_WITH_PEOPLE if place == "people" else VERSION
 
 
 def damaged(reason: str) -> StoreError:
@@ -101,15 +109,15 @@ def damaged(reason: str) -> StoreError:
 def _from_document(document: object) -> KeyFile:
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise ValueError("it is no key file of ADiBAS")
-    if document.get("version") != VERSION:
+    place, wrapped = document.get("place"), document.get("wrapped")
+    if document.get("version") != version_of(place):
         raise StoreError(
             "{file} of the patient store was made by a later version of ADiBAS. Update the "
             "program.",
             file=KEY_FILE,
         )
-    place, wrapped = document.get("place"), document.get("wrapped")
     store_id, fingerprint = document.get("store_id"), document.get("fingerprint")
-    if place not in ("keyring", "passphrase") or not isinstance(wrapped, dict):
+    if place not in ("keyring", "passphrase", "people") or not isinstance(wrapped, dict):
         raise ValueError("the place of the key is missing")
     if not (isinstance(store_id, str) and len(store_id) == ID_LENGTH):
         raise ValueError("the number of the store is missing")

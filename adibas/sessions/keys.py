@@ -22,11 +22,11 @@ from adibas.sessions.key_file import (
 )
 from adibas.sessions.key_wrapping import (
     KEY_BYTES,
-    SHORTEST_PASSPHRASE,
     Argon2Params,
     unwrap_key,
     wrap_key,
 )
+from adibas.sessions.person_keys import Unlocked, check_length, unlock
 
 SERVICE = "ADiBAS patient store"
 
@@ -35,14 +35,20 @@ class KeyState(enum.Enum):
     """What opening a store will need.
 
     `NEW_...`: there is no store yet, and its key will go into the desktop's keyring, or needs a
-    passphrase because there is no keyring. `LOST`: the keyring does not give the key.
+    passphrase because there is no keyring. `PEOPLE`: the passphrase of one of the store's people.
+    `LOST`: the keyring does not give the key.
     """
 
     NEW_KEYRING = enum.auto()
     NEW_PASSPHRASE = enum.auto()
     KEYRING = enum.auto()
     PASSPHRASE = enum.auto()
+    PEOPLE = enum.auto()
     LOST = enum.auto()
+
+
+BEHIND_PASSPHRASE = (KeyState.PASSPHRASE, KeyState.PEOPLE)
+"""The states in which somebody has to type a passphrase."""
 
 
 def key_state(folder: Path) -> KeyState:
@@ -56,6 +62,8 @@ def key_state(folder: Path) -> KeyState:
     file = read_key_file(folder)
     if file is None:
         return KeyState.NEW_KEYRING if _has_keyring() else KeyState.NEW_PASSPHRASE
+    if file.place == "people":
+        return KeyState.PEOPLE
     if file.place == "passphrase":
         return KeyState.PASSPHRASE
     try:
@@ -92,7 +100,12 @@ def make_key(folder: Path, passphrase: str | None, params: Argon2Params) -> byte
 
 
 def load_key(folder: Path, passphrase: str | None) -> bytes:
-    """Return the key of an existing store; nothing is changed.
+    """Return the key of an existing store; see `open_key`."""
+    return open_key(folder, passphrase).key
+
+
+def open_key(folder: Path, passphrase: str | None) -> Unlocked:
+    """Return the key of an existing store, and whose passphrase it was; nothing is changed.
 
     Raises
     ------
@@ -107,19 +120,23 @@ def load_key(folder: Path, passphrase: str | None) -> bytes:
             "The patient store has lost its key.json. Restore that file from a backup; without it "
             "the patients cannot be read."
         )
+    if file.place == "people":
+        return _of_person(file, passphrase)
     key = _unwrapped(file, passphrase) if file.place == "passphrase" else _kept(file, passphrase)
     if fingerprint_of(key) != file.fingerprint:
         raise StoreError(
             "The key that was found belongs to another patient store. Restore key.json and the "
             "database from the same backup."
         )
-    return key
+    return Unlocked(key, None)
 
 
 def change_passphrase(
     folder: Path, old: str | None, new: str, params: Argon2Params | None = None
 ) -> None:
     """Keep the key behind the passphrase `new` from now on; the data stay as they are.
+
+    For a store without people; a person changes their own by `People.change_passphrase`.
 
     Parameters
     ----------
@@ -137,7 +154,14 @@ def change_passphrase(
     file = read_key_file(folder)
     if file is None:
         raise StoreError("The patient store has lost its key.json. Restore it from a backup.")
+    if file.place == "people":
+        raise ValueError("each person has a passphrase of their own")
     write_key_file(folder, behind_passphrase(file.store_id, key, new, params or Argon2Params()))
+    leave_keyring(file)
+
+
+def leave_keyring(file: KeyFile) -> None:
+    """Take the key out of the keyring, where `file` says that it is there."""
     if file.place == "keyring":
         with suppress(KeyringError):  # then the keyring keeps a second way in
             keyring.delete_password(SERVICE, file.store_id)
@@ -151,29 +175,56 @@ def behind_passphrase(store_id: str, key: bytes, passphrase: str, params: Argon2
     PassphraseError
         It is too short.
     """
-    if len(passphrase) < SHORTEST_PASSPHRASE:
-        raise PassphraseError(
-            "A passphrase has {least} characters at least. Several words are safer and easier to "
-            "remember than one.",
-            least=SHORTEST_PASSPHRASE,
-        )
+    check_length(passphrase)
     wrapped = wrap_key(key, passphrase, store_id, params)
     return KeyFile(store_id, "passphrase", fingerprint_of(key), wrapped)
 
 
-def _unwrapped(file: KeyFile, passphrase: str | None) -> bytes:
-    if passphrase is None:
-        raise PassphraseError("The patient store is locked. Give its passphrase.")
+def key_behind(file: KeyFile, passphrase: str) -> bytes | None:
+    """Return the key behind a passphrase, the store's or a person's; None where it is another one.
+
+    Raises
+    ------
+    StoreError
+        The file is damaged.
+    """
+    if file.place == "people":
+        found = unlock(file, passphrase)
+        return None if found is None else found.key
     try:
-        key = unwrap_key(file.wrapped, passphrase, file.store_id)
+        return unwrap_key(file.wrapped, passphrase, file.store_id)
     except ValueError as error:
         raise damaged(str(error)) from error
+
+
+def _unwrapped(file: KeyFile, passphrase: str | None) -> bytes:
+    if passphrase is None:
+        raise _locked()
+    key = key_behind(file, passphrase)
     if key is None:
-        raise PassphraseError(
-            "The passphrase is wrong. Nothing was changed; check Caps Lock and the keyboard's "
-            "language, and try again."
-        )
+        raise wrong_passphrase()
     return key
+
+
+def _of_person(file: KeyFile, passphrase: str | None) -> Unlocked:
+    if passphrase is None:
+        raise _locked()
+    found = unlock(file, passphrase)
+    if found is None:
+        raise wrong_passphrase()
+    return found
+
+
+def _locked() -> PassphraseError:
+    return PassphraseError("The patient store is locked. Give its passphrase.")
+
+
+def wrong_passphrase() -> PassphraseError:
+    """Say that a passphrase opens nothing."""
+    return PassphraseError(
+        "The passphrase is wrong. Nothing was changed; check Caps Lock and the keyboard's "
+        "language, and try again."
+    )
 
 
 def _kept(file: KeyFile, passphrase: str | None) -> bytes:

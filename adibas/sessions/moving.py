@@ -78,7 +78,7 @@ def _check(folder: Path, *, is_held: bool) -> None:
             "There is no patient store in {folder}. Give its folder with --store DIR.",
             folder=folder.name,
         )
-    if file.place != "passphrase":
+    if file.place == "keyring":
         raise PassphraseError(
             "The key of this patient store is in the keyring of this computer, where no other "
             "workstation finds it. Put the store behind a passphrase first."

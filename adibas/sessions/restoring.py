@@ -20,7 +20,7 @@ from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import DATA, FILE, BackupHeader, BackupReader
 from adibas.sessions.database import DATABASE_FILE, Database
-from adibas.sessions.key_file import KeyFile, write_key_file
+from adibas.sessions.key_file import write_key_file
 from adibas.sessions.lock import LOCK_FILE, StoreLock, cannot_use
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
@@ -66,7 +66,7 @@ def restore_into(
         with _making_of(folder.resolve()) as making:
             check_room(making, backup.header.n_bytes)
             extract(backup, key, making, progress=progress)
-            write_key_file(making, _key_file(backup.header))
+            write_key_file(making, backup.header.key_file)
             make_present(making, key)
             _give_name(making, folder.resolve())
         return backup.header
@@ -225,10 +225,6 @@ def make_present(folder: Path, key: bytes) -> None:
         bring_up_to_date(database, key)
     finally:
         database.close()
-
-
-def _key_file(header: BackupHeader) -> KeyFile:
-    return KeyFile(header.store_id, "passphrase", header.fingerprint, header.wrapped)
 
 
 def _check_empty(folder: Path) -> None:

@@ -22,12 +22,14 @@ from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.kept_files import KeptFiles, remove_leftovers
 from adibas.sessions.key_file import KEY_FILE
 from adibas.sessions.key_wrapping import Argon2Params
-from adibas.sessions.keys import load_key, make_key
+from adibas.sessions.keys import make_key, open_key
 from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.merged_files import finish_merge
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
+from adibas.sessions.person_keys import Person, Unlocked
 from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
+from adibas.sessions.roles import Permission, Role, may
 from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealing import AesSeal, key_for
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from adibas.sessions.backing_up import Backups
     from adibas.sessions.captures import Captures
     from adibas.sessions.disk_use import DiskForecast
+    from adibas.sessions.people import People
     from adibas.sessions.purging import Purge
     from adibas.sessions.retention import Retention
     from adibas.sessions.sealed_folder import SealedFolder
@@ -136,6 +139,37 @@ class SessionStore:
         return Backups(self._database, self.audit, self._key, folders, making)
 
     @cached_property
+    def people(self) -> "People":
+        """Who may open the store."""
+        from adibas.sessions.people import People
+
+        return People(self.folder, self._database, self.audit, self._key)
+
+    @property
+    def person(self) -> Person | None:
+        """Whose passphrase opened the store; None in a store without people."""
+        return self.audit.person
+
+    @property
+    def role(self) -> Role:
+        """What whoever has it open may; in a store without people everything."""
+        return self.audit.role
+
+    def may(self, permission: Permission) -> bool:
+        """Say whether whoever has it open may do something; nothing is noted."""
+        return may(self.role, permission)
+
+    def require(self, permission: Permission, subject: str = STORE_AS_SUBJECT) -> None:
+        """See that whoever has it open may do something; a refusal is noted in the audit log.
+
+        Raises
+        ------
+        NotAllowedError
+            It is for another role; nothing was done.
+        """
+        self.audit.require(permission, subject)
+
+    @cached_property
     def retention(self) -> "Retention":
         """The patients whose time is over."""
         from adibas.sessions.retention import Retention
@@ -206,7 +240,7 @@ class SessionStore:
 
     @property
     def operator(self) -> str:
-        """Who works: stands in new sessions and in the audit log."""
+        """Who works: stands in new sessions and in the audit log; where it has people, one."""
         return self.audit.operator
 
     @operator.setter
@@ -287,18 +321,20 @@ def open_store(
         if address is None:
             lock = StoreLock(folder)
             if_that_fails.callback(lock.release)
-            key = _key(folder, passphrase, key_params or Argon2Params(), may_make=lock.is_held)
+            params = key_params or Argon2Params()
+            key, person = _key(folder, passphrase, params, may_make=lock.is_held)
             database = Database(SqliteFile(folder, key), is_read_only=not lock.is_held)
         else:
-            key = load_key(folder, passphrase)
+            key, person = open_key(folder, passphrase)
             database = _on_server(folder, key, address, server_password)
         if_that_fails.callback(database.close)
         bring_up_to_date(database, key)
         _mark_as_made(folder)
-        audit = AuditLog(database, clock, operator)
+        audit = AuditLog(database, clock, operator, person)
         let_go = (lambda: None) if address is not None else lock.release
         store = SessionStore(folder, database, let_go, audit, key)
-        audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only)
+        told = {} if person is None else {"role": person.role.value}
+        audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only, **told)
         with database.alone() as is_alone:
             if is_alone:
                 store.tidy()
@@ -325,8 +361,8 @@ def _mark_as_made(folder: Path) -> None:
         raise cannot_use(folder, error) from error
 
 
-def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> bytes:
-    """Return the key; one is made only where no trace of an older store is."""
+def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> Unlocked:
+    """Return the key and whose it is; one is made only where no trace of an older store is."""
     has_key = is_there(folder / KEY_FILE)
     has_data = any(is_there(folder / name) for name in (PICTURES_FOLDER, RECORDINGS_FOLDER))
     database = folder / DATABASE_FILE
@@ -337,9 +373,9 @@ def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make
             file=DATABASE_FILE,
         )
     if has_key or has_data or has_database:
-        return load_key(folder, passphrase)
+        return open_key(folder, passphrase)
     if not may_make:
         raise StoreError(
             "Another window is just making this patient store. Wait a moment and open it again."
         )
-    return make_key(folder, passphrase, params)
+    return Unlocked(make_key(folder, passphrase, params), None)
