@@ -7,9 +7,10 @@ import tokenize
 import uuid
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from adibas.errors import FileError
 
@@ -29,6 +30,18 @@ DAMAGED_JSON = (ValueError, RecursionError)
 deeply."""
 UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 """Names of files in the making."""
+
+
+def check_document(document: Mapping[str, Any], kind: str, version: int) -> None:
+    """Refuse a JSON document of another format or version than is asked for.
+
+    Raises
+    ------
+    ValueError
+        It is.
+    """
+    if (document.get("format"), document.get("version")) != (kind, version):
+        raise ValueError(f"the document is no {kind} of version {version}")
 
 
 @contextmanager

@@ -1,13 +1,14 @@
 """What a reliability benchmark is told, and how it goes on where it was interrupted."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from adibas.files import written_whole
 from adibas.progress import Progress
+from benchmarks.table import Row
 
 STATE_FOLDER = Path(__file__).parents[1] / "build" / "reliability"
 
@@ -40,16 +41,37 @@ class Run:
         left = max(0, whole - done)
         return left if self.amount is None else min(left, round(self.amount))
 
-
-def load_state(path: Path) -> dict[str, Any]:
-    """Return what was kept at `path`; nothing where there is none."""
-    if not path.is_file():
-        return {}
-    state: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return state
+    def kept(self, name: str, nothing: Mapping[str, Any]) -> "Kept":
+        """Return what earlier runs have counted; a quick run begins with nothing."""
+        return Kept(None if self.is_quick else self.folder / f"{name}.json", nothing)
 
 
-def keep_state(path: Path, state: Mapping[str, object]) -> None:
-    """Keep `state` at `path`: whole, or as it was before."""
-    with written_whole(path) as unfinished:
-        unfinished.write_text(json.dumps(state, indent=1), encoding="utf-8")
+class Kept(dict[str, Any]):
+    """What a benchmark has counted: a later run goes on with it.
+
+    Parameters
+    ----------
+    file : Path or None
+        Where it is kept between runs; None: nowhere.
+    nothing : mapping
+        What is counted, before anything is done.
+    """
+
+    def __init__(self, file: Path | None, nothing: Mapping[str, Any]) -> None:
+        super().__init__(nothing)
+        self._file = file
+        if file is not None and file.is_file():
+            self.update(json.loads(file.read_text(encoding="utf-8")))
+
+    def keep(self) -> None:
+        """Write it down: whole, or as it was before."""
+        if self._file is not None:
+            with written_whole(self._file) as unfinished:
+                unfinished.write_text(json.dumps(self, indent=1), encoding="utf-8")
+
+
+def problem_rows(what: str, problems: list[str]) -> Iterable[Row]:
+    """Give the row of how many there are, which should be none, then one for each."""
+    yield Row(what, len(problems), "things", 0, "goal")
+    for problem in problems:
+        yield Row(problem, 1, "things", 0, "goal")

@@ -7,11 +7,10 @@ import tempfile
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Run, problem_rows
 from benchmarks.store_work import Notes, problems_in, work
 from benchmarks.table import Row
 
@@ -44,24 +43,18 @@ class JumpingClock:
 
 def rows(run: Run) -> Iterable[Row]:
     """Work with such clocks."""
-    path = run.folder / "clock.json"
-    done: dict[str, Any] = {"n_stores": 0, "n_back": 0, "problems": []}
-    if not run.is_quick:
-        done |= load_state(path)
+    done = run.kept("clock", {"n_stores": 0, "n_back": 0, "problems": []})
     to_do = run.n_to_do(WHOLE, done["n_stores"], QUICK)
     for number in range(to_do):
         run.progress(number, to_do)
         n_back, problems = trial(done["n_stores"])
         done["n_stores"] += 1
         done["n_back"] += n_back
-        done["problems"] = [*done["problems"], *problems]
-        if not run.is_quick:
-            keep_state(path, done)
+        done["problems"] += problems
+        done.keep()
     yield Row("stores made with a jumping clock", done["n_stores"], "stores", WHOLE, "goal")
     yield Row("jumps back between two looks", done["n_back"], "jumps")
-    yield Row("things lost, damaged or refused", len(done["problems"]), "things", 0, "goal")
-    for problem in done["problems"]:
-        yield Row(problem, 1, "things", 0, "goal")
+    yield from problem_rows("things lost, damaged or refused", done["problems"])
 
 
 def trial(seed: int) -> tuple[int, list[str]]:

@@ -8,10 +8,9 @@ there afterwards. ``--amount`` is the number of disks in this run. Linux only.
 import json
 import tempfile
 from collections.abc import Iterable
-from typing import Any
 
 from adibas.errors import FileError
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Run, problem_rows
 from benchmarks.own_disk import can_mount, on_own_disks
 from benchmarks.table import Row
 
@@ -23,10 +22,7 @@ def rows(run: Run) -> Iterable[Row]:
     """Fill disks."""
     if not can_mount():
         raise FileError("No disk can be mounted here. Allow user namespaces, or work as root.")
-    path = run.folder / "disk.json"
-    done: dict[str, Any] = {"n_disks": 0, "n_refused": 0, "n_full": 0, "problems": []}
-    if not run.is_quick:
-        done |= load_state(path)
+    done = run.kept("disk", {"n_disks": 0, "n_refused": 0, "n_full": 0, "problems": []})
     to_do = run.n_to_do(WHOLE, done["n_disks"], QUICK)
     with tempfile.TemporaryDirectory() as folder:
         words = (folder, str(done["n_disks"]), str(to_do))
@@ -37,13 +33,10 @@ def rows(run: Run) -> Iterable[Row]:
                 done["n_refused"] += len(told["told"])
                 done["n_full"] += bool(told["told"])
                 found = [f"{told['n_pages']} pages: {one}" for one in told["problems"]]
-                done["problems"] = [*done["problems"], *found]
-                if not run.is_quick:
-                    keep_state(path, done)
+                done["problems"] += found
+                done.keep()
                 run.progress(number, to_do)
     yield Row("disks with room for 0, 1, 2, ... pages", done["n_disks"], "disks", WHOLE, "goal")
     yield Row("of these too small for something", done["n_full"], "disks")
     yield Row("sentences that said so", done["n_refused"], "sentences")
-    yield Row("things lost, damaged or left over", len(done["problems"]), "things", 0, "goal")
-    for problem in done["problems"]:
-        yield Row(problem, 1, "things", 0, "goal")
+    yield from problem_rows("things lost, damaged or left over", done["problems"])

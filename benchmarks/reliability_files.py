@@ -13,7 +13,7 @@ from pathlib import Path
 
 from adibas.errors import AdibasError, FileError
 from benchmarks.fuzz_importers import IMPORTERS, Importer, Trial
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Kept, Run
 from benchmarks.table import Row
 
 WHOLE, QUICK = 100_000, 200
@@ -28,7 +28,7 @@ def rows(run: Run) -> Iterable[Row]:
             "atheris is not installed. Install it with: pip install atheris (Linux, macOS)."
         )
     folder = run.folder / ("files-quick" if run.is_quick else "files")
-    state = load_state(folder / "state.json")
+    state = Kept(folder / "state.json", {})
     n_given = 0
     for importer in sorted(IMPORTERS, key=lambda one: sum(state.get(one.name, {}).values())):
         counts = Counter[str](state.get(importer.name, {}))
@@ -39,7 +39,7 @@ def rows(run: Run) -> Iterable[Row]:
             n_now = min(left, AT_ONCE)
             counts += _given(importer, n_now, place, _n_done(counts))
             state[importer.name] = counts
-            keep_state(folder / "state.json", state)
+            state.keep()
             left -= n_now
             n_given += n_now
             run.progress(n_given, 0)

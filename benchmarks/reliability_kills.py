@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.crash_trial import KILLS_PER_STORE, Outcome, kill_often
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Run, problem_rows
 from benchmarks.table import Row
 
 WHOLE, QUICK = 10_000, 20
@@ -25,14 +25,12 @@ NOTHING: dict[str, Any] = {
 
 def rows(run: Run) -> Iterable[Row]:
     """Kill."""
-    path = run.folder / "kills.json"
-    done = dict(NOTHING) if run.is_quick else NOTHING | load_state(path)
+    done = run.kept("kills", NOTHING)
     to_do = run.n_to_do(WHOLE, done["n_kills"], QUICK)
     for n_now in range(0, to_do, AT_ONCE):
         run.progress(n_now, to_do)
-        done = _with(done, kill_side_by_side(AT_ONCE, done["n_kills"]))
-        if not run.is_quick:
-            keep_state(path, done)
+        done |= _with(done, kill_side_by_side(AT_ONCE, done["n_kills"]))
+        done.keep()
     yield from _told(done)
 
 
@@ -57,9 +55,7 @@ def _with(done: dict[str, Any], outcomes: list[Outcome]) -> dict[str, Any]:
 def _told(done: dict[str, Any]) -> Iterable[Row]:
     after = f"after {done['n_kills']:,} kills at random moments"
     yield Row("kills", done["n_kills"], "kills", WHOLE, "goal")
-    yield Row(f"things lost or damaged {after}", len(done["problems"]), "things", 0, "goal")
-    for problem in done["problems"]:
-        yield Row(problem, 1, "things", 0, "goal")
+    yield from problem_rows(f"things lost or damaged {after}", done["problems"])
     lost = done["frames_lost"]
     yield Row(f"most written frames lost by one kill {after}", lost, "frames", 30, "goal <=")
     yield Row("saved patients, sessions, captures and recordings", done["saved"], "things")

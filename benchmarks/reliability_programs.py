@@ -6,9 +6,8 @@
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Run, problem_rows
 from benchmarks.store_work import make_store
 from benchmarks.table import Row
 from benchmarks.two_programs import one_round
@@ -19,10 +18,7 @@ ROUNDS_OF_A_STORE = 10
 
 def rows(run: Run) -> Iterable[Row]:
     """Open stores twice."""
-    path = run.folder / "programs.json"
-    done: dict[str, Any] = {"n_rounds": 0, "saved": 0, "problems": []}
-    if not run.is_quick:
-        done |= load_state(path)
+    done = run.kept("programs", {"n_rounds": 0, "saved": 0, "problems": []})
     to_do = run.n_to_do(WHOLE, done["n_rounds"], QUICK)
     for first in range(0, to_do, ROUNDS_OF_A_STORE):
         n_rounds = min(ROUNDS_OF_A_STORE, to_do - first)
@@ -35,10 +31,7 @@ def rows(run: Run) -> Iterable[Row]:
                 done["n_rounds"] += 1
                 done["problems"] += [f"round {told.seed}: {one}" for one in told.problems]
         done["saved"] += told.n_saved
-        if not run.is_quick:
-            keep_state(path, done)
+        done.keep()
     yield Row("rounds of two programs on one store", done["n_rounds"], "rounds", WHOLE, "goal")
     yield Row("things saved by both", done["saved"], "things")
-    yield Row("things lost or damaged, or two writers", len(done["problems"]), "things", 0, "goal")
-    for problem in done["problems"]:
-        yield Row(problem, 1, "things", 0, "goal")
+    yield from problem_rows("things lost or damaged, or two writers", done["problems"])

@@ -8,10 +8,9 @@ import json
 import shutil
 import tempfile
 from collections.abc import Iterable
-from typing import Any
 
 from adibas.errors import FileError
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Run, problem_rows
 from benchmarks.own_disk import can_mount, on_own_disks
 from benchmarks.table import Row
 
@@ -22,10 +21,7 @@ def rows(run: Run) -> Iterable[Row]:
     """Let it vanish."""
     if not can_mount() or shutil.which("bindfs") is None:
         raise FileError("No share can be mounted here. Install bindfs, and allow user namespaces.")
-    path = run.folder / "share.json"
-    done: dict[str, Any] = {"n_moments": 0, "seconds": 0.0, "problems": []}
-    if not run.is_quick:
-        done |= load_state(path)
+    done = run.kept("share", {"n_moments": 0, "seconds": 0.0, "problems": []})
     to_do = run.n_to_do(WHOLE, done["n_moments"], QUICK)
     with tempfile.TemporaryDirectory() as folder:
         words = (folder, str(done["n_moments"]), str(to_do))
@@ -35,12 +31,9 @@ def rows(run: Run) -> Iterable[Row]:
                 done["n_moments"] += 1
                 done["seconds"] = max(done["seconds"], told["seconds"])
                 found = [f"{told['moment_s']:.3f} s: {one}" for one in told["problems"]]
-                done["problems"] = [*done["problems"], *found]
-                if not run.is_quick:
-                    keep_state(path, done)
+                done["problems"] += found
+                done.keep()
                 run.progress(number, to_do)
     yield Row("moments at which the share vanished", done["n_moments"], "moments", WHOLE, "goal")
     yield Row("longest until it was told in a sentence", done["seconds"], "s", 10, "goal <")
-    yield Row("things lost, damaged or untold", len(done["problems"]), "things", 0, "goal")
-    for problem in done["problems"]:
-        yield Row(problem, 1, "things", 0, "goal")
+    yield from problem_rows("things lost, damaged or untold", done["problems"])

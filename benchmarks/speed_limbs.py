@@ -232,11 +232,11 @@ def _memory_rows(effort: Effort) -> Iterator[Row]:
     frames = LimbFrames(8, BODY_PART_NAMES, SEED)
     params = ForestParams(n_trees=1, n_images=None, n_pixels=50, max_depth=6, n_candidates=10)
     memory = Memory(n_batch_images=64, image_bytes=0, count_bytes=32 * MEBIBYTE)
-    train_tree(_Repeated(frames, 8), replace(params, max_depth=2), SEED, 0, memory)
+    train_tree(_Repeated(frames, 8), replace(params, max_depth=2), (SEED, 0), memory)
     for n_frames in effort.set_sizes:
         images = _Repeated(frames, n_frames)
         tracemalloc.start()
-        train_tree(images, params, SEED, 0, memory)
+        train_tree(images, params, (SEED, 0), memory)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         drawn = n_frames * params.n_pixels * 20 / MEBIBYTE

@@ -43,6 +43,28 @@ class Tree:
     counts: IntArray
 
 
+class CountedPixels(Protocol):
+    """The pixels that a tree grows from, wherever they are."""
+
+    def label_counts(self) -> IntArray:
+        """Return the (L,) drawn pixels of each label."""
+        ...
+
+    def count(
+        self,
+        group: IntArray,
+        grown: tuple[Int32Array, Float32Array],
+        candidates: tuple[Float32Array, Float32Array],
+        counts: Int32Array,
+    ) -> None:
+        """Move all pixels to the nodes of `grown`, and add what candidates make of a group's."""
+        ...
+
+
+DrawPixels = Callable[[TrainingImages, ForestParams, tuple[int, int], Memory], CountedPixels]
+"""Draws pixels for one tree; see `PixelSample`."""
+
+
 def train_forest(
     images: TrainingImages,
     params: ForestParams,
@@ -63,7 +85,7 @@ def train_forest(
     progress : function or None
         Called at every level of every tree.
     """
-    trees = [train_tree(images, params, seed, n, memory, progress) for n in range(params.n_trees)]
+    trees = [train_tree(images, params, (seed, n), memory, progress) for n in range(params.n_trees)]
     return join_trees(trees, images.labels, params, {"seed": seed, "n_images": len(images)})
 
 
@@ -130,12 +152,21 @@ def node_probabilities(tree: Tree, shrinkage: float) -> Float32Array:
 def train_tree(
     images: TrainingImages,
     params: ForestParams,
-    seed: int,
-    number: int,
+    seed: tuple[int, int],
     memory: Memory | None = None,
     progress: Progress | None = None,
+    draw: DrawPixels = PixelSample,
 ) -> Tree:
-    """Grow tree `number` of a forest, breadth first.
+    """Grow a tree of a forest, breadth first.
+
+    Parameters
+    ----------
+    images, params, memory, progress
+        As for `train_forest`.
+    seed : (int, int)
+        Of the forest, and the number of the tree.
+    draw : function
+        Draws the pixels that it grows from, here or elsewhere.
 
     Raises
     ------
@@ -143,51 +174,32 @@ def train_tree(
         No image has a labelled pixel with depth.
     """
     memory = memory or Memory()
-    sample = PixelSample(images, params, (seed, number), memory)
-    plan = TreePlan(params, seed, number, len(images.labels), memory.count_bytes)
-    return grow_tree(sample, plan, progress)
-
-
-class CountedPixels(Protocol):
-    """The pixels that a tree grows from, wherever they are."""
-
-    def label_counts(self) -> IntArray:
-        """Return the (L,) drawn pixels of each label."""
-        ...
-
-    def count(
-        self,
-        group: IntArray,
-        grown: tuple[Int32Array, Float32Array],
-        candidates: tuple[Float32Array, Float32Array],
-        counts: Int32Array,
-    ) -> None:
-        """Move all pixels to the nodes of `grown`, and add what candidates make of a group's."""
-        ...
+    sample = draw(images, params, seed, memory)
+    plan = _TreePlan(params, seed, len(images.labels), memory.count_bytes)
+    return _grow_tree(sample, plan, progress)
 
 
 @dataclass(frozen=True, slots=True)
-class TreePlan:
+class _TreePlan:
     """Which tree is grown, and how.
 
     Attributes
     ----------
     params : ForestParams
-    seed, number : int
-        Of the forest, and of the tree in it.
+    seed : (int, int)
+        Of the forest, and the number of the tree.
     n_labels : int
     count_bytes : int
         For the counts of a group of nodes.
     """
 
     params: ForestParams
-    seed: int
-    number: int
+    seed: tuple[int, int]
     n_labels: int
     count_bytes: int
 
 
-def grow_tree(pixels: CountedPixels, plan: TreePlan, progress: Progress | None) -> Tree:
+def _grow_tree(pixels: CountedPixels, plan: _TreePlan, progress: Progress | None) -> Tree:
     """Grow a tree of pixels that were drawn for it.
 
     Raises
@@ -202,7 +214,7 @@ def grow_tree(pixels: CountedPixels, plan: TreePlan, progress: Progress | None) 
     for level in range(plan.params.max_depth):
         open_nodes = growth.open_nodes(plan.params)
         if progress is not None:
-            progress(plan.number, level, len(open_nodes))
+            progress(plan.seed[1], level, len(open_nodes))
         if not len(open_nodes):
             break
         _split_level(pixels, growth, open_nodes, level, plan)
@@ -242,11 +254,11 @@ class _Growth:
 
 
 def _split_level(
-    pixels: CountedPixels, growth: _Growth, open_nodes: IntArray, level: int, plan: TreePlan
+    pixels: CountedPixels, growth: _Growth, open_nodes: IntArray, level: int, plan: _TreePlan
 ) -> None:
     """Split the nodes of a level, group by group."""
     params = plan.params
-    rng = np.random.default_rng([plan.seed, plan.number, _DRAW_CANDIDATES, level])
+    rng = np.random.default_rng([*plan.seed, _DRAW_CANDIDATES, level])
     n_candidates = params.n_candidates + params.n_gradient_candidates
     n_labels = growth.counts.shape[1]
     node_bytes = n_candidates * (params.n_thresholds + 1) * n_labels * _INT32_BYTES

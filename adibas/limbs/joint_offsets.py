@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.files import check_document
 from adibas.limbs.joint_places import JointPlace, without_side
 
 FORMAT, VERSION = "adibas-joint-offsets", 1
@@ -132,8 +133,7 @@ def offsets_from_json(document: Mapping[str, Any]) -> JointOffsets:
     ValueError
         It is no such document, or lacks a joint.
     """
-    if (document.get("format"), document.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"the document is no {FORMAT} of version {VERSION}")
+    check_document(document, FORMAT, VERSION)
     return JointOffsets(
         {
             without_side(str(kind)): JointOffset(

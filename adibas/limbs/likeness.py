@@ -16,6 +16,7 @@ import numpy as np
 from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, check_shape, read_only
 from adibas.data.joints import BODY_PART_NAMES
 from adibas.data.limbs import NO_LABEL, LimbParts
+from adibas.files import check_document
 
 FORMAT, VERSION = "adibas-person-likeness", 1
 QUANTITIES = (
@@ -232,8 +233,7 @@ def likeness_from_json(document: Mapping[str, Any]) -> Likeness:
     ValueError
         It is no such document, or of other quantities.
     """
-    if (document.get("format"), document.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"the document is no {FORMAT} of version {VERSION}")
+    check_document(document, FORMAT, VERSION)
     if tuple(document["quantities"]) != QUANTITIES:
         raise ValueError("the document is of other quantities")
     middles, spreads, weights = (

@@ -15,6 +15,7 @@ from adibas.behaviour.editing import Draft, History
 from adibas.data.coding import Coding, Occurrence
 from adibas.data.sentence import Sentence
 from adibas.errors import AdibasError
+from adibas.files import DAMAGED_JSON, check_document
 from adibas.pipeline.coding_drafts import CODED, DETECTED, DraftPlace, read_draft, write_draft
 from adibas.recordings.coding_csv import coding_csv_text, codings_of_csv
 from adibas.texts import message
@@ -82,7 +83,7 @@ def read_history(place: DraftPlace) -> Kept | None:
         return Kept(History(draft))
     try:
         history = _history(json.loads(text))
-    except (AdibasError, KeyError, TypeError, ValueError, IndexError, RecursionError):
+    except (AdibasError, LookupError, TypeError, AttributeError, *DAMAGED_JSON):
         return Kept(History(draft), Sentence(DAMAGED))
     return Kept(history if history.now == draft else history.changed(draft))
 
@@ -110,8 +111,7 @@ def blind_observer(place: DraftPlace) -> str:
 
 
 def _history(document: Document) -> History[Draft]:
-    if (document["format"], document["version"]) != (FORMAT, VERSION):
-        raise ValueError("steps of another version")
+    check_document(document, FORMAT, VERSION)
     base = _draft(document["base"])
     back = _drafts(base, document["back"])
     return History(base, tuple(reversed(back)), tuple(_drafts(base, document["forth"])))

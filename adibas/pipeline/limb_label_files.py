@@ -17,7 +17,7 @@ import numpy as np
 from adibas.arrays import AnyArray, UInt8Array, UInt16Array
 from adibas.data.limbs import labels_named
 from adibas.errors import LimbError
-from adibas.files import DAMAGED_JSON, is_there, remove_file, written_whole
+from adibas.files import DAMAGED_JSON, check_document, is_there, remove_file, written_whole
 from adibas.limbs.training_set import (
     DEPTH,
     HEADER,
@@ -196,12 +196,10 @@ def _read_done(folder: Path, name: str) -> frozenset[int]:
         return frozenset()
     try:
         document: Any = json.loads(path.read_text("utf-8"))
-        is_ours = (document["format"], document["version"]) == (FORMAT, VERSION)
+        check_document(document, FORMAT, VERSION)
         of, done = str(document["recording"]), frozenset(map(int, document["done"]))
-    except (OSError, KeyError, TypeError, *DAMAGED_JSON) as error:
+    except (OSError, KeyError, TypeError, AttributeError, *DAMAGED_JSON) as error:
         raise _damaged(folder) from error
-    if not is_ours:
-        raise _damaged(folder)
     if of != name:
         raise LimbError(
             "{folder} holds labels of {recording}. Choose another folder for this recording.",

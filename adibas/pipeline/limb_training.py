@@ -15,19 +15,14 @@ from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY
 from adibas.errors import LimbError
 from adibas.files import DAMAGED_ARRAYS, DAMAGED_JSON, written_whole
 from adibas.forests.params import ForestParams
-from adibas.forests.samples import Memory, TrainingImages
-from adibas.forests.training import Progress as ForestProgress
-from adibas.forests.training import Tree, join_trees, train_tree
+from adibas.forests.samples import Memory, PixelSample, TrainingImages
+from adibas.forests.training import DrawPixels, Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
 from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS, simulate_folder
 
 Progress = Callable[[str, int, int], None]
 """Told the step (``simulating``, ``training``), what is done and all there is."""
-GrowTree = Callable[
-    [TrainingImages, ForestParams, int, int, Memory | None, ForestProgress | None], Tree
-]
-"""As `train_tree`, here or on a cluster."""
 _UNFINISHED = ".training"
 _SETTINGS = "settings.json"
 _FRAMES = "frames"
@@ -92,16 +87,16 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
         Something cannot be written.
     """
     with ExitStack() as stack:
-        grow: GrowTree = train_tree
+        draw: DrawPixels = PixelSample
         if request.cluster:
             from adibas.pipeline.training_cluster import open_cluster
 
-            grow = stack.enter_context(open_cluster(request.cluster)).train_tree
-        return _trained(request, grow, progress, clock)
+            draw = stack.enter_context(open_cluster(request.cluster)).draw
+        return _trained(request, draw, progress, clock)
 
 
 def _trained(
-    request: TrainingRequest, grow: GrowTree, progress: Progress, clock: Clock
+    request: TrainingRequest, draw: DrawPixels, progress: Progress, clock: Clock
 ) -> LimbModel:
     work = request.out.with_name(request.out.name + _UNFINISHED)
     folder = None if request.folder is None else LimbFolder(request.folder)
@@ -120,7 +115,7 @@ def _trained(
     if images.labels != labels:
         images = Relabelled(images, labels, TO_TORSO)
     trees = [
-        _grown(work, images, request, grow, number, progress)
+        _grown(work, images, request, draw, number, progress)
         for number in range(request.params.n_trees)
     ]
     source = {**settings, "created_utc": to_text(clock())}
@@ -201,7 +196,7 @@ def _grown(
     work: Path,
     images: TrainingImages,
     request: TrainingRequest,
-    grow: GrowTree,
+    draw: DrawPixels,
     number: int,
     progress: Progress,
 ) -> Tree:
@@ -215,7 +210,7 @@ def _grown(
 
     tree = _kept(path)
     if tree is None:
-        tree = grow(images, request.params, request.seed, number, MEMORY, tell)
+        tree = train_tree(images, request.params, (request.seed, number), MEMORY, tell, draw)
         with written_whole(path) as unfinished, unfinished.open("wb") as file:
             np.savez_compressed(file, child=tree.child, nodes=tree.nodes, counts=tree.counts)
     progress("training", (number + 1) * n_levels, n_steps)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from adibas.errors import FileError
-from adibas.files import DAMAGED_JSON, written_whole
+from adibas.files import DAMAGED_JSON, check_document, written_whole
 from adibas.limbs.joint_offsets import JointOffsets, offsets_from_json, offsets_to_json
 from adibas.resources import resource_path
 from adibas.skeleton.proportions import (
@@ -68,8 +68,7 @@ def read_joint_model(path: Path) -> JointModel:
 
 
 def _model_of(document: Mapping[str, Any]) -> JointModel:
-    if (document.get("format"), document.get("version")) != (FORMAT, VERSION):
-        raise ValueError("another format")
+    check_document(document, FORMAT, VERSION)
     return JointModel(
         offsets_from_json(document["offsets"]), proportions_from_json(document["proportions"])
     )

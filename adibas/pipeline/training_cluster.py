@@ -12,6 +12,7 @@ import importlib.util
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
@@ -23,7 +24,7 @@ from adibas.arrays import AnyArray, Float32Array, Int32Array, IntArray
 from adibas.errors import AdibasError, LimbError
 from adibas.forests.params import ForestParams
 from adibas.forests.samples import Memory, PixelSample, TrainingImages
-from adibas.forests.training import Progress, Tree, TreePlan, grow_tree
+from adibas.forests.training import CountedPixels
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -101,23 +102,16 @@ class Cluster:
                 version=__version__,
             )
 
-    def train_tree(
-        self,
-        images: TrainingImages,
-        params: ForestParams,
-        seed: int,
-        number: int,
-        memory: Memory | None = None,
-        progress: Progress | None = None,
-    ) -> Tree:
-        """Grow tree `number` of a forest: the same that `adibas.forests.training` grows here.
+    def draw(
+        self, images: TrainingImages, params: ForestParams, seed: tuple[int, int], memory: Memory
+    ) -> CountedPixels:
+        """Let the workers draw a tree's pixels: the same that `PixelSample` draws here.
 
         Raises
         ------
         LimbError
-            A worker does not see the images, or is lost.
+            A worker does not see the images, or is lost; the pixels' methods say so too.
         """
-        memory = memory or Memory()
         sees = _answered(self._address, lambda: self._client.run(_sees, images))
         for worker, is_seen in sees.items():
             if not is_seen:
@@ -126,15 +120,13 @@ class Cluster:
                     "computers of the cluster have under the same path.",
                     worker=worker,
                 )
-        shared = Memory(
-            _batch_of(params.n_images or len(images), len(self._workers), memory.n_batch_images),
-            memory.image_bytes,
-            memory.count_bytes,
-        )
+        n_images = params.n_images or len(images)
+        n_batch = _batch_of(n_images, len(self._workers), memory.n_batch_images)
+        shared = replace(memory, n_batch_images=n_batch)
         shares = [
             self._client.submit(
                 Share,
-                *(images, params, (seed, number), shared, (place, len(self._workers))),
+                *(images, params, seed, shared, (place, len(self._workers))),
                 actor=True,
                 pure=False,
                 workers=[worker],
@@ -142,9 +134,7 @@ class Cluster:
             )
             for place, worker in enumerate(self._workers)
         ]
-        pixels = _SharedPixels([self._wait(share.result) for share in shares], self._wait)
-        plan = TreePlan(params, seed, number, len(images.labels), memory.count_bytes)
-        return grow_tree(pixels, plan, progress)
+        return _SharedPixels([self._wait(share.result) for share in shares], self._wait)
 
     def _wait(self, result: Callable[[float], Any]) -> Any:
         """Return a result, and look now and then whether somebody is still working on it."""

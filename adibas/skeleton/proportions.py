@@ -8,6 +8,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, check_shape, read_only
 from adibas.data.joints import JOINT_NAMES, PARENT_OF, mirror_order
+from adibas.files import check_document
 
 ROOT = JOINT_NAMES.index("torso")
 PARENTS: tuple[int, ...] = tuple(
@@ -122,8 +123,7 @@ def proportions_from_json(document: Mapping[str, Any]) -> Proportions:
     ValueError
         It is no such document.
     """
-    if (document.get("format"), document.get("version")) != (FORMAT, VERSION):
-        raise ValueError(f"the document is no {FORMAT} of version {VERSION}")
+    check_document(document, FORMAT, VERSION)
     rows = [document["joints"][name] for name in JOINT_NAMES]
     lengths, spreads, areas = (
         np.array([float(row[key]) for row in rows]) for key in ("length", "spread", "area")

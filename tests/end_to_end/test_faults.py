@@ -20,7 +20,7 @@ from adibas.errors import AdibasError
 from adibas.recordings import RecordingOptions, create_recording, open_recording
 from benchmarks import reliability_clock, reliability_hours
 from benchmarks.hours_picture import draw_hours
-from benchmarks.long_run import Run, keep_state, load_state
+from benchmarks.long_run import Run
 from benchmarks.own_disk import can_mount, on_own_disks
 from benchmarks.reliability_hours import Sample
 from benchmarks.store_work import Notes, make_store, problems_in, work
@@ -127,12 +127,17 @@ def test_seconds_of_the_live_view_come_at_thirty_frames_a_second(tmp_path):
 
 
 def test_an_interrupted_benchmark_goes_on_where_it_was(tmp_path):
-    path = tmp_path / "state.json"
-    assert load_state(path) == {}
-    keep_state(path, {"n_kills": 40})
-    assert load_state(path) == {"n_kills": 40}
-    assert [one.name for one in tmp_path.iterdir()] == ["state.json"]
-    run = Run(is_quick=False, amount=25.0, progress=lambda _n, _all: None)
+    run = Run(is_quick=False, amount=25.0, progress=lambda _n, _all: None, folder=tmp_path)
+    done = run.kept("kills", {"n_kills": 0, "problems": []})
+    done["n_kills"] += 40
+    done.keep()
+    assert run.kept("kills", {"n_kills": 0, "saved": 0}) == {
+        "n_kills": 40,
+        "problems": [],
+        "saved": 0,
+    }
+    assert replace(run, is_quick=True).kept("kills", {"n_kills": 0}) == {"n_kills": 0}
+    assert [one.name for one in tmp_path.iterdir()] == ["kills.json"]
     assert [run.n_to_do(100, done, 3) for done in (40, 90, 100)] == [25, 10, 0]
     assert replace(run, amount=None).n_to_do(100, 40, 3) == 60
     assert replace(run, is_quick=True).n_to_do(100, 40, 3) == 3

@@ -1,5 +1,7 @@
 """A patient, a session and a capture of a wall with blue dots, saved in a real store."""
 
+from contextlib import contextmanager
+
 import cv2
 import numpy as np
 
@@ -12,6 +14,7 @@ from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
 from adibas.pipeline.review import CaptureSurface
 from adibas.sessions import NewCapture
+from ui.review.presenter import ReviewPresenter
 
 WIDTH, HEIGHT = 320, 256
 WALL_M = 1.0
@@ -85,3 +88,15 @@ def places(capture):
 def plain_marker(label, u=0.0, v=0.0):
     """Return a marker without a position."""
     return Marker(label, u, v, 2.0, np.eye(2))
+
+
+@contextmanager
+def entered_review(view, workspace, saved):
+    """Give the review of a saved session, its first capture open."""
+    patient, session, _captures = saved
+    workspace.choose_patient(patient)
+    workspace.choose_session(session)
+    presenter = ReviewPresenter(view, workspace)
+    presenter.entered()
+    yield presenter
+    presenter.close()

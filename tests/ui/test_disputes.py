@@ -10,12 +10,12 @@ from adibas.data.corrections import MarkerCorrection
 from adibas.data.patients import Identity
 from adibas.errors import ServerAwayError
 from adibas.sessions.conflicts import Conflict
-from tests.ui.review_scene import DOTS, saved_session
+from tests.ui.review_scene import DOTS, entered_review, saved_session
 from ui.disputes import Dispute, undecided
 from ui.patients.content import PatientEntry
 from ui.patients.form_presenter import FormPresenter, FormView
 from ui.review.notes_panel import NotesPanel
-from ui.review.presenter import ReviewPresenter, ReviewView
+from ui.review.presenter import ReviewView
 from ui.widgets.dispute_dialog import DisputeDialog
 from ui.widgets.message_bar import MessageBar
 from ui.workspace import Workspace
@@ -42,13 +42,8 @@ def view():
 
 @pytest.fixture
 def review(view, workspace, saved):
-    patient, session, _captures = saved
-    workspace.choose_patient(patient)
-    workspace.choose_session(session)
-    presenter = ReviewPresenter(view, workspace)
-    presenter.entered()
-    yield presenter
-    presenter.close()
+    with entered_review(view, workspace, saved) as presenter:
+        yield presenter
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from tests.ui.review_scene import (
     REFUSED,
     UNNOTICED,
     WIDTH,
+    entered_review,
     mm_between,
     new_capture,
     picture_rgb,
@@ -78,13 +79,8 @@ def saved(store):
 @pytest.fixture
 def review(view, workspace, saved):
     """The review of a session of two captures, the first one open."""
-    patient, session, _captures = saved
-    workspace.choose_patient(patient)
-    workspace.choose_session(session)
-    presenter = ReviewPresenter(view, workspace)
-    presenter.entered()
-    yield presenter
-    presenter.close()
+    with entered_review(view, workspace, saved) as presenter:
+        yield presenter
 
 
 @pytest.fixture

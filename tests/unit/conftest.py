@@ -1,4 +1,4 @@
-"""A small posture analysis that several report tests share."""
+"""Where a store is put, and a small posture analysis: several tests share them."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,14 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import PostureAnalysis, Provenance
+from tests.unit.store_samples import PASSPHRASE
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Where a store is put; the command line is given its passphrase."""
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
+    return tmp_path / "store"
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import socket
 import subprocess
 import time
 import urllib.request
@@ -15,6 +14,7 @@ from pydicom.dataset import FileMetaDataset
 from pydicom.uid import ExplicitVRLittleEndian
 
 from adibas.exchange.identifiers import stable_uid
+from tests.unit.loopback import free_port
 
 PROGRAM = shutil.which("Orthanc") or shutil.which("Orthanc", path="/usr/sbin")
 PLUGINS = Path("/usr/share/orthanc/plugins")
@@ -37,12 +37,6 @@ class Orthanc:
         with urllib.request.urlopen(url, timeout=10) as answer:
             content = answer.read()
         return content if path.endswith("/file") else json.loads(content)
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def start(folder, **settings):

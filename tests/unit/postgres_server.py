@@ -1,23 +1,18 @@
 """Debian's real PostgreSQL, on loopback alone, in a folder of its own, never as root."""
 
-import ipaddress
 import os
 import pwd
 import secrets
 import shutil
-import socket
 import subprocess
 import tempfile
 from dataclasses import dataclass, field
-from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from cryptography import x509
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.x509.oid import NameOID
+import pytest
 
 from adibas.sessions.server_address import ServerAddress
+from tests.unit.loopback import free_port, make_certificate
 
 NEEDED = ("initdb", "pg_ctl", "postgres", "psql")
 _PLACES = [
@@ -86,14 +81,12 @@ class Postgres:
 
 
 def start():
-    """Make a server and start it; `remove` ends it."""
+    """Make a server and start it."""
     folder = Path(tempfile.mkdtemp(prefix="adibas-postgres-"))
     if os.geteuid() == 0:
         owner = pwd.getpwnam(OWNER)
         os.chown(folder, owner.pw_uid, owner.pw_gid)
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        server = Postgres(folder, one.getsockname()[1])
+    server = Postgres(folder, free_port())
     secret = folder / "password"
     secret.write_text(server.password)
     secret.chmod(0o644)
@@ -113,38 +106,21 @@ def start():
 
 
 def _make_certificate(data):
-    """Sign a certificate for `OTHER` that no computer trusts by itself."""
-    key = ec.generate_private_key(ec.SECP256R1())
-    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, OTHER)])
-    now = datetime.now(UTC)
-    certificate = (
-        x509.CertificateBuilder()
-        .subject_name(name)
-        .issuer_name(name)
-        .public_key(key.public_key())
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(now - timedelta(hours=1))
-        .not_valid_after(now + timedelta(hours=1))
-        .add_extension(
-            x509.SubjectAlternativeName([x509.IPAddress(ipaddress.ip_address(OTHER))]), False
-        )
-        .sign(key, hashes.SHA256())
-    )
-    pem = serialization.Encoding.PEM
-    kind = serialization.PrivateFormat.TraditionalOpenSSL
-    secret = data / "server.key"
-    secret.write_bytes(key.private_bytes(pem, kind, serialization.NoEncryption()))
-    secret.chmod(0o600)
-    (data / "server.crt").write_bytes(certificate.public_bytes(pem))
+    files = data / "server.key", data / "server.crt"
+    make_certificate(OTHER, *files)
     if os.geteuid() == 0:
         owner = pwd.getpwnam(OWNER)
-        for one in (secret, data / "server.crt"):
+        for one in files:
             os.chown(one, owner.pw_uid, owner.pw_gid)
 
 
-def remove(server):
-    server.kill()
-    shutil.rmtree(server.folder)
+@pytest.fixture(scope="module")
+def server():
+    """A server for the tests of one module."""
+    started = start()
+    yield started
+    started.kill()
+    shutil.rmtree(started.folder)
 
 
 def _as_owner():

@@ -19,7 +19,7 @@ from adibas.pipeline.stored_report import ReportWish, stored_report
 from adibas.reports import pdf
 from adibas.reports.rows import measure_rows
 from tests.unit.exchange_samples import NOTES, add_clinic_session, hostile, secrets_in
-from tests.unit.store_samples import IDENTITY, NAME, PASSPHRASE, START, open_sample
+from tests.unit.store_samples import IDENTITY, NAME, START, open_sample
 
 
 @pytest.fixture(autouse=True)
@@ -34,12 +34,6 @@ def report(tmp_path_factory):
     with open_sample(tmp_path_factory.mktemp("exchange") / "store") as store:
         session = add_clinic_session(store)
         return stored_report(store, session.session_id, ReportWish("en"))
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
-    return tmp_path / "store"
 
 
 @pytest.fixture

@@ -1,16 +1,11 @@
 """Against Debian's real Orthanc on loopback: what is sent arrives, what is ordered is found."""
 
 import io
-import ipaddress
 import json
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
 
 import pydicom
 import pytest
-from cryptography import x509
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
 from highdicom.sr import srread
 
 from adibas.cli import main
@@ -21,7 +16,8 @@ from adibas.exchange.servers import DicomServer
 from adibas.reports import pdf
 from tests.unit import orthanc_server
 from tests.unit.exchange_samples import add_clinic_session, secrets_in
-from tests.unit.orthanc_server import TITLE, add_order, free_port
+from tests.unit.loopback import free_port, make_certificate
+from tests.unit.orthanc_server import TITLE, add_order
 from tests.unit.store_samples import PASSPHRASE, open_sample
 
 pytestmark = pytest.mark.skipif(orthanc_server.PROGRAM is None, reason=orthanc_server.MISSING)
@@ -173,35 +169,9 @@ def test_a_client_that_the_server_does_not_know_gets_no_work_list(server):
         orders(stranger, "pacs")
 
 
-def make_certificate(folder):
-    """Write a key and a certificate that a server on loopback signs itself."""
-    key = ec.generate_private_key(ec.SECP256R1())
-    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "localhost")])
-    now = datetime.now(UTC)
-    address = x509.SubjectAlternativeName([x509.IPAddress(ipaddress.ip_address("127.0.0.1"))])
-    certificate = (
-        x509.CertificateBuilder()
-        .subject_name(name)
-        .issuer_name(name)
-        .public_key(key.public_key())
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(now - timedelta(days=1))
-        .not_valid_after(now + timedelta(days=1))
-        .add_extension(address, critical=False)
-        .add_extension(x509.BasicConstraints(ca=True, path_length=None), critical=True)
-        .sign(key, hashes.SHA256())
-    )
-    pem = serialization.Encoding.PEM
-    private = key.private_bytes(
-        pem, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
-    )
-    (folder / "key.pem").write_bytes(private)
-    (folder / "certificate.pem").write_bytes(certificate.public_bytes(pem))
-    return folder / "certificate.pem"
-
-
 def test_an_encrypted_server_must_prove_who_it_is(tmp_path):
-    certificate = make_certificate(tmp_path)
+    certificate = tmp_path / "certificate.pem"
+    make_certificate("127.0.0.1", tmp_path / "key.pem", certificate)
     settings = {
         "DicomTlsEnabled": True,
         "DicomTlsCertificate": str(certificate),

@@ -21,7 +21,7 @@ from adibas.exchange.dicom_network import send
 from adibas.exchange.identifiers import stable_uid
 from adibas.exchange.orders import Order, check_same_patient
 from adibas.exchange.servers import DicomServer, find_server, read_servers, write_servers
-from tests.unit.orthanc_server import free_port
+from tests.unit.loopback import free_port
 from tests.unit.store_samples import IDENTITY, NAME
 
 PACS = DicomServer("pacs.clinic", 11112, "PACS", "ADIBAS2", is_encrypted=True)

@@ -276,14 +276,14 @@ def test_the_seed_decides_and_nothing_else(forest):
 
 
 def test_trees_can_be_grown_apart_and_joined(forest):
-    trees = [train_tree(Slabs(), SMALL, 5, number) for number in (1, 0)]
+    trees = [train_tree(Slabs(), SMALL, (5, number)) for number in (1, 0)]
     assert same(join_trees(trees[::-1], LABELS, SMALL, {}), forest)
 
 
 def test_images_that_memory_holds_are_not_read_again():
     plenty, scarce = Slabs(), Slabs()
-    train_tree(plenty, SMALL, 1, 0)
-    train_tree(scarce, SMALL, 1, 0, Memory(image_bytes=0))
+    train_tree(plenty, SMALL, (1, 0))
+    train_tree(scarce, SMALL, (1, 0), Memory(image_bytes=0))
     assert plenty.n_reads == 2 * len(plenty)
     assert scarce.n_reads > plenty.n_reads
 
@@ -309,12 +309,12 @@ def test_stop_conditions_are_kept():
         return depth.max()
 
     noisy = Slabs(noise_m=0.05)
-    assert deepest(train_tree(noisy, SMALL, 1, 0)) == SMALL.max_depth
+    assert deepest(train_tree(noisy, SMALL, (1, 0))) == SMALL.max_depth
     shy = ForestParams(n_images=None, n_pixels=200, n_candidates=12, min_pixels=100)
-    tree = train_tree(noisy, shy, 1, 0)
+    tree = train_tree(noisy, shy, (1, 0))
     assert tree.counts[tree.child >= 0].sum(axis=1).min() >= 100
     sure = ForestParams(n_images=None, n_pixels=200, n_candidates=12, min_gain=5.0)
-    assert len(train_tree(noisy, sure, 1, 0).child) == 1
+    assert len(train_tree(noisy, sure, (1, 0)).child) == 1
 
 
 def test_another_camera_sees_the_same_body(forest):
@@ -377,7 +377,7 @@ def test_nothing_labelled_cannot_be_learned():
             return depth_m, labels * 0, focal_px
 
     with pytest.raises(ValueError, match="no image"):
-        train_tree(Empty(), SMALL, 1, 0)
+        train_tree(Empty(), SMALL, (1, 0))
 
 
 def test_a_forest_comes_back_from_its_file(forest, tmp_path):
@@ -510,6 +510,6 @@ class OneImage:
 @pytest.mark.parametrize(("evenness", "low", "high"), [(0.0, 0, 8), (0.5, 8, 22), (1.0, 22, 40)])
 def test_small_labels_are_drawn_as_often_as_asked(evenness, low, high):
     params = ForestParams(n_trees=1, max_depth=0, n_images=None, n_pixels=80, evenness=evenness)
-    counts = train_tree(OneImage(), params, 3, 0).counts[0]
+    counts = train_tree(OneImage(), params, (3, 0)).counts[0]
     assert counts.sum() == 80
     assert low <= counts[1] < high

@@ -25,7 +25,7 @@ from benchmarks.fuzz_seeds import recording
 from benchmarks.identity_search import found_below, found_in, secrets_of
 from tests.unit.exchange_samples import add_clinic_session
 from tests.unit.recorded_frames import INFO, make_frames
-from tests.unit.store_samples import IDENTITY, NAME, PASSPHRASE, open_sample
+from tests.unit.store_samples import IDENTITY, NAME, open_sample
 
 SECRETS = secrets_of(IDENTITY)
 PLAIN = "Rosa Quetzal"
@@ -39,12 +39,6 @@ PACKINGS = (
 def small_pictures(monkeypatch):
     """Draw less, for speed."""
     monkeypatch.setattr(pdf, "PICTURE_HEIGHT_PX", 200)
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
-    return tmp_path / "store"
 
 
 @pytest.fixture

@@ -24,12 +24,6 @@ from tests.unit.store_samples import marker as sample_marker
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
-    return tmp_path / "store"
-
-
-@pytest.fixture
 def session(folder):
     """One session of one patient, with two recordings and a corrected capture."""
     with open_sample(folder) as store:

@@ -44,11 +44,7 @@ pytestmark = pytest.mark.skipif(postgres_server.PROGRAMS is None, reason=postgre
 _NUMBERS = itertools.count()
 
 
-@pytest.fixture(scope="module")
-def server():
-    started = postgres_server.start()
-    yield started
-    postgres_server.remove(started)
+server = postgres_server.server
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ import pytest
 from adibas.cli import main
 from adibas.errors import LimbError
 from adibas.forests.params import ForestParams
+from adibas.forests.samples import Memory
 from adibas.limbs.training_set import DEPTH, FolderHeader, write_header, write_image
 from adibas.pipeline import training_cluster
 from adibas.pipeline.limb_training import TrainingRequest, train_model
@@ -141,7 +142,7 @@ def test_images_that_a_worker_cannot_read_are_told(two_workers):
             raise LimbError("missing")
 
     with open_cluster(two_workers) as there, pytest.raises(LimbError, match="cannot read the im"):
-        there.train_tree(Elsewhere(), PARAMS, 1, 0)
+        there.draw(Elsewhere(), PARAMS, (1, 0), Memory())
 
 
 def test_a_damaged_image_is_told_as_on_one_machine(two_workers, folder, tmp_path):
