@@ -27,6 +27,7 @@ class HistoryPanel(QWidget):
     start_like_last_asked = Signal()
     compare_asked = Signal(str)
     """The id of the chosen session; empty for none."""
+    export_asked = Signal(str)
     opened = Signal(str, object)
     """A session's id, and a capture's or None."""
     delete_asked = Signal(str)
@@ -46,7 +47,7 @@ class HistoryPanel(QWidget):
         self._open, self._delete, self._restore, self._purge = (
             QPushButton(self) for _n in range(4)
         )
-        self._compare = QPushButton(self)
+        self._compare, self._export = QPushButton(self), QPushButton(self)
         self._repeat = QCheckBox(self)
         self._protocol, self._protocol_label = QComboBox(self), QLabel(self)
         self._protocol_label.setBuddy(self._protocol)
@@ -71,7 +72,8 @@ class HistoryPanel(QWidget):
             button.setAutoDefault(True)  # Enter presses it
             column.addWidget(button)
         column.addSpacing(8)
-        actions = (self._open, self._compare, self._delete, self._restore, self._purge)
+        shown = (self._open, self._compare, self._export)
+        actions = (*shown, self._delete, self._restore, self._purge)
         for button in actions:
             button.setAutoDefault(True)
         column.addWidget(self._title)
@@ -97,6 +99,7 @@ class HistoryPanel(QWidget):
         self.list.selectionModel().currentChanged.connect(self._show_actions)
         for button, send in (
             (self._open, lambda one: self.opened.emit(one, None)),
+            (self._export, self.export_asked.emit),
             (self._delete, self.delete_asked.emit),
             (self._restore, self.restore_asked.emit),
             (self._purge, self.purge_asked.emit),
@@ -120,6 +123,8 @@ class HistoryPanel(QWidget):
         self._open.setToolTip(_("Review this session (Enter)"))
         self._compare.setText(_("Co&mpare"))
         self._compare.setToolTip(_("See what changed between two sessions of this patient"))
+        self._export.setText(_("Export..."))
+        self._export.setToolTip(_("Hand this session over to other systems as FHIR or DICOM"))
         self._repeat.setText(_("Counts as a repeat"))
         self._repeat.setToolTip(
             _(
@@ -215,6 +220,8 @@ class HistoryPanel(QWidget):
         self._repeat.setVisible(session is not None and session.session_id in can_repeat)
         self._repeat.setChecked(session is not None and session.setup.is_repeat)
         self._repeat.setEnabled(can_change)
+        self._export.setVisible(has_list and not is_deleted)
+        self._export.setEnabled(session is not None and bool(session.capture_ids))
         self._open.setEnabled(session is not None)
         for button in (self._delete, self._restore, self._purge):
             button.setEnabled(session is not None and can_change)

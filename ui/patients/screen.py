@@ -1,5 +1,7 @@
 """Builds the patients screen: the one place where view, presenters and core meet."""
 
+from functools import partial
+
 from PySide6.QtWidgets import QWidget
 
 from ui.patients.form_presenter import FormPresenter
@@ -18,4 +20,12 @@ def build_patients_screen(workspace: Workspace, parent: QWidget | None = None) -
     history = HistoryPresenter(view.pages.history, workspace, undo)
     form = FormPresenter(view.pages, workspace, patients.refresh)
     view.bind((patients, history, form), undo)
+    view.pages.history.export_asked.connect(partial(_export, workspace, view))
     return view
+
+
+def _export(workspace: Workspace, view: PatientsScreen, session_id: str) -> None:
+    """Ask how a session is handed over; what that needs is read when somebody asks."""
+    from ui.export.dialog import open_export
+
+    open_export(workspace, view, session_id)

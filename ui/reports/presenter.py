@@ -71,6 +71,9 @@ class ReportsView(Protocol):
     def show_written(self, folder: Path | None) -> None:
         """Offer to open the folder of what was written; None = nothing yet."""
 
+    def ask_export(self, session_id: str) -> None:
+        """Ask how a session is handed over to other systems."""
+
 
 class ReportsPresenter:
     """Keeps the choice of sessions, previews the first, and writes them all."""
@@ -153,6 +156,13 @@ class ReportsPresenter:
         self._workspace.jobs.start(
             _("Writing reports"), work, lambda written: self._on_written(folder, written)
         )
+
+    def export(self) -> None:
+        """Hand the chosen session over to other systems; they take one at a time."""
+        if len(self._chosen) == 1:
+            self._view.ask_export(self._chosen[0])
+        else:
+            self._workspace.tell("warning", _("Choose one session: they are exported one by one."))
 
     def _on_written(self, folder: Path, written: tuple[Path, ...]) -> None:
         names = ", ".join(path.name for path in written)

@@ -2,6 +2,7 @@
 
 from PySide6.QtWidgets import QWidget
 
+from ui.export.dialog import open_export
 from ui.reports.presenter import ReportsPresenter
 from ui.reports.view import ReportsScreen
 from ui.workspace import Workspace
@@ -11,4 +12,5 @@ def build_reports_screen(workspace: Workspace, parent: QWidget | None = None) ->
     """Return the report screen, wired to `workspace`."""
     view = ReportsScreen(parent)
     view.bind(ReportsPresenter(view, workspace))
+    view.export_asked.connect(lambda session_id: open_export(workspace, view, session_id))
     return view

@@ -3,7 +3,7 @@
 import html
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, Qt, QUrl
+from PySide6.QtCore import QEvent, Qt, QUrl, Signal
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -52,6 +52,8 @@ class ReportsScreen(Screen):
     """What will be handed out, before it is."""
 
     name = "reports"
+    export_asked = Signal(str)
+    """A session's id."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -62,7 +64,7 @@ class ReportsScreen(Screen):
         self._earlier_sessions: tuple[Session, ...] = ()
         self._kinds = {kind: QCheckBox(self) for kind in KINDS}
         self._kinds[".xlsx"].setChecked(True)
-        self._write, self._open = QPushButton(self), QPushButton(self)
+        self._write, self._export, self._open = (QPushButton(self) for _number in range(3))
         self._write.setProperty("main", "true")
         self._labels = [QLabel(self) for _ in range(5)]
         self._pages_bar = PagesBar(self)
@@ -99,6 +101,7 @@ class ReportsScreen(Screen):
         side = QVBoxLayout()  # what the screen is for never scrolls out of sight
         side.addWidget(panel, 1)
         side.addWidget(self._write)
+        side.addWidget(self._export)
         side.addWidget(self._open)
         preview = QVBoxLayout()
         preview.addWidget(self._title)
@@ -122,6 +125,7 @@ class ReportsScreen(Screen):
             lambda _i: presenter.choose_pictures(PictureChoice(self._pictures.currentData()))
         )
         self._write.clicked.connect(self._ask_folder)
+        self._export.clicked.connect(presenter.export)
         self._open.clicked.connect(self._open_folder)
         self._earlier.activated.connect(
             lambda _i: presenter.choose_earlier(self._earlier.currentData())
@@ -141,6 +145,7 @@ class ReportsScreen(Screen):
             self._pictures.setItemText(index, _(PICTURES[choice]))
         self._word_earlier()
         self._write.setText(_("&Write the report..."))
+        self._export.setText(_("Export (FHIR, DICOM)..."))
         self._open.setText(_("&Open the folder"))
         self._picture.setAccessibleName(_("Preview of the picture"))
         self._facts.setAccessibleName(_("Preview of the text"))
@@ -204,6 +209,9 @@ class ReportsScreen(Screen):
     def show_written(self, folder: Path | None) -> None:
         self._folder = folder
         self._open.setVisible(folder is not None)
+
+    def ask_export(self, session_id: str) -> None:
+        self.export_asked.emit(session_id)
 
     def _word_earlier(self) -> None:
         chosen = self._earlier.currentData() or ""

@@ -1,0 +1,1 @@
+"""A session for other systems: FHIR, DICOM files, or sent to a server of the clinic."""
