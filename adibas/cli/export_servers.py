@@ -158,12 +158,11 @@ def _test(name: str, console: Console) -> None:
 
 def _described(arguments: argparse.Namespace) -> "DicomServer":
     """Return the server that the options describe."""
-    from adibas.exchange.servers import LAST_PORT, OWN_TITLE, DicomServer, is_title
+    from adibas.exchange.servers import LAST_PORT, OWN_TITLE, DicomServer, can_be_server
 
     own_title = arguments.own_title or OWN_TITLE
     host, port = arguments.host or "", arguments.port or 0
-    are_titles = is_title(arguments.title or "") and is_title(own_title)
-    if not (host.strip() and 0 < port <= LAST_PORT and are_titles):
+    if not can_be_server(host, port, arguments.title or "", own_title):
         raise ExchangeError(
             "A DICOM server needs --host, --port from 1 to {last}, and --title with 1 to 16 "
             "letters without accents. Those who run it know them.",

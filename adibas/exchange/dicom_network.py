@@ -156,8 +156,8 @@ def _reach(server: DicomServer, name: str, tls: ssl.SSLContext | None) -> None:
                 tls.wrap_socket(reached, server_hostname=server.host).close()
     except ssl.SSLCertVerificationError as error:
         raise ExchangeError(
-            "{server} cannot prove who it is: {reason}. Nothing was sent. Name its certificate "
-            "with --certificates.",
+            "{server} cannot prove who it is: {reason}. Nothing was sent. Name its certificate in "
+            "the settings, or with --certificates.",
             server=name,
             reason=error.verify_message,
         ) from error
@@ -190,8 +190,8 @@ def _tls(server: DicomServer, name: str) -> ssl.SSLContext | None:
         return ssl.create_default_context(cafile=server.certificates or None)
     except OSError as error:
         raise ExchangeError(
-            "The certificates for {server} cannot be read. Name the file again with "
-            "--certificates.",
+            "The certificates for {server} cannot be read. Name the file again in the settings, "
+            "or with --certificates.",
             server=name,
         ) from error
 

@@ -13,6 +13,7 @@ import platformdirs
 
 from adibas.errors import ExchangeError
 from adibas.files import cannot_read, written_whole
+from adibas.texts import message
 
 FILE = "dicom-servers.json"
 FORMAT, VERSION = "adibas-dicom-servers", 1
@@ -20,6 +21,10 @@ OWN_TITLE = "ADIBAS"
 LONGEST_TITLE = 16
 LAST_PORT = 65_535
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
+LISTENERS = message(
+    "What goes to {server} is not encrypted: whoever listens in the network can read it."
+)
+"""Said of a server that `is_open_to_listeners`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,16 +55,20 @@ class DicomServer:
     certificates: str = ""
 
     def __post_init__(self) -> None:
-        if not self.host.strip() or not 0 < self.port <= LAST_PORT:
-            raise ValueError("a server needs a host and a port")
-        for title in (self.title, self.own_title):
-            if not is_title(title):
-                raise ValueError("a title has 1 to 16 ASCII characters and no backslash")
+        if not can_be_server(self.host, self.port, self.title, self.own_title):
+            raise ValueError(
+                "a server needs a host, a port, and titles of 1 to 16 ASCII characters"
+            )
 
     @property
     def is_open_to_listeners(self) -> bool:
         """Return whether others in the network can read what is sent."""
         return not self.is_encrypted and self.host not in LOOPBACK
+
+
+def can_be_server(host: str, port: int, title: str, own_title: str) -> bool:
+    """Say whether these are a host, a port and the titles of both sides."""
+    return bool(host.strip()) and 0 < port <= LAST_PORT and is_title(title) and is_title(own_title)
 
 
 def is_title(text: str) -> bool:

@@ -44,9 +44,6 @@ NAMED = message(
 )
 FACE_SEEN = message("The pictures show the face: who knows the patient knows who it is.")
 NO_CONSENT = message("There is no consent of this patient on record.")
-LISTENERS = message(
-    "What goes to {server} is not encrypted: whoever listens in the network can read it."
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +194,8 @@ class ExportPresenter:
         told = [_(one) for one in warnings]
         server = self._servers.get(choice.server)
         if choice.kind == "server" and server is not None and server.is_open_to_listeners:
+            from adibas.exchange.servers import LISTENERS
+
             told.append(_(LISTENERS).format(server=choice.server))
         self._view.show_choice(
             Shown(choice, pictures, tuple(_(one) for one in content), tuple(told))

@@ -8,6 +8,7 @@ from ui.settings.names_presenter import NamesPresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.settings.retention_presenter import RetentionPresenter
+from ui.settings.servers_presenter import ServersPresenter
 from ui.settings.view import SettingsScreen
 from ui.workspace import Workspace
 
@@ -23,4 +24,5 @@ def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -
     )
     view.bind_backup(BackupPresenter(view.backup, workspace))
     view.bind_retention(RetentionPresenter(view.retention, workspace))
+    view.bind_servers(ServersPresenter(view.servers, workspace))
     return view

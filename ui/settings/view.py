@@ -31,6 +31,8 @@ from ui.settings.protocols_page import ProtocolsPage
 from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.settings.retention_page import RetentionPage
 from ui.settings.retention_presenter import RetentionPresenter
+from ui.settings.servers_page import ServersPage
+from ui.settings.servers_presenter import ServersPresenter
 from ui.widgets.screen import Screen
 
 PROTECTION_TAB, AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 1, 2, 3, 4
@@ -53,7 +55,9 @@ class SettingsScreen(Screen):
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
         protection = _below_each_other(self._protection, self._backup, self._retention)
-        for page in (_scrolled(self._general), _scrolled(protection)):
+        self._servers = ServersPage(self)
+        general = _below_each_other(self._general, self._servers)
+        for page in (_scrolled(general), _scrolled(protection)):
             self._tabs.addTab(page, "")
         self._marks = QStackedWidget(self)
         self._marks.addWidget(self._protocols)
@@ -89,6 +93,19 @@ class SettingsScreen(Screen):
     def retention(self) -> RetentionPage:
         """The page of how long patients are kept."""
         return self._retention
+
+    @property
+    def servers(self) -> ServersPage:
+        """The page of DICOM servers."""
+        return self._servers
+
+    def bind_servers(self, presenter: ServersPresenter) -> None:
+        """Send what is wanted of servers to the presenter, and own it."""
+        self._servers_presenter = presenter
+        self._servers.chosen.connect(presenter.choose)
+        self._servers.saved.connect(presenter.save)
+        self._servers.tested.connect(presenter.test)
+        self._servers.removed.connect(presenter.remove)
 
     def bind_retention(self, presenter: RetentionPresenter) -> None:
         """Send what is wanted of retention to the presenter, and own it."""
@@ -155,11 +172,13 @@ class SettingsScreen(Screen):
         self._names.retranslate()
         self._backup.retranslate()
         self._retention.retranslate()
+        self._servers.retranslate()
         self._about.setMarkdown(_about_text())
         self._about.setAccessibleName(_("About"))
 
     def entered(self) -> None:
         self._presenter.enter()
+        self._servers_presenter.enter()
         if self._tabs.currentIndex() == AUDIT_TAB:
             self._audit_presenter.enter()
         elif self._tabs.currentIndex() == PROTOCOLS_TAB:
