@@ -21,6 +21,7 @@ from adibas.clock import NS_PER_S
 from adibas.errors import StoreError
 from adibas.files import check_place
 from adibas.sessions.audit_words import action_text, subject_text
+from adibas.sessions.roles import Permission
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -105,6 +106,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _list(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.names:
+        store.require(Permission.SEE_ALL_NAMES, "patients")
     rows = store.patients.search("", limit=ALL_PATIENTS, with_deleted=arguments.deleted)
     patients = []
     for row in sorted(rows, key=lambda row: row.pseudonym):
@@ -208,7 +211,7 @@ def _export_reports(
 
 
 def _verify(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
-    entries = store.audit.entries(arguments.entries)
+    entries = store.audit.entries(arguments.entries) if arguments.entries else ()
     for entry in reversed(entries):
         console.say(_entry_line(entry))
     with console.progress(_("Checking")) as progress:

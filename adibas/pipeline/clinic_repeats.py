@@ -21,6 +21,7 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.progress import Progress
 from adibas.sessions import SessionStore
+from adibas.sessions.roles import Permission
 
 Key = tuple[str, str]
 """View and measure."""
@@ -58,6 +59,7 @@ def reliability_in_clinic(
     store: SessionStore, wish: ProtocolWish, operator: str, progress: Progress | None = None
 ) -> ClinicReliability:
     """Return how well each measure repeats in the hands of one operator."""
+    store.require(Permission.COMPARE)
     repeats: dict[Key, list[Repeat]] = {}
     listed: set[str] = set()
     sessions = store.sessions.of_operator(operator)

@@ -12,6 +12,7 @@ from adibas.pipeline.clinic_repeats import measured_captures
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.progress import Progress
 from adibas.sessions import SessionStore
+from adibas.sessions.roles import Permission
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +113,7 @@ def compare_by_protocol(
     StoreError
         A session is gone.
     """
+    store.require(Permission.COMPARE, later.session_id)
     check_comparable(earlier, later)
     before = measured_captures(store, earlier.session_id, wish)
     after = measured_captures(store, later.session_id, wish)
@@ -132,6 +134,7 @@ def patient_trends(
     StoreError
         The store cannot be read.
     """
+    store.require(Permission.COMPARE, like.session_id)
     sessions = store.sessions.of_patient(like.patient)
     alike = [one for one in sessions if _is_alike(one, like)]
     visits = []

@@ -17,6 +17,7 @@ from adibas.pipeline.session_comparison import (
 )
 from adibas.pipeline.session_report import capture_report, report_of_session
 from adibas.sessions import SessionStore
+from adibas.sessions.roles import Permission
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +54,10 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
         What is compared has no measures.
     StoreError
         The session is gone, or a file of it is damaged.
+    NotAllowedError
+        Reports are for another role.
     """
+    store.require(Permission.REPORT, session_id)
     session = store.sessions.get(session_id)
     captures = store.captures.of_session(session_id)
     if not captures:

@@ -199,6 +199,7 @@ class AuditLog:
         patients : collection of str, optional
             Pseudonyms: lines on these patients, their sessions, captures and recordings alone.
         """
+        self.require(Permission.READ_LOG)
         newest = select(AUDIT).order_by(AUDIT.c.sequence.desc())
         with self._database.reading() as transaction:
             owners = _owners(transaction)

@@ -29,6 +29,7 @@ from adibas.sessions.key_file import KeyFile, fingerprint_of, read_key_file
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import behind_passphrase
 from adibas.sessions.places import ID_LENGTH
+from adibas.sessions.roles import Permission, may
 from adibas.sessions.schema import FILES, RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_folder import SealedFolder
@@ -130,6 +131,16 @@ class Backups:
         StoreError
             The database cannot be copied; no file is left either.
         """
+        self._audit.require(Permission.BACK_UP)
+        return self._write(path, passphrase, params, progress)
+
+    def _write(
+        self,
+        path: Path,
+        passphrase: str | None,
+        params: Argon2Params | None,
+        progress: Progress | None,
+    ) -> BackupSummary:
         key_file = self._key_behind(passphrase, params)
         _check_outside(path, self._folder)
         check_place(path)
@@ -174,6 +185,8 @@ class Backups:
         """Make a backup where one is due, and remove older ones than the plan keeps.
 
         None is removed while the store lacks files: an older one may be the last that has them.
+        Whoever works may let one be made behind the passphrases that open the store; older ones
+        are removed where an administrator works.
 
         Returns
         -------
@@ -187,12 +200,14 @@ class Backups:
         """
         from adibas.sessions.backup_schedule import is_due, name_at, remove_older
 
+        if passphrase is not None:
+            self._audit.require(Permission.BACK_UP)
         now_utc = self._audit.now_utc()
         if not is_due(self.kept(plan.folder), now_utc, plan.every_days):
             return None
         path = plan.folder / name_at(now_utc, self._own_key_file().store_id)
-        summary = self.write(path, passphrase, params=params, progress=progress)
-        if not summary.damaged:
+        summary = self._write(path, passphrase, params, progress)
+        if not summary.damaged and may(self._audit.role, Permission.BACK_UP):
             remove_older(self.kept(plan.folder), plan.keep)
         return path, summary
 
@@ -217,6 +232,7 @@ class Backups:
         """
         from adibas.sessions.merged_files import restore_merged
 
+        self._audit.require(Permission.BACK_UP)
         store = (self._database, self._audit, self._key)
         with self._one_restore:
             return restore_merged(path, passphrase, store, self._making, progress)
@@ -227,6 +243,7 @@ class Backups:
         """Check a backup; one of this very store needs no passphrase. See `verify_backup`."""
         from adibas.sessions.restoring import verify_backup
 
+        self._audit.require(Permission.BACK_UP)
         return verify_backup(path, passphrase, progress, key=self._key)
 
     def _own_key_file(self) -> KeyFile:

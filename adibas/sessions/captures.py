@@ -46,6 +46,7 @@ from adibas.sessions.images import (
 )
 from adibas.sessions.json_line import from_json, to_json
 from adibas.sessions.kept_files import KeptFiles
+from adibas.sessions.roles import Permission
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import CAPTURES, RECORDINGS
 from adibas.sessions.visits import found_session
@@ -98,6 +99,7 @@ class Captures:
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.TAKE_SESSIONS, session_id)
         new.history.markers(new.detected)
         with self._database.reading() as transaction:
             found_session(transaction, session_id)
@@ -184,6 +186,7 @@ class Captures:
         StoreError
             There is no such capture, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.TAKE_SESSIONS, capture_id)
         with self._database.changing() as transaction:
             row = found_capture(transaction, capture_id)
             detected = markers_from_json(row.detected)
@@ -251,6 +254,7 @@ class Captures:
         return None if surface_id is None else decode_surface(self._files.read(surface_id))
 
     def _hide(self, capture_id: str, *, is_deleted: bool) -> None:
+        self._audit.require(Permission.TAKE_SESSIONS, capture_id)
         with self._database.changing() as transaction:
             if found_capture(transaction, capture_id).is_deleted != is_deleted:
                 change_row(transaction, CAPTURES, capture_id, is_deleted=is_deleted)

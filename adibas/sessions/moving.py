@@ -3,14 +3,17 @@
 from contextlib import ExitStack
 from pathlib import Path
 
+from adibas.clock import utc_now
 from adibas.errors import PassphraseError, StoreError
 from adibas.files import flush_folder
+from adibas.sessions.audit import AuditLog
 from adibas.sessions.copied_rows import copy_rows
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.key_file import read_key_file
-from adibas.sessions.keys import load_key
+from adibas.sessions.keys import open_key
 from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.migrating import HEAD, bring_up_to_date
+from adibas.sessions.roles import Permission
 from adibas.sessions.server import ServerDatabase, told_in_words
 from adibas.sessions.server_address import ServerAddress, read_server_file, write_server_file
 from adibas.sessions.sqlite_file import SqliteFile
@@ -35,6 +38,8 @@ def move_to_server(
 
     Raises
     ------
+    NotAllowedError
+        Of the store's people only administrators may.
     PassphraseError
         The passphrase is missing or wrong, or the key is in the keyring of this computer alone.
     ServerPasswordError
@@ -49,9 +54,10 @@ def move_to_server(
         lock = StoreLock(folder)
         at_the_end.callback(lock.release)
         _check(folder, is_held=lock.is_held)
-        key = load_key(folder, passphrase)
+        key, person = open_key(folder, passphrase)
         source = Database(SqliteFile(folder, key), is_read_only=False)
         at_the_end.callback(source.close)
+        AuditLog(source, utc_now, "", person).require(Permission.PROTECT)
         bring_up_to_date(source, key)
         server = ServerDatabase(folder, key, address, password)
         at_the_end.callback(server.engine.dispose)

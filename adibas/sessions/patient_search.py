@@ -1,6 +1,7 @@
 """Patients by words: found by the database where it can read them, here where it cannot."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from datetime import date, datetime
 from typing import Any
 
@@ -10,6 +11,9 @@ from adibas.data.patients import Identity
 from adibas.sessions.rows import Row, Transaction
 from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
 from adibas.sessions.search_text import ESCAPE, patterns, simplified
+
+LEAST_LETTERS = 3
+"""So many of a name at least are typed by who looks for one patient."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +42,17 @@ def find_patients(
         return tuple(_row(line) for line in found)
     wanted = _search_opened(transaction, text, limit, with_deleted=with_deleted)
     return tuple(sorted((_row(line) for line in transaction.execute(wanted)), key=_in_order))
+
+
+def is_too_short(text: str) -> bool:
+    """Say whether a search finds everybody rather than somebody."""
+    return max(map(len, simplified(text).split()), default=0) < LEAST_LETTERS
+
+
+def without_names(rows: Iterable[PatientRow]) -> tuple[PatientRow, ...]:
+    """Return the patients under their pseudonyms, in whose order nothing is told of the names."""
+    hidden = (replace(row, identity=Identity(row.pseudonym)) for row in rows)
+    return tuple(sorted(hidden, key=lambda row: row.pseudonym))
 
 
 def identity_of(row: Row) -> Identity:

@@ -2,6 +2,7 @@
 
 import secrets
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from datetime import datetime
 
 from sqlalchemy import select
@@ -13,7 +14,14 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.conflicts import Decision
 from adibas.sessions.database import Database
 from adibas.sessions.json_line import from_json, to_json
-from adibas.sessions.patient_search import PatientRow, find_patients, identity_of
+from adibas.sessions.patient_search import (
+    PatientRow,
+    find_patients,
+    identity_of,
+    is_too_short,
+    without_names,
+)
+from adibas.sessions.roles import Permission, may
 from adibas.sessions.rows import (
     Row,
     Transaction,
@@ -34,12 +42,17 @@ from adibas.sessions.shared_fields import (
 LETTERS = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
 """Without those that look alike: 0 O, 1 I L."""
 PREFIX, PSEUDONYM_LENGTH = "P-", 6
+ALL_OF_THEM = 2**31
 LIST_OF_PATIENTS = "patients"
 """The audit log's word for a look at the list of names."""
 
 
 class Patients:
-    """The patients of a store."""
+    """The patients of a store.
+
+    Whoever may not do something is refused with `NotAllowedError`, a StoreError; who may not read
+    notes is given patients without them, see `docs/session-store.md`.
+    """
 
     def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
         self._database = database
@@ -54,6 +67,7 @@ class Patients:
         StoreError
             The store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.REGISTER_PATIENTS, LIST_OF_PATIENTS)
         with self._database.changing() as transaction:
             pseudonym = _new_pseudonym(transaction)
             created_utc = self._audit.now()
@@ -98,6 +112,7 @@ class Patients:
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.CHANGE_PATIENTS, pseudonym)
         named = (("identity", identity), ("sex", sex), ("notes", notes))
         given = [name for name, value in named if value is not None]
         with self._database.changing() as transaction:
@@ -127,10 +142,11 @@ class Patients:
         StoreError
             There is no such patient.
         """
+        self._audit.require(Permission.FIND_PATIENTS, pseudonym)
         with self._database.reading() as transaction:
             patient = _patient(transaction, pseudonym)
         self._audit.saw(pseudonym)
-        return patient
+        return self._as_shown(patient)
 
     def search(
         self, text: str, *, limit: int = 200, with_deleted: bool = False
@@ -139,21 +155,29 @@ class Patients:
 
         A word may be part of the name (capitals and accents do not matter), of the record number,
         the pseudonym, or the birth date (2014-03-27, 27/03/2014 or 27.03.2014).
+
+        Who may not see all names is told those for whom he looks, by three letters at least; the
+        others have their pseudonym in its place, in the order of pseudonyms.
         """
+        self._audit.require(Permission.FIND_PATIENTS, LIST_OF_PATIENTS)
+        is_nameless = not may(self._audit.role, Permission.SEE_ALL_NAMES) and is_too_short(text)
         with self._database.reading() as transaction:
             rows = find_patients(
                 transaction,
                 text,
-                limit,
+                ALL_OF_THEM if is_nameless else limit,
                 with_deleted=with_deleted,
                 is_sealed=self._database.seals_columns,
             )
+        if is_nameless:
+            return without_names(rows)[:limit]
         if rows:
             self._audit.saw(LIST_OF_PATIENTS)
         return rows
 
     def names(self) -> dict[str, str]:
         """Return the name of every patient, the hidden ones included, by pseudonym."""
+        self._audit.require(Permission.SEE_ALL_NAMES, LIST_OF_PATIENTS)
         columns = IDENTITIES.c
         with self._database.reading() as transaction:
             found = transaction.execute(select(columns.pseudonym, columns.name))
@@ -170,6 +194,7 @@ class Patients:
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.REGISTER_PATIENTS, pseudonym)
         with self._database.changing() as transaction:
             found_patient(transaction, pseudonym)
             consent_id = add_numbered_row(
@@ -185,7 +210,7 @@ class Patients:
             self._audit.write(
                 transaction, "change", pseudonym, consent="given", purposes=list(consent.purposes)
             )
-            return _patient(transaction, pseudonym)
+            return self._as_shown(_patient(transaction, pseudonym))
 
     def withdraw_consent(self, pseudonym: str, index: int) -> Patient:
         """Save that consent `index` of `Patient.consents` stands no more.
@@ -195,6 +220,7 @@ class Patients:
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.REGISTER_PATIENTS, pseudonym)
         with self._database.changing() as transaction:
             found_patient(transaction, pseudonym)
             rows = _consent_rows(transaction, pseudonym)
@@ -206,7 +232,7 @@ class Patients:
                 self._audit.write(
                     transaction, "change", pseudonym, consent="withdrawn", index=index
                 )
-            return _patient(transaction, pseudonym)
+            return self._as_shown(_patient(transaction, pseudonym))
 
     def delete(self, pseudonym: str) -> None:
         """Hide a patient with all sessions, until `restore` or a purge.
@@ -236,9 +262,17 @@ class Patients:
         StoreError
             There is no such patient, a recording is being made, or the store is read-only.
         """
+        self._audit.require(Permission.PURGE, pseudonym)
         self._purge(pseudonym)
 
+    def _as_shown(self, patient: Patient) -> Patient:
+        """Return a patient without what whoever works may not see."""
+        if may(self._audit.role, Permission.SEE_NOTES):
+            return patient
+        return replace(patient, notes="")
+
     def _hide(self, pseudonym: str, *, is_deleted: bool) -> None:
+        self._audit.require(Permission.CHANGE_PATIENTS, pseudonym)
         with self._database.changing() as transaction:
             if found_patient(transaction, pseudonym).is_deleted != is_deleted:
                 change_row(transaction, PATIENTS, pseudonym, is_deleted=is_deleted)

@@ -12,6 +12,7 @@ from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
 from adibas.sessions.defaults import ADULT_AGE, CHILD_UNTIL_AGE, RETENTION_YEARS
+from adibas.sessions.roles import Permission
 from adibas.sessions.rows import Row
 from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
 from adibas.texts import translate as _
@@ -83,6 +84,7 @@ class Retention:
 
     def expired(self, rules: RetentionRules, today: date) -> tuple[Expired, ...]:
         """Return whose time is over, longest first; nothing is changed."""
+        self._audit.require(Permission.RETAIN)
         last = func.max(SESSIONS.c.started_utc).label("last_utc")
         everybody = (
             select(
@@ -111,6 +113,7 @@ class Retention:
         StoreError
             The store is read-only, or a recording of one of them is being made.
         """
+        self._audit.require(Permission.RETAIN)
         self._database.check_writable()
         over = self.expired(rules, today)
         for done, one in enumerate(over, 1):

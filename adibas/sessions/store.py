@@ -256,7 +256,14 @@ class SessionStore:
             Of what, such as ``excel`` or ``recording``.
         ids : str
             Of whom: pseudonyms or ids.
+
+        Raises
+        ------
+        NotAllowedError
+            Whoever has the store open may not export; nothing may leave then.
         """
+        for subject in ids:
+            self.require(Permission.EXPORT, subject)
         for subject in ids:
             self.audit.append("export", subject, kind=kind)
 

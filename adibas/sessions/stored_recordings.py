@@ -18,6 +18,7 @@ from adibas.recordings.convert import ConversionSummary
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
+from adibas.sessions.roles import Permission
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, remove_row, row_of
 from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
@@ -155,6 +156,7 @@ class Recordings:
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.TAKE_SESSIONS, session_id)
         recording_id, key = uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)
         with self._database.changing() as transaction:
             found_session(transaction, session_id)
@@ -266,6 +268,7 @@ class Recordings:
         RecordingError
             A frame is damaged, or `path` cannot be written. Nothing is left there.
         """
+        self._audit.require(Permission.EXPORT, recording_id)
         with self._database.logging() as transaction:
             row = _found(transaction, recording_id)
             self._audit.write(

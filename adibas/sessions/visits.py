@@ -14,6 +14,7 @@ from adibas.sessions.conflicts import Decision
 from adibas.sessions.database import Database
 from adibas.sessions.documents import setup_from_json, setup_to_json
 from adibas.sessions.patients import found_patient
+from adibas.sessions.roles import Permission
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import CAPTURES, PATIENTS, SESSIONS
 from adibas.sessions.shared_fields import Change, session_fields, settle_fields, setup_of
@@ -35,6 +36,7 @@ class Sessions:
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.TAKE_SESSIONS, pseudonym)
         session_id = uuid.uuid4().hex
         with self._database.changing() as transaction:
             found_patient(transaction, pseudonym)
@@ -113,6 +115,7 @@ class Sessions:
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
+        self._audit.require(Permission.TAKE_SESSIONS, session_id)
         named = (("notes", notes), ("setup", setup))
         given = [name for name, value in named if value is not None]
         with self._database.changing() as transaction:
@@ -162,6 +165,7 @@ class Sessions:
         StoreError
             There is no such session, a recording is being made, or the store is read-only.
         """
+        self._audit.require(Permission.PURGE, session_id)
         self._purge(session_id)
 
     def _found(self, chosen: Select[Any]) -> tuple[Session, ...]:
@@ -170,6 +174,7 @@ class Sessions:
             return tuple(_session(transaction, row) for row in rows)
 
     def _hide(self, session_id: str, *, is_deleted: bool) -> None:
+        self._audit.require(Permission.CHANGE_PATIENTS, session_id)
         with self._database.changing() as transaction:
             if found_session(transaction, session_id).is_deleted != is_deleted:
                 change_row(transaction, SESSIONS, session_id, is_deleted=is_deleted)

@@ -11,6 +11,7 @@ from adibas.cli import main
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import (
+    NotAllowedError,
     PassphraseError,
     ServerAwayError,
     ServerPasswordError,
@@ -21,6 +22,7 @@ from adibas.sessions import server as server_module
 from adibas.sessions.coding_drafts import InStore
 from adibas.sessions.moving import move_to_server
 from adibas.sessions.restoring import restore_into
+from adibas.sessions.roles import Role
 from adibas.sessions.rows import change_row
 from adibas.sessions.schema import SESSIONS
 from adibas.sessions.server_address import parse_address, read_server_file, write_server_file
@@ -458,3 +460,25 @@ def test_a_server_that_goes_away_in_the_moment_of_saving_leaves_no_false_word(op
         finally:
             server.start()
         assert store.sessions.get(session.session_id).notes == ""
+
+
+def test_people_of_a_store_on_a_server_open_it_with_their_roles(opened, folder, server):
+    with opened() as store:
+        session = add_session(store)
+        store.people.add("Anna", Role.ADMINISTRATOR, "anna has a long one", CHEAP)
+    options = {"server_password": server.password, "clock": minutes_clock()}
+    with (
+        open_store(folder, "anna has a long one", **options) as anna,
+        open_store(folder, "anna has a long one", **options) as elsewhere,
+    ):
+        anna.people.add("Boris", Role.CLINICIAN, "boris likes numbers 7", CHEAP)
+        elsewhere.people.add("Carla", Role.OPERATOR, "carla, still another", CHEAP)
+        assert [one.name for one in anna.people.all()] == ["Anna", "Boris", "Carla"]
+    with open_store(folder, "carla, still another", **options) as store:
+        assert store.patients.search("")[0].identity == Identity(session.patient)
+        with pytest.raises(NotAllowedError):
+            store.patients.purge(session.patient)
+    with open_store(folder, "anna has a long one", **options) as store:
+        refused = next(one for one in store.audit.entries() if one.action == "refuse")
+        assert (refused.operator, refused.patient) == ("Carla", session.patient)
+        assert store.verify().is_sound

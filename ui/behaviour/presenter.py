@@ -10,6 +10,7 @@ from adibas.behaviour.editing import History
 from adibas.data.coding import MS_PER_S
 from adibas.errors import AdibasError
 from adibas.pipeline.recording_access import FILES
+from adibas.sessions.roles import Permission
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter, CodingView
 from ui.behaviour.counts_presenter import CountsPresenter, CountsView
@@ -337,7 +338,10 @@ class BehaviourPresenter:
             It cannot be logged, and nothing may leave then.
         """
         store, source = self._workspace.store, self._source
-        if source is not None and source.session_id and not store.is_read_only:
+        if source is None or not source.session_id:
+            return
+        store.require(Permission.EXPORT, source.session_id)
+        if not store.is_read_only:
             store.note_export("coding", source.session_id)
 
     def _show_stored(self) -> None:
