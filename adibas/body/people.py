@@ -23,6 +23,7 @@ from adibas.body.mask import (
 )
 from adibas.body.person import BodyParams, Surfaces, find_persons
 from adibas.body.rays import viewing_rays
+from adibas.body.staying import Moment, put_together
 from adibas.data.calibration import CameraCalibration
 from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
@@ -90,6 +91,7 @@ def find_people(
     floor: Plane | None = None,
     params: PeopleParams | None = None,
     known_m: FloatArray | None = None,
+    before: Moment | None = None,
 ) -> tuple[BodyMask, ...]:
     """Return a mask of each person, the nearest first.
 
@@ -105,6 +107,8 @@ def find_people(
     known_m : (N, 3) array or None
         Middles of the people of a moment ago: whoever is there still needs no head above the
         rest, and may hold a hand over it.
+    before : Moment or None
+        The image of a tenth of a second ago or less: who was in it stays whole.
     """
     params = params or PeopleParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
@@ -130,7 +134,10 @@ def find_people(
         if is_known(label) or not is_boxy(surfaces, label, rays, params)
     ]
     bodies = sorted(bodies, key=lambda label: moments[label, 3] / moments[label, 0])
-    return _masks(surfaces, bodies[: params.most_people], depth_m, params.body)
+    masks = _masks(surfaces, bodies[: params.most_people], depth_m, params.body)
+    if before is None or not before.people:
+        return masks
+    return put_together(masks, labels, depth_m, before)[: params.most_people]
 
 
 def _masks(

@@ -16,6 +16,8 @@ DESCRIBED_JOINTS = tuple(name for name in JOINT_NAMES if name != "neck")
 """The 14 joints of the descriptor, three numbers each."""
 
 SAME_TIME_S = 1e-6
+LONGEST_HIDDEN_S = 3.0
+"""So long the neck of who bends may be hidden, before and after it was seen."""
 N_POSITIONS = 3 * len(DESCRIBED_JOINTS)
 
 LIMBS = (
@@ -36,6 +38,7 @@ adult of 1.75 m, rounded."""
 _STARTS = [JOINT_NAMES.index(start) for start, _, _ in LIMBS]
 _ENDS = [JOINT_NAMES.index(end) for _, end, _ in LIMBS]
 _LENGTHS_M = np.array([length for _, _, length in LIMBS])
+SHOULDERS = (JOINT_NAMES.index("left_shoulder"), JOINT_NAMES.index("right_shoulder"))
 _LEFT = [JOINT_NAMES.index(f"left_{part}") for part in ("shoulder", "hip")]
 _RIGHT = [JOINT_NAMES.index(f"right_{part}") for part in ("shoulder", "hip")]
 
@@ -119,6 +122,7 @@ def describe(track: SkeletonTrack, params: DescriptorParams) -> DescribedTrack:
     if not len(track):
         raise ValueError("a track without frames cannot be described")
     joints_m = resampled(track, params.rate_hz, params.longest_gap_s)
+    joints_m[:, NECK] = necks(joints_m, round(LONGEST_HIDDEN_S * params.rate_hz))
     facing = None
     if params.facing_s:
         facing = averaged(facing_vectors(joints_m), round(params.facing_s * params.rate_hz))
@@ -128,6 +132,50 @@ def describe(track: SkeletonTrack, params: DescriptorParams) -> DescribedTrack:
         factor = params.velocity_s * params.rate_hz
         frames = np.concatenate([positions, factor * differences(positions)], axis=1)
     return DescribedTrack(float(track.times_s[0]), params.rate_hz, frames)
+
+
+def necks(joints_m: FloatArray, longest: int) -> FloatArray:
+    """Return (T, 3): the neck, where it is hidden at its usual place from the shoulders.
+
+    In who bends towards the camera the head hides the neck, from which all is measured. Its
+    offsets from the shoulders are taken from the frames before and after, `longest` frames away at
+    most: what is never seen stays NaN.
+
+    Parameters
+    ----------
+    joints_m : (T, 15, 3) array
+        NaN where not seen.
+    longest : int
+    """
+    neck = joints_m[:, NECK].copy()
+    hidden = np.isnan(neck).any(axis=1)
+    if not hidden.any():
+        return neck
+    guesses = []
+    for shoulder in SHOULDERS:
+        offset = neck - joints_m[:, shoulder]
+        guesses.append(joints_m[:, shoulder] + _held(offset, longest))
+    known = np.isfinite(guesses).all(axis=2)[:, :, None]
+    total = np.where(known, guesses, 0.0).sum(axis=0)
+    n_known = known.sum(axis=0)
+    guess = np.where(n_known > 0, total / np.maximum(n_known, 1), np.nan)
+    neck[hidden] = guess[hidden]
+    return neck
+
+
+def _held(values: FloatArray, longest: int) -> FloatArray:
+    """Return (T, 3) values interpolated between known rows, held beyond them for `longest` rows."""
+    known = np.flatnonzero(np.isfinite(values).all(axis=1))
+    if not known.size:
+        return np.full_like(values, np.nan)
+    index = np.arange(len(values))
+    after = np.searchsorted(known, index)
+    nearest = np.minimum(
+        abs(known[np.maximum(after - 1, 0)] - index),
+        abs(known[np.minimum(after, len(known) - 1)] - index),
+    )
+    filled = np.stack([np.interp(index, known, axis[known]) for axis in values.T], axis=1)
+    return np.where((nearest <= longest)[:, None], filled, np.nan)
 
 
 def body_size(joints_m: FloatArray) -> float:

@@ -19,6 +19,9 @@ from adibas.timeseries.mixture_stream import MixtureModel
 Method: TypeAlias = Literal["likeness", "hmm", "dtw", "weighted-dtw", "gmm-dtw", "table-7.1"]
 METHODS: tuple[Method, ...] = get_args(Method)
 Judge: TypeAlias = Likeness | HiddenMarkov
+FEW_FRAMES = 64
+"""That are aligned before it is seen whether a threshold was crossed; what follows is aligned anew.
+"""
 MOST_SHARED = 0.3
 """Of the shorter of two reports: more is the same movement reported twice."""
 
@@ -160,20 +163,18 @@ def first_crossings(
     """
     found: list[Segment] = []
     aligner.reset()
-    begin = 0
-    while begin < len(frames):
-        costs, starts = aligner.curves(frames[begin:])
+    begin = at = 0
+    while at < len(frames):
+        costs, starts = aligner.curves(frames[at : at + FEW_FRAMES])
         ratios = costs / thresholds
         below = np.flatnonzero((ratios < 1.0).any(axis=1))
         if not below.size:
-            break
-        end = int(below[0])
-        label = int(ratios[end].argmin())
-        found.append(
-            Segment(
-                0, label, begin + int(starts[end, label]), begin + end, float(ratios[end, label])
-            )
-        )
-        begin += end + 1
+            at += FEW_FRAMES
+            continue
+        row = int(below[0])
+        label = int(ratios[row].argmin())
+        first, end = begin + int(starts[row, label]), at + row
+        found.append(Segment(0, label, first, end, float(ratios[row, label])))
+        begin = at = end + 1
         aligner.reset()
     return found

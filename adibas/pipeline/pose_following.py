@@ -9,6 +9,7 @@ from adibas.arrays import BoolArray, Float32Array, FloatArray
 from adibas.body.floor import find_floor
 from adibas.body.people import PeopleParams, find_people
 from adibas.body.rays import viewing_rays
+from adibas.body.staying import Moment
 from adibas.data.calibration import CameraCalibration
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.sentence import Sentence
@@ -36,6 +37,10 @@ KNOWN_M, KNOWN_S = 0.5, 2.0
 
 People are half hidden while they walk behind things; of their limbs alone they could be anything.
 """
+SOON_S = 0.2
+"""Who was there so long ago has hardly moved: five frames a second are looked at at least."""
+LONGEST_APART_S = 10.0
+"""So long somebody whose outline fell apart is put together: two who part are not one for ever."""
 FLOOR_TRIALS = 30
 """Frames in which a floor is looked for where the calibration has none."""
 
@@ -150,6 +155,8 @@ class PoseEstimator:
         self._judge = judge
         self._n_trials = 0
         self._known_m = np.empty((0, 3))
+        self._before: Moment | None = None
+        self._before_s = self._whole_s = -np.inf
         self._judged: list[tuple[float, FloatArray]] = []
 
     def follower(self, person: int) -> PersonFollower:
@@ -169,8 +176,21 @@ class PoseEstimator:
         if self.floor is None and self._n_trials < FLOOR_TRIALS:
             self._n_trials += 1
             self.floor = find_floor(depth_m, self.camera)
-        masks = find_people(depth_m, self.camera, self.floor, self._params.people, self._known_m)
-        return self.look_at(depth_m, [mask.pixels for mask in masks], time_s)
+        masks = find_people(
+            *(depth_m, self.camera, self.floor, self._params.people, self._known_m),
+            self._moment_before(time_s),
+        )
+        now = self.look_at(depth_m, [mask.pixels for mask in masks], time_s)
+        self._before = Moment(depth_m, [one.pixels for one in now.people])
+        self._before_s = time_s
+        if not any(mask.is_put_together for mask in masks):
+            self._whole_s = time_s
+        return now
+
+    def _moment_before(self, time_s: float) -> Moment | None:
+        """Return the frame before, by which people are put together, where it tells enough."""
+        is_soon = time_s - self._before_s <= SOON_S
+        return self._before if is_soon and time_s - self._whole_s <= LONGEST_APART_S else None
 
     def look_at(self, depth_m: Float32Array, masks: Sequence[BoolArray], time_s: float) -> PoseNow:
         """Return the people whose (H, W) masks are known; as `look`, for the rest."""

@@ -10,7 +10,16 @@ from adibas.data.events import TimedEvent
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
 from adibas.errors import GestureError
-from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams, body_size, describe
+from adibas.gestures.descriptor import (
+    DESCRIBED_JOINTS,
+    LONGEST_HIDDEN_S,
+    N_POSITIONS,
+    NECK,
+    SHOULDERS,
+    DescriptorParams,
+    body_size,
+    describe,
+)
 from adibas.gestures.evaluation import compare, leave_one_out
 from adibas.gestures.model import METHODS
 from adibas.gestures.model_file import read_model, write_model
@@ -311,3 +320,29 @@ def test_the_shipped_model_knows_the_five_gestures_and_keeps_quiet_while_nothing
     assert "simulated" in str(model.provenance["source"])
     joints = np.array([body(0, 0)] * 90)
     assert model.detect(describe(track_of(np.arange(90) / 30, joints), model.descriptor)) == []
+
+
+def test_a_neck_that_the_head_hides_is_where_it_was_from_the_shoulders():
+    track, _events = recording(5, ("bend",))
+    hidden_m = track.joints_m.copy()
+    span = slice(50, 75)  # 0.8 s: longer than gaps that are interpolated
+    hidden_m[span, NECK] = np.nan
+    told = describe(track_of(track.times_s, hidden_m), DescriptorParams())
+    true = describe(track, DescriptorParams())
+    assert np.isfinite(told.frames).all()
+    assert np.abs(told.frames - true.frames)[:, :N_POSITIONS].max() < 0.15
+
+
+def test_a_neck_is_not_made_up_for_long_nor_without_shoulders():
+    track, _events = recording(5, ("bend", "wave"))
+    lonely_m, long_m = track.joints_m.copy(), track.joints_m.copy()
+    lonely_m[40:70, [NECK, *SHOULDERS]] = np.nan
+    long_m[10:, NECK] = np.nan
+    lonely, long = (
+        describe(track_of(track.times_s, one), DescriptorParams(facing_s=0.0)).frames
+        for one in (lonely_m, long_m)
+    )
+    assert np.isnan(lonely[22:33]).all()
+    n_held = 5 + round(LONGEST_HIDDEN_S * 15)
+    assert np.isfinite(long[: n_held - 2, 0]).all()
+    assert np.isnan(long[n_held + 2 :]).all()
