@@ -15,6 +15,7 @@ from ui.patients.content import (
     PatientEntry,
     read_birth_date,
 )
+from ui.patients.orders_presenter import has_work_list
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -28,6 +29,9 @@ class FormView(Protocol):
 
     def show_entry(self, entry: PatientEntry, *, is_new: bool) -> None:
         """Open the form with a patient; a new one is asked for consent, too."""
+
+    def offer_work_list(self, *, has_work_list: bool) -> None:
+        """Offer to take new patients from a work list, or not."""
 
     def show_consents(self, patient: Patient) -> None:
         """Open the form of a patient's consents."""
@@ -72,6 +76,7 @@ class FormPresenter:
     def add(self) -> None:
         """Open the form for a new patient."""
         if not self._workspace.store.is_read_only:
+            self._view.offer_work_list(has_work_list=has_work_list())
             self._open(None, PatientEntry(), is_new=True)
 
     def edit(self) -> None:
@@ -87,6 +92,12 @@ class FormPresenter:
         patient = self._workspace.patient
         if patient is not None and not self._workspace.store.is_read_only:
             self._open(patient, None)
+
+    def take_over(self, entry: PatientEntry) -> None:
+        """Fill the form of a new patient with what is known elsewhere; it is saved as typed."""
+        if self._edited is None and self._is_new:
+            self._open(None, entry, is_new=True)
+            self.note_birth_date(entry.birth_date)
 
     def draft(self) -> str:
         """Return the open form as it stands; nothing where none is open."""

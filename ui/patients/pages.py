@@ -94,6 +94,9 @@ class PatientPages(QStackedWidget):
         self._open(self.form)
         self.form.show_entry(entry, is_new=is_new)
 
+    def offer_work_list(self, *, has_work_list: bool) -> None:
+        self.form.offer_work_list(has_work_list=has_work_list)
+
     def show_consents(self, patient: Patient) -> None:
         self._open(self.consents)
         self.consents.show_patient(patient)

@@ -20,6 +20,7 @@ from ui.patients.content import ConsentEntry, PatientEntry
 from ui.patients.form_footer import lay_out_footer
 from ui.patients.patient_panel import SEX_NAMES
 from ui.patients.patients_model import age_text
+from ui.widgets.flow import in_a_flow
 
 NOTES_LINES = 4
 
@@ -31,6 +32,7 @@ class PatientForm(QWidget):
     """A `PatientEntry`, and a `ConsentEntry` or None."""
     cancelled = Signal()
     birth_date_typed = Signal(str)
+    work_list_asked = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -53,6 +55,8 @@ class PatientForm(QWidget):
         self._consent = ConsentFields(self._consents)
         self.footer = QWidget(self)
         self._save, self._cancel = QPushButton(self.footer), QPushButton(self.footer)
+        self._work_list = QPushButton(self)
+        self._has_work_list = False
         for _sex in SEXES:
             self._sex.addItem("")
         self._lay_out()
@@ -69,6 +73,7 @@ class PatientForm(QWidget):
         column = QVBoxLayout(self)
         column.setSpacing(8)
         column.addWidget(self._title)
+        column.addLayout(in_a_flow(self._work_list))
         pairs = QGridLayout()
         pairs.setSpacing(8)
         self._place(pairs, self._name, 0, 0, 2)
@@ -95,6 +100,7 @@ class PatientForm(QWidget):
             line.returnPressed.connect(self.save)
         self._birth_date.textChanged.connect(self.birth_date_typed)
         self._consents.toggled.connect(self._consent.setVisible)
+        self._work_list.clicked.connect(self.work_list_asked)
         self._save.clicked.connect(self.save)
         self._cancel.clicked.connect(self.cancelled)
 
@@ -112,6 +118,8 @@ class PatientForm(QWidget):
         self._birth_date.setPlaceholderText(_("day/month/year"))
         for index, sex in enumerate(SEXES):
             self._sex.setItemText(index, _(SEX_NAMES[sex]))
+        self._work_list.setText(_("From the work list..."))
+        self._work_list.setToolTip(_("Take a patient over from the orders of the clinic"))
         self._consents.setTitle(_("A &consent was given"))
         self._consent.retranslate()
         self._save.setText(_("&Save"))
@@ -124,6 +132,7 @@ class PatientForm(QWidget):
         """Show what is known; a new patient is asked for consent, too."""
         self._is_new = is_new
         self._problem.hide()
+        self._work_list.setVisible(is_new and self._has_work_list)
         self._consent.clear()
         self._consents.setVisible(is_new)
         self._consents.setChecked(False)
@@ -136,6 +145,10 @@ class PatientForm(QWidget):
         self._notes.setPlainText(entry.notes)
         self.retranslate()
         self._name.setFocus()
+
+    def offer_work_list(self, *, has_work_list: bool) -> None:
+        """Offer new patients from a work list from now on, or no longer."""
+        self._has_work_list = has_work_list
 
     def show_consent(self, entry: ConsentEntry) -> None:
         """Show the consent that was entered before."""

@@ -6,9 +6,11 @@ from PySide6.QtWidgets import QWidget
 
 from ui.patients.form_presenter import FormPresenter
 from ui.patients.history_presenter import HistoryPresenter
+from ui.patients.orders_presenter import OrdersPresenter
 from ui.patients.presenter import PatientsPresenter
 from ui.patients.undo import Undo
 from ui.patients.view import PatientsScreen
+from ui.widgets.for_roles import keep_for_roles
 from ui.workspace import Workspace
 
 
@@ -20,6 +22,9 @@ def build_patients_screen(workspace: Workspace, parent: QWidget | None = None) -
     history = HistoryPresenter(view.pages.history, workspace, undo)
     form = FormPresenter(view.pages, workspace, patients.refresh)
     view.bind((patients, history, form), undo)
+    view.pages.form.work_list_asked.connect(partial(_take_over, workspace, view, form))
+    keep_for_roles(view.pages.patient.for_roles(), workspace.store.may)
+    keep_for_roles(view.pages.history.for_roles(), workspace.store.may)
     view.pages.history.export_asked.connect(partial(_export, workspace, view))
     return view
 
@@ -29,3 +34,16 @@ def _export(workspace: Workspace, view: PatientsScreen, session_id: str) -> None
     from ui.export.dialog import open_export
 
     open_export(workspace, view, session_id)
+
+
+def _take_over(workspace: Workspace, view: PatientsScreen, form: FormPresenter) -> None:
+    """Ask which order a new patient is taken from."""
+    from ui.patients.orders_dialog import OrdersDialog
+
+    dialog = OrdersDialog(view)
+    presenter = OrdersPresenter(dialog, workspace, form.take_over)
+    dialog.bind(presenter)
+    if presenter.open():
+        dialog.open()
+    else:
+        dialog.deleteLater()
