@@ -13,9 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
+from adibas.data.frames import depth_in_metres
 from adibas.data.markers import Marker
 from adibas.data.patients import Identity
 from adibas.data.sessions import Capture, SessionSetup
+from adibas.data.surface import BurstDisparity
+from adibas.markers.disparity import fuse_depth
 from adibas.sessions import NewCapture, SessionStore, open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.simulation.scenes import open_scene
@@ -30,15 +33,19 @@ DAYS_AGO = (84, 56, 28, 0)
 LOWER_M = (0.018, 0.012, 0.008, 0.0)
 """The left side in each session."""
 N_OTHERS = 10
+BEFORE, N_FRAMES = "leaning", 10
+"""How the patient stood in earlier sessions, and for how many frames."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sample:
-    """A capture of the demo, its markers by name, and its picture."""
+    """A capture of the demo, its markers by name, its picture, and its depth now and before."""
 
     capture: Capture
     markers: tuple[Marker, ...]
     picture_rgb: UInt8Array
+    surface: BurstDisparity | None
+    surface_before: BurstDisparity | None
 
 
 def add_sessions_to_compare(
@@ -49,7 +56,13 @@ def add_sessions_to_compare(
     with _opened(folder, passphrase, params, 0) as store:
         patient = store.sessions.get(session_id).patient
         samples = [
-            _Sample(one, tuple(_named(one)), store.captures.picture(one.capture_id))
+            _Sample(
+                one,
+                tuple(_named(one)),
+                store.captures.picture(one.capture_id),
+                store.captures.surface(one.capture_id),
+                _leaning(one) if one.view == "posterior" else None,
+            )
             for one in store.captures.of_session(session_id)
         ]
     for days_ago, lower_m in zip(DAYS_AGO, LOWER_M, strict=True):
@@ -92,7 +105,19 @@ def _add(
             rejected=(),
             provenance=capture.provenance,
         )
-        store.captures.add(session.session_id, new, sample.picture_rgb)
+        surface = sample.surface_before if lower_m else sample.surface
+        store.captures.add(session.session_id, new, sample.picture_rgb, surface)
+
+
+def _leaning(capture: Capture) -> BurstDisparity:
+    """Return the depth of the demo patient standing as she did before."""
+    scene = open_scene(capture.view, posture=BEFORE, has_color=False)
+    frames = (scene.frame(index).sensor_frame.depth_raw for index in range(N_FRAMES))
+    return fuse_depth(
+        (depth_in_metres(raw, scene.info.depth_unit_m) for raw in frames if raw is not None),
+        capture.calibration.depth_bias,
+        capture.calibration.depth,
+    )
 
 
 def _named(capture: Capture) -> Iterator[Marker]:

@@ -1,6 +1,6 @@
 """From recordings of standing views to one surface, landmarks in one frame, and the back."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -34,6 +34,14 @@ NOTICE = message("{notice}")
 
 
 @dataclass(frozen=True, slots=True)
+class BodyParams:
+    """Settings of all steps."""
+
+    back: BackParams = field(default_factory=BackParams)
+    joining: WholeBodyParams = field(default_factory=WholeBodyParams)
+
+
+@dataclass(frozen=True, slots=True)
 class BodyRequest:
     """What to measure.
 
@@ -53,8 +61,7 @@ class BodyRequest:
     markers: str = ""
     labels: Mapping[str, Path] = field(default_factory=dict)
     patient: str = ""
-    back: BackParams = field(default_factory=BackParams)
-    joining: WholeBodyParams = field(default_factory=WholeBodyParams)
+    params: BodyParams = field(default_factory=BodyParams)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,23 +137,53 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
         views.append(see_view(one, told))
         if request.markers:
             markers[one.view] = _markers(one, request)
-    whole = join_body(views, request.joining)
+    provenances = {
+        one.view: _provenance(one, view, clock) for one, view in zip(requests, views, strict=True)
+    }
+    return measure_views(views, markers, provenances, request.patient, request.params)
+
+
+def measure_views(
+    views: Sequence[BodyView],
+    markers: Mapping[str, tuple[Marker, ...]],
+    provenances: Mapping[str, Provenance],
+    patient: str,
+    params: BodyParams | None = None,
+) -> MeasuredBody:
+    """Join views that were seen, and measure the back where it is among them.
+
+    Parameters
+    ----------
+    views : sequence of BodyView
+        Each side once.
+    markers : mapping
+        Those of each view, in the colour camera's axes.
+    provenances : mapping
+        By view: where it comes from.
+    patient : str
+        A pseudonym or empty.
+
+    Raises
+    ------
+    BodyError
+        The views do not fit together, or the back is hidden.
+    """
+    params = params or BodyParams()
+    views = sorted(views, key=lambda one: ORDER.index(one.view))
+    whole = join_body(views, params.joining)
     back = None
     if views[0].view == POSTERIOR:
-        back = measure_back(views[0], markers.get(POSTERIOR, ()), request.back)
+        back = measure_back(views[0], markers.get(POSTERIOR, ()), params.back)
+    settings = {"back": asdict(params.back), "joining": asdict(params.joining)}
+    told = {name: replace(one, parameters=settings) for name, one in provenances.items()}
     return MeasuredBody(
         whole,
         back,
         _girths(whole, len(views)),
         _landmarks(views, markers, whole),
-        request.patient,
+        patient,
         MappingProxyType({view.view: view.n_frames for view in views}),
-        MappingProxyType(
-            {
-                one.view: _provenance(one, view, request, clock)
-                for one, view in zip(requests, views, strict=True)
-            }
-        ),
+        MappingProxyType(told),
         _notices(views, back),
     )
 
@@ -184,7 +221,7 @@ def _markers(one: ViewRequest, request: BodyRequest) -> tuple[Marker, ...]:
 
 
 def _landmarks(
-    views: list[BodyView], markers: Mapping[str, tuple[Marker, ...]], whole: WholeBody
+    views: Sequence[BodyView], markers: Mapping[str, tuple[Marker, ...]], whole: WholeBody
 ) -> tuple[Landmark, ...]:
     """Return the markers by name, those that are alone in their view and number too."""
     places: dict[str, dict[str, FloatArray]] = {}
@@ -213,14 +250,12 @@ def _apart_m(places: list[FloatArray]) -> float | None:
     return float(np.sqrt(((table - table.mean(axis=0)) ** 2).sum(axis=1).mean()))
 
 
-def _provenance(one: ViewRequest, view: BodyView, request: BodyRequest, clock: Clock) -> Provenance:
-    told = provenance_of(
+def _provenance(one: ViewRequest, view: BodyView, clock: Clock) -> Provenance:
+    return provenance_of(
         recording_sha256(one.recording), view.calibration, None, PostureParams(), clock()
     )
-    parameters = {"back": asdict(request.back), "joining": asdict(request.joining)}
-    return replace(told, parameters=parameters)
 
 
-def _notices(views: list[BodyView], back: Back | None) -> tuple[Sentence, ...]:
+def _notices(views: Sequence[BodyView], back: Back | None) -> tuple[Sentence, ...]:
     told = [Sentence(NOTICE, {"notice": view.notice}) for view in views if view.notice]
     return (*told, *(back.notices if back is not None else (Sentence(NO_BACK),)))

@@ -126,14 +126,5 @@ def _spine(back: Back) -> dict[str, Any]:
         "rotation_deg": np.round(np.degrees(back.profile.rotation_rad(y_m)), 2).tolist(),
         "points_mm": None
         if shape is None
-        else {
-            name: round(1e3 * height_m, 1)
-            for name, height_m in (
-                ("ict", shape.ict_m),
-                ("ka", shape.ka_m),
-                ("itl", shape.itl_m),
-                ("la", shape.la_m),
-                ("ils", shape.ils_m),
-            )
-        },
+        else {name.lower(): round(1e3 * height_m, 1) for name, height_m, _is_turn in shape.places},
     }

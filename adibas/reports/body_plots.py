@@ -68,13 +68,7 @@ def _profile(axes: Axes, back: Back) -> None:
     axes.plot(1e3 * profile.back_m(y_m), y_m, color=DARK, linewidth=1.2)
     shape = back.shape
     if shape is not None:
-        for name, at_m, is_turn in (
-            ("ICT", shape.ict_m, True),
-            ("KA", shape.ka_m, False),
-            ("ITL", shape.itl_m, True),
-            ("LA", shape.la_m, False),
-            ("ILS", shape.ils_m, True),
-        ):
+        for name, at_m, is_turn in shape.places:
             at = np.array([at_m])
             back_m, slope = float(profile.back_m(at)[0]), float(profile.inclination(at)[0])
             axes.plot(1e3 * back_m, at_m, "o", color=ACCENT, markersize=3)

@@ -82,6 +82,17 @@ class SagittalShape:
     fleche_cervicale_m: Estimate
     fleche_lombaire_m: Estimate
 
+    @property
+    def places(self) -> tuple[tuple[str, float, bool], ...]:
+        """Name, height in metres, and whether it is a turn and no apex; from the top down."""
+        return (
+            ("ICT", self.ict_m, True),
+            ("KA", self.ka_m, False),
+            ("ITL", self.itl_m, True),
+            ("LA", self.la_m, False),
+            ("ILS", self.ils_m, True),
+        )
+
 
 def sagittal_shape(
     profile: SpineProfile, stature_m: float, params: SagittalParams | None = None

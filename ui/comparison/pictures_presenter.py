@@ -5,6 +5,7 @@ from typing import Protocol
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
 from adibas.pipeline.picture_overlay import PlacedMarkers, lay_over
+from adibas.pipeline.stored_body import latest_captures
 from adibas.sessions import SessionStore
 from adibas.texts import translate as _
 from ui.comparison.content import Pair, Seen
@@ -86,9 +87,7 @@ def read_pair(
 
 
 def _by_view(store: SessionStore, session: Session | None) -> dict[str, Capture]:
-    if session is None:
-        return {}
-    return {one.view: one for one in store.captures.of_session(session.session_id)}
+    return {} if session is None else latest_captures(store, session)
 
 
 def _seen(store: SessionStore, session: Session, capture: Capture) -> Seen:

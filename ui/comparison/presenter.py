@@ -13,6 +13,7 @@ from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import last_two_alike
 from adibas.texts import message
 from adibas.texts import translate as _
+from ui.comparison.back_presenter import BackPresenter, BackView
 from ui.comparison.content import Choices
 from ui.comparison.numbers_presenter import NumbersPresenter, NumbersView
 from ui.comparison.pictures_presenter import PicturesPresenter, PicturesView
@@ -28,7 +29,7 @@ USUAL_PROTOCOL = "sapo-1"
 TWO = 2
 
 
-class ComparisonView(PicturesView, NumbersView, Protocol):
+class ComparisonView(PicturesView, NumbersView, BackView, Protocol):
     """The screen, as these presenters need it."""
 
     def show_nothing(self, sentence: str, screen: str) -> None:
@@ -46,6 +47,7 @@ class ComparisonPresenter:
         self._workspace = workspace
         self.pictures = PicturesPresenter(view, workspace)
         self.numbers = NumbersPresenter(view, workspace)
+        self.back = BackPresenter(view, workspace)
         self._choices = Choices()
         self._patient: str | None = None
         self._opened_id: str | None = None
@@ -212,7 +214,8 @@ class ComparisonPresenter:
 
     def _show(self) -> None:
         self._view.show_choices(self._choices)
-        self.pictures.show(self._choices.earlier, self._choices.later)
+        for pages in (self.pictures, self.back):
+            pages.show(self._choices.earlier, self._choices.later)
         self._show_numbers()
 
     def _show_numbers(self) -> None:

@@ -1,4 +1,4 @@
-"""The comparison screen: two sessions, a protocol, and four pages. No decisions."""
+"""The comparison screen: two sessions, a protocol, and five pages. No decisions."""
 
 from pathlib import Path
 
@@ -14,6 +14,8 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.texts import translate as _
+from ui.comparison.back_content import Backs
+from ui.comparison.back_page import BackPage
 from ui.comparison.choosers import Choosers
 from ui.comparison.content import Choices, Differences, Key, Pair, Repeats, Trends
 from ui.comparison.differences_page import DifferencesPage
@@ -41,7 +43,8 @@ class ComparisonScreen(Screen):
         self._pages = QTabWidget(self)
         self._pictures, self._differences = PicturesPage(self), DifferencesPage(self)
         self._trends, self._repeats = TrendsPage(theme, self), RepeatsPage(theme, self)
-        for page in (self._pictures, self._differences, self._trends, self._repeats):
+        self._back = BackPage(theme, self)
+        for page in self._all_pages():
             self._pages.addTab(page, "")
         self._lack.setWordWrap(True)
         self._lack.setProperty("kind", "warning")
@@ -63,6 +66,7 @@ class ComparisonScreen(Screen):
         self._choosers.protocol_chosen.connect(presenter.choose_protocol)
         self._go.clicked.connect(lambda: presenter.go_to(self._nothing[1]))
         self._pictures.view_chosen.connect(presenter.pictures.choose_view)
+        self._back.seen.connect(presenter.back.look)
         self._differences.trend_asked.connect(self._show_trend)
         self._repeats.operator_chosen.connect(presenter.choose_operator)
         for page in (self._trends, self._repeats):
@@ -71,9 +75,9 @@ class ComparisonScreen(Screen):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._choosers.retranslate()
-        for page in (self._pictures, self._differences, self._trends, self._repeats):
+        for page in self._all_pages():
             page.retranslate()
-        titles = (_("P&ictures"), _("&Differences"), _("&Trends"), _("&Repeats"))
+        titles = (_("P&ictures"), _("&Differences"), _("&Back"), _("&Trends"), _("&Repeats"))
         for index, title in enumerate(titles):
             self._pages.setTabText(index, title)
         self._word_lack()
@@ -101,10 +105,14 @@ class ComparisonScreen(Screen):
             "" if one is None else moment_text(one.started_utc)
             for one in (choices.earlier, choices.later)
         )
-        self._pictures.show_dates(earlier, later)
+        for page in (self._pictures, self._back):
+            page.show_dates(earlier, later)
 
     def show_pair(self, views: tuple[str, ...], pair: Pair | None) -> None:
         self._pictures.show_pair(views, pair)
+
+    def show_backs(self, backs: Backs) -> None:
+        self._back.show_backs(backs)
 
     def show_differences(self, differences: Differences) -> None:
         self._differences.show_differences(differences)
@@ -114,6 +122,11 @@ class ComparisonScreen(Screen):
 
     def show_repeats(self, repeats: Repeats) -> None:
         self._repeats.show_repeats(repeats)
+
+    def _all_pages(
+        self,
+    ) -> tuple[PicturesPage, DifferencesPage, BackPage, TrendsPage, RepeatsPage]:
+        return self._pictures, self._differences, self._back, self._trends, self._repeats
 
     def _word_lack(self) -> None:
         sentence, screen = self._nothing

@@ -1,0 +1,75 @@
+"""The back and the whole body, as the captures of a saved session show them."""
+
+from dataclasses import replace
+
+from adibas.data.sessions import Capture, Session
+from adibas.errors import BodyError
+from adibas.pipeline.back import Back, measure_back
+from adibas.pipeline.body import POSTERIOR, MeasuredBody, measure_views
+from adibas.pipeline.body_views import BodyView, person_in
+from adibas.sessions import SessionStore
+
+
+def latest_captures(store: SessionStore, session: Session) -> dict[str, Capture]:
+    """Return the last capture of each view."""
+    return {one.view: one for one in store.captures.of_session(session.session_id)}
+
+
+def stored_view(store: SessionStore, capture: Capture) -> BodyView:
+    """Return the person in a capture's surface, with the picture.
+
+    Raises
+    ------
+    BodyError
+        No depth was kept, its camera is not calibrated, nobody is seen, or no floor.
+    StoreError
+        A file of the capture is missing or damaged.
+    """
+    surface = store.captures.surface(capture.capture_id)
+    if surface is None or capture.calibration.depth is None:
+        raise BodyError(
+            "No depth was kept with this capture, and a surface takes depth. Capture the view "
+            "again with a calibrated sensor."
+        )
+    view = person_in(capture.view, surface, capture.calibration, name=capture.view)
+    return replace(view, picture_rgb=store.captures.picture(capture.capture_id))
+
+
+def stored_back(store: SessionStore, session: Session) -> Back:
+    """Measure the back in the last posterior capture, with the markers as corrected.
+
+    Raises
+    ------
+    BodyError
+        There is no such capture, or the back cannot be measured in it.
+    StoreError
+        A file of the capture is missing or damaged.
+    """
+    capture = latest_captures(store, session).get(POSTERIOR)
+    if capture is None:
+        raise BodyError(
+            "The session has no posterior view, and the back is measured in it. Capture one."
+        )
+    return measure_back(stored_view(store, capture), capture.markers())
+
+
+def stored_body(store: SessionStore, session: Session) -> MeasuredBody:
+    """Join the last capture of each view into one surface, and measure it.
+
+    Raises
+    ------
+    BodyError
+        There is no capture, one has no depth or shows nobody, the views do not fit together, or
+        the back cannot be measured.
+    StoreError
+        A file of a capture is missing or damaged.
+    """
+    captures = latest_captures(store, session)
+    if not captures:
+        raise BodyError("The session has no capture. Capture the standing views first.")
+    return measure_views(
+        [stored_view(store, one) for one in captures.values()],
+        {view: one.markers() for view, one in captures.items()},
+        {view: one.provenance for view, one in captures.items()},
+        session.patient,
+    )
