@@ -45,6 +45,8 @@ class StayingParams:
         Somebody fell apart if nobody has this share of the pixels now: 0.7.
     whole : float
         And is put together if the surfaces cover this share of the pixels: 0.6.
+    hidden : float
+        Nobody else is before so much of the pixels: 0.1.
     gap_px : int
         Widest gap between the surfaces; 25: the shadow between an arm and the trunk.
     most : float
@@ -55,6 +57,7 @@ class StayingParams:
     farthest_m: float = 0.25
     broken: float = 0.7
     whole: float = 0.6
+    hidden: float = 0.1
     gap_px: int = 25
     most: float = 0.9
 
@@ -87,6 +90,8 @@ def put_together(
         if n_still >= params.broken * n_before:
             continue
         others = [one for one in people if _inside(one.pixels, pixels) < params.least_inside]
+        if any(_inside(pixels, one.pixels) > params.hidden for one in others):
+            continue  # hidden by somebody, and not fallen apart
         free = labels.copy()
         for one in others:
             free[one.pixels] = 0

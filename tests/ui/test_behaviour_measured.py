@@ -18,8 +18,16 @@ from tests.unit.coding_samples import coding
 from tests.unit.test_activity import HAND, circling, still
 from ui.behaviour.agreement_page import AgreementPage
 from ui.behaviour.counts_page import CountsPage
-from ui.behaviour.counts_presenter import TABLES
-from ui.behaviour.measured import MEASURED, HeatMap, heat_map, measured_table, raster
+from ui.behaviour.counts_presenter import EVERYBODY, TABLES
+from ui.behaviour.measured import (
+    MEASURED,
+    HeatMap,
+    heat_map,
+    measured_table,
+    of_person,
+    people_of,
+    raster,
+)
 from ui.behaviour.tables import counted_table
 from ui.behaviour.time_plot import TimePlot
 
@@ -186,3 +194,30 @@ def test_files_are_proposed_under_the_recordings_name(qtbot, theme, page_of, pro
     (dialog,) = page.findChildren(QFileDialog)
     assert [Path(name).stem for name in dialog.selectedFiles()] == [proposed]
     dialog.reject()
+
+
+def test_one_of_several_people_is_chosen_for_the_activity(analysis):
+    assert people_of(analysis) == ((1, "Person 1"), (2, "Person 2"))
+    second = of_person(analysis, 2)
+    assert {line[1] for line in measured_table("joints", second).lines} == {"Person 2"}
+    assert {line[2] for line in measured_table("paths", second).lines} == {"Person 2"}
+    assert len(measured_table("bands", second).lines) == 2 * len(JOINT_NAMES)
+    found = heat_map(second, OBSERVED, 10_000)
+    assert found.rows[0] == "Head"
+    assert np.isnan(found.values[:, 0]).all()
+    assert people_of(second) == people_of(None) == ()
+
+
+def test_the_page_offers_people_and_tells_who_was_chosen(qtbot, theme, analysis):
+    page = CountsPage(theme)
+    qtbot.addWidget(page)
+    chosen = []
+    page.person_chosen.connect(chosen.append)
+    page.show_people(people_of(analysis), 2)
+    assert not page._person.isHidden()
+    assert page._person.currentText() == "Person 2"
+    page._person.activated.emit(page._person.findText("Person 1"))
+    page._person.activated.emit(page._person.findText("Everybody"))
+    assert chosen == [1, EVERYBODY]
+    page.show_people((), EVERYBODY)
+    assert page._person.isHidden()

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import create_autospec
 
 import numpy as np
@@ -33,6 +34,7 @@ from tests.ui.behaviour_scene import (
 )
 from tests.ui.conftest import NoSensor
 from tests.unit import store_samples
+from ui.behaviour.counts_presenter import EVERYBODY
 from ui.behaviour.playing import Playing, frame_at, frame_times_ms
 from ui.behaviour.presenter import BehaviourPresenter, BehaviourView
 from ui.behaviour.scheme import fields_of, without
@@ -1035,6 +1037,33 @@ def test_what_is_measured_is_shown_once_the_program_has_looked(scene, seeing, mo
     assert scene.view.show_counts.call_args.args == (("paths", ((), 60_000)),)
     counts.choose_table("raster")
     assert [name[:5] for name in scene.view.show_plot.call_args.args[0].rows] == ["waves"]
+
+
+def test_the_activity_of_one_person_is_shown_and_events_are_of_everybody(
+    scene, seeing, monkeypatch
+):
+    several = analysis((10, 20))
+    several.people = (SimpleNamespace(person=1), SimpleNamespace(person=2))
+    seeing(several)
+    scene.open()
+    counts = scene.presenter.counts
+    monkeypatch.setattr("ui.behaviour.counts_presenter.divided", lambda found, *_told: found)
+    monkeypatch.setattr("ui.behaviour.counts_presenter.of_person", lambda _found, person: person)
+    shown = []
+    monkeypatch.setattr(
+        "ui.behaviour.counts_presenter.measured_table",
+        lambda kind, found: shown.append((kind, found if found == 2 else "everybody")),
+    )
+    scene.presenter.finding.find(())
+    counts.set_seen(is_seen=True)
+    counts.choose_table("joints")
+    names = ((1, "Person 1"), (2, "Person 2"))
+    scene.view.show_people.assert_called_with(names, EVERYBODY)
+    counts.choose_person(2)
+    scene.view.show_people.assert_called_with(names, 2)
+    counts.choose_table("detected")
+    scene.view.show_people.assert_called_with((), EVERYBODY)
+    assert shown == [("joints", "everybody"), ("joints", 2), ("detected", "everybody")]
 
 
 def test_recordings_that_follow_one_another_are_one_observation(scene):

@@ -10,9 +10,9 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.texts import translate as _
-from ui.behaviour.counts_presenter import IN_INTERVALS, TABLES, USUAL_BIN_S
+from ui.behaviour.counts_presenter import EVERYBODY, IN_INTERVALS, TABLES, USUAL_BIN_S
 from ui.behaviour.file_dialogs import ask_save, named_after, workbook_filter
-from ui.behaviour.measured import HeatMap, Raster
+from ui.behaviour.measured import HeatMap, People, Raster
 from ui.behaviour.tables import TextTable
 from ui.behaviour.text_table import TextTableView
 from ui.behaviour.time_plot import TimePlot
@@ -29,6 +29,7 @@ class CountsPage(SidePanel):
 
     table_chosen = Signal(str)
     bin_changed = Signal(float)
+    person_chosen = Signal(int)
     file_chosen = Signal(object)
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
@@ -36,6 +37,8 @@ class CountsPage(SidePanel):
         self._name = ""
         self._kind, self._bin, self._bin_label = QComboBox(self), DecimalField(self), QLabel(self)
         self._bin_label.setBuddy(self._bin)
+        self._person = QComboBox(self)
+        self._person.hide()
         self._write = QPushButton(self)
         self._table, self._plot = TextTableView(self), TimePlot(theme, self)
         self._unmeasured = QLabel(self)
@@ -50,12 +53,16 @@ class CountsPage(SidePanel):
         self._bin.setValue(USUAL_BIN_S)
         self._bin.setKeyboardTracking(False)
         self._bin.setEnabled(False)
+        controls = (self._kind, self._person, self._bin_label, self._bin, self._write)
         column = self.column
         column.setContentsMargins(8, 8, 8, 8)
-        column.addLayout(in_a_flow(self._kind, self._bin_label, self._bin, self._write))
+        column.addLayout(in_a_flow(*controls))
         column.addWidget(self._unmeasured)
         column.addWidget(self._shown, 1)
         self._kind.activated.connect(self._on_kind)
+        self._person.activated.connect(
+            lambda index: self.person_chosen.emit(self._person.itemData(index))
+        )
         self._bin.valueChanged.connect(self.bin_changed)
         self._write.clicked.connect(self._ask_file)
 
@@ -71,6 +78,7 @@ class CountsPage(SidePanel):
         for index, title in enumerate(titles):
             self._kind.setItemText(index, title)
         self._kind.setAccessibleName(_("What is counted"))
+        self._person.setAccessibleName(_("Whose activity is shown"))
         self._bin_label.setText(_("In&terval [s]"))
         self._write.setText(_("&Write..."))
         self._table.setAccessibleName(_("Counts"))
@@ -93,6 +101,14 @@ class CountsPage(SidePanel):
         """Show what happened over time."""
         self._plot.show_content(content)
         self._shown.setCurrentWidget(self._plot)
+
+    def show_people(self, people: People, chosen: int) -> None:
+        """Offer one person's activity, or everybody's."""
+        self._person.clear()
+        for number, name in ((EVERYBODY, _("Everybody")), *people):
+            self._person.addItem(name, number)
+        self._person.setCurrentIndex(max(self._person.findData(chosen), 0))
+        self._person.setVisible(bool(people))
 
     def show_unmeasured(self, *, is_unmeasured: bool) -> None:
         """Say that the program has not looked yet."""

@@ -18,9 +18,12 @@ from ui.behaviour.finding_presenter import FindingPresenter
 from ui.behaviour.measured import (
     MEASURED,
     HeatMap,
+    People,
     Raster,
     heat_map,
     measured_table,
+    of_person,
+    people_of,
     raster,
 )
 from ui.behaviour.tables import TextTable, agreement_table, counted_table
@@ -32,6 +35,9 @@ if TYPE_CHECKING:
 
 PLOTS = ("raster", "activity")
 TABLES = ("totals", "bins", "transitions", "events", *SAMPLINGS, *MEASURED, *PLOTS)
+BY_PERSON = ("joints", "paths", "bands", "activity")
+"""Of which one person alone can be shown; events tell their subjects."""
+EVERYBODY = 0
 IN_INTERVALS = ("bins", *SAMPLINGS, "paths", "activity")
 USUAL_BIN_S = 60.0
 
@@ -44,6 +50,9 @@ class CountsView(Protocol):
 
     def show_plot(self, content: Raster | HeatMap | None) -> None:
         """Show what happened over time; None where nothing is known."""
+
+    def show_people(self, people: People, chosen: int) -> None:
+        """Offer one person's activity, or everybody's; no people: nothing to choose."""
 
     def show_unmeasured(self, *, is_unmeasured: bool) -> None:
         """Say that the program has not looked at the recording yet."""
@@ -75,6 +84,7 @@ class CountsPresenter:
         self._finding = finding
         self._note_export = note_export
         self._kind = TABLES[0]
+        self._person = EVERYBODY
         self._bin_ms = round(USUAL_BIN_S * MS_PER_S)
         self._is_seen = False
         self._other: Coding | None = None
@@ -99,6 +109,11 @@ class CountsPresenter:
     def choose_table(self, kind: str) -> None:
         """Show another table."""
         self._kind = kind
+        self._count()
+
+    def choose_person(self, person: int) -> None:
+        """Show the activity of one person, or of everybody."""
+        self._person = person
         self._count()
 
     def set_bin(self, seconds: float) -> None:
@@ -182,6 +197,11 @@ class CountsPresenter:
         measured = next((one for one in MEASURED if one == kind), None)
         is_unmeasured = analysis is None and (measured is not None or kind == "activity")
         self._view.show_unmeasured(is_unmeasured=is_unmeasured)
+        people = people_of(analysis) if kind in BY_PERSON else ()
+        known = any(self._person == number for number, _name in people)
+        self._view.show_people(people, self._person if known else EVERYBODY)
+        if analysis is not None and known:
+            analysis = of_person(analysis, self._person)
         if kind in PLOTS:
             self._view.show_plot(_plot(kind, coding, analysis, bin_ms))
         elif measured is None:

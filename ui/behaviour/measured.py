@@ -1,6 +1,6 @@
 """What the program measured in a recording, as tables and as content of plots. Without Qt."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 MeasuredKind: TypeAlias = Literal["joints", "paths", "bands", "detected"]
 MEASURED: tuple[MeasuredKind, ...] = get_args(MeasuredKind)
+People: TypeAlias = tuple[tuple[int, str], ...]
+"""Numbers and names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,19 @@ class HeatMap:
     bin_s: float
     sections: tuple[tuple[str, float, float], ...]
     duration_s: float
+
+
+def people_of(analysis: "BehaviourAnalysis | None") -> People:
+    """Return everybody whose joints were measured, where there are several to choose from."""
+    people = () if analysis is None else analysis.people
+    if len(people) <= 1:
+        return ()
+    return tuple((one.person, subject_text(subject_of(one.person))) for one in people)
+
+
+def of_person(analysis: "BehaviourAnalysis", person: int) -> "BehaviourAnalysis":
+    """Return the same analysis with one person alone."""
+    return replace(analysis, people=tuple(p for p in analysis.people if p.person == person))
 
 
 def measured_table(kind: MeasuredKind, analysis: "BehaviourAnalysis") -> TextTable:

@@ -24,7 +24,7 @@ from ui.behaviour.counts_page import CountsPage
 from ui.behaviour.counts_presenter import CountsPresenter
 from ui.behaviour.file_dialogs import ask_open_several
 from ui.behaviour.learn_dialog import LearnDialog
-from ui.behaviour.measured import HeatMap, Raster
+from ui.behaviour.measured import HeatMap, People, Raster
 from ui.behaviour.ports import Picture
 from ui.behaviour.presenter import BehaviourPresenter, Position
 from ui.behaviour.scheme_dialog import SchemeDialog
@@ -170,6 +170,7 @@ class BehaviourScreen(Screen):
             lambda _index: counts.set_seen(is_seen=self._tabs.currentWidget() is self._counts)
         )
         self._counts.table_chosen.connect(counts.choose_table)
+        self._counts.person_chosen.connect(counts.choose_person)
         self._counts.bin_changed.connect(counts.set_bin)
         self._counts.file_chosen.connect(counts.write)
         self._agreement.other_chosen.connect(counts.compare_file)
@@ -282,6 +283,9 @@ class BehaviourScreen(Screen):
 
     def show_plot(self, content: Raster | HeatMap | None) -> None:
         self._counts.show_plot(content)
+
+    def show_people(self, people: People, chosen: int) -> None:
+        self._counts.show_people(people, chosen)
 
     def show_unmeasured(self, *, is_unmeasured: bool) -> None:
         self._counts.show_unmeasured(is_unmeasured=is_unmeasured)
