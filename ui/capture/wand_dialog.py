@@ -25,7 +25,7 @@ from ui.widgets.overlays import Dot, Line, Overlay
 KINDS = {WandResult.PASSED: "good", WandResult.UNSURE: "warning", WandResult.FAILED: "bad"}
 SHORTEST_MM, LONGEST_MM = 50.0, 3000.0
 LETTERS_IN_A_LINE = 72
-PICTURE_LINES = 13
+PICTURE_LINES, LEAST_PICTURE_LINES = 13, 5
 
 
 class WandDialog(QDialog):
@@ -79,8 +79,6 @@ class WandDialog(QDialog):
         column.addWidget(self._verdict)
         column.addWidget(self._lack)
         column.addLayout(buttons)
-        metrics = self.fontMetrics()
-        self._picture.setMinimumHeight(PICTURE_LINES * metrics.lineSpacing())
         self._column = column
         self._show_ends(None)
         self._make_room()
@@ -156,8 +154,17 @@ class WandDialog(QDialog):
         self._picture.set_overlays(tuple(overlays))
 
     def _make_room(self) -> None:
-        """Grow with the sentences: a layout alone does not count their lines."""
-        width = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
+        """Grow with the sentences, a layout alone does not count their lines; the picture yields.
+
+        It is smaller where all together would be higher than the window behind.
+        """
+        metrics, room_px = self.fontMetrics(), self.parentWidget().window().height()
+        width = metrics.averageCharWidth() * LETTERS_IN_A_LINE
+        picture_px = PICTURE_LINES * metrics.lineSpacing()
+        self._picture.setMinimumHeight(picture_px)
+        excess_px = max(self._column.totalHeightForWidth(width) - room_px, 0)
+        least_px = LEAST_PICTURE_LINES * metrics.lineSpacing()
+        self._picture.setMinimumHeight(max(picture_px - excess_px, least_px))
         self.setMinimumSize(width, self._column.totalHeightForWidth(width))
 
     def _say(self, text: str, kind: str) -> None:

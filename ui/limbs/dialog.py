@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
@@ -37,6 +38,11 @@ class LimbsDialog(QDialog):
         letters = self.fontMetrics()
         wanted = QSize(USUAL_LETTERS * letters.averageCharWidth(), USUAL_LINES * letters.height())
         self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802  (Qt's name)
+        """Let Enter in a field take what was typed; a dialog would press its first button."""
+        if event.key() not in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            super().keyPressEvent(event)
 
     def reject(self) -> None:
         """Close; where what was drawn cannot be kept, only after a question."""
