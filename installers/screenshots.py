@@ -34,7 +34,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--docs", action="store_true", help="one set in English, for docs")
     parser.add_argument("--manual", action="store_true", help="those that the manual shows")
-    parser.add_argument("--only", default="", help="sets whose name matches, as in es_light")
+    parser.add_argument(
+        "--only",
+        default="",
+        help="sets whose name matches, as in es_light; with --manual pictures, as in settings-2",
+    )
     options = parser.parse_args()
     with opened_studio() as studio:
         for path in _drawn(studio, options):
@@ -44,7 +48,7 @@ def main() -> int:
 
 def _drawn(studio: Studio, options: argparse.Namespace) -> Iterator[Path]:
     if options.manual:
-        return _draw_manual(studio)
+        return _draw_manual(studio, options.only)
     return _draw_docs(studio) if options.docs else _draw_looks(studio, options.only)
 
 
@@ -56,12 +60,13 @@ def _draw_docs(studio: Studio) -> Iterator[Path]:
         yield _saved(picture, folder / f"{name}.png")
 
 
-def _draw_manual(studio: Studio) -> Iterator[Path]:
+def _draw_manual(studio: Studio, only: str) -> Iterator[Path]:
     studio.unlock()
     for language in WRITTEN:
         studio.wear(language)
         for name, picture in studio.pictures():
-            yield from save_picture(picture, language, name)
+            if re.search(only, name):
+                yield from save_picture(picture, language, name)
 
 
 def _draw_looks(studio: Studio, only: str) -> Iterator[Path]:

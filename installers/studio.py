@@ -14,6 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
+    QLabel,
     QLineEdit,
     QListWidget,
     QPushButton,
@@ -45,6 +46,8 @@ N_FRAMES = 10
 N_BOARDS = 3
 """Pictures of the board that are taken before the calibration is drawn."""
 PATIENCE_S = 300.0
+USERS_FOLDER = "/home/puig/adibas"
+"""Shown in place of the folder that is thrown away, which says nothing to a reader."""
 
 
 @contextmanager
@@ -57,7 +60,7 @@ def opened_studio() -> Iterator["Studio"]:
         preferences.change(language="en", theme="light", autolock_minutes=0)
         application = Application(app, preferences, Path(name) / "store")
         application.start()
-        yield Studio(app, application, preferences, session_id)
+        yield Studio(app, application, preferences, session_id, name)
         application.window.close()
         application.close()
         shiboken6.delete(application.window)  # before the application that it belongs to
@@ -82,12 +85,14 @@ class Studio:
         application: Application,
         preferences: PreferencesFile,
         session_id: str,
+        folder: str,
     ) -> None:
         self._app = app
         self._application = application
         self._preferences = preferences
         self._session_id = session_id
         self._window = application.window
+        self._folder = folder
 
     def unlock(self) -> QPixmap:
         """Return a picture of the page before the screens, and open the store."""
@@ -142,7 +147,7 @@ class Studio:
             for index in range(tabs.count()):
                 tabs.setCurrentIndex(index)
                 self._settle()
-                yield f"{name}-{index + 1}", self._window.grab()
+                yield f"{name}-{index + 1}", self._grab()
             tabs.setCurrentIndex(0)
         dock = self._window.findChild(HelpDock)
         for name in HELPED:
@@ -153,6 +158,20 @@ class Studio:
             if dock.isFloating():
                 yield f"help-{name}-floating", dock.grab()
         dock.hide()
+
+    def _grab(self) -> QPixmap:
+        """Return a picture of the window, its folders as on a user's computer."""
+        told = {
+            label: label.text()
+            for label in self._window.findChildren(QLabel)
+            if self._folder in label.text()
+        }
+        for label, text in told.items():
+            label.setText(text.replace(self._folder, USERS_FOLDER))
+        picture = self._window.grab()
+        for label, text in told.items():
+            label.setText(text)
+        return picture
 
     def _show(self, name: str) -> None:
         workspace = self._application.workspace
