@@ -4,6 +4,7 @@ import logging
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from PySide6.QtWidgets import QApplication, QToolTip
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError
 from adibas.sessions import default_store_folder
+from adibas.sessions.roles import TITLES, Permission
 from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.appearance import Appearance
@@ -33,6 +35,7 @@ from ui.screens import preload, screen_builders
 from ui.signals import SignalWatch
 from ui.theme import Theme
 from ui.unlock_presenter import UnlockPresenter
+from ui.widgets.for_roles import only_for
 from ui.window import MainWindow
 from ui.workspace import Place, Workspace
 
@@ -46,6 +49,9 @@ BACKUP_CHECK_MS = 3_600_000
 """A window may be open for weeks."""
 PRELOAD_MS = 1500
 """After the start: who types a passphrase or looks for a patient does not notice."""
+
+SCREENS_FOR_ROLES = {"reports": Permission.REPORT, "comparison": Permission.COMPARE}
+"""The others are for everybody; what is in them asks for itself."""
 
 LIVE_SCREENS = ("capture", "markers", "calibration")
 """They show the sensor, and open it when they are entered."""
@@ -83,6 +89,7 @@ class Application:
         self.window = MainWindow(self._theme, self.jobs, preferences)
         self.workspace: Workspace | None = None
         self._left_at: tuple[Place, str] | None = None
+        self._left_by = ""
         self._drafts = Drafts(self.window)
         self._is_locking = False
         self._watch = InactivityWatch(self.lock, self.window)
@@ -135,6 +142,7 @@ class Application:
         self._is_locking = True
         self._watch.set_minutes(0)
         self._left_at = (self.workspace.place, self.window.shown)
+        self._left_by = _owner(self.workspace.store)
         self._close_other_windows()
         logger.info("locked")
         self.window.unlock_page.show_locking()
@@ -163,7 +171,7 @@ class Application:
         self._is_locking = False
         self._close_other_windows()
         if self.workspace is not None:
-            self._drafts.keep(self.workspace.store.drafts)
+            self._drafts.keep(self.workspace.store.drafts, _owner(self.workspace.store))
         self._take_apart()
         self._show_unlock().ask()
 
@@ -191,6 +199,8 @@ class Application:
         workspace.patient_changed.subscribe(self._show_patient)
         for name, build in screen_builders(workspace, self._theme, self.window).items():
             self.window.offer_screen(name, build)
+        workspace.person_changed.subscribe(partial(self._show_person, store))
+        self._show_person(store)
         self.window.setLocale(QLocale(self.preferences.now.language))
         self.window.show_read_only(is_read_only=store.is_read_only)
         self._watch.set_minutes(self.preferences.now.autolock_minutes)
@@ -198,7 +208,7 @@ class Application:
         if store.is_read_only:
             self._tell_read_only(workspace)
         else:
-            self._drafts.give_back(store.drafts)
+            self._drafts.give_back(store.drafts, _owner(store))
             back_up_if_due(workspace)
             self._backup_timer.start()
         if self.to_open:
@@ -224,11 +234,16 @@ class Application:
         workspace.tell("warning", sentence)
 
     def _show_where_the_user_was(self, workspace: Workspace) -> None:
-        if self._left_at is None:
+        left_at, self._left_at = self._left_at, None
+        if left_at is None or self._left_by != _owner(workspace.store):
             self.window.show_first_screen()
             return
-        (place, screen), self._left_at = self._left_at, None
+        place, screen = left_at
         workspace.return_to(place)
+        permission = SCREENS_FOR_ROLES.get(screen)
+        if permission is not None and not workspace.store.may(permission):
+            self.window.show_first_screen()  # of another role meanwhile
+            return
         self.window.show_screen(screen)
 
     def _show_screen(self, name: str) -> None:
@@ -236,6 +251,14 @@ class Application:
             self._left_at = (self._left_at[0], name)  # what is being finished goes on there
         else:
             self.window.show_screen(name)
+
+    def _show_person(self, store: "SessionStore") -> None:
+        """Say who has the store open, and offer the screens of that role."""
+        person = store.person
+        told = "" if person is None else f"{person.name}  ·  {_(TITLES[person.role])}"
+        self.window.show_person(told)
+        for name, permission in SCREENS_FOR_ROLES.items():
+            self.window.keep_screen(name, "" if store.may(permission) else only_for(permission))
 
     def _open_dropped(self, paths: tuple[Path, ...]) -> None:
         workspace = self.workspace
@@ -298,7 +321,13 @@ class Application:
         if self._language == self.preferences.now.language:
             return
         self._language = self.preferences.now.language
-        workspace.attempt(lambda: _rename_demo_patient(workspace))
+        if workspace.store.may(Permission.CHANGE_PATIENTS):
+            workspace.attempt(lambda: _rename_demo_patient(workspace))
+
+
+def _owner(store: "SessionStore") -> str:
+    """Return who has the store open; nobody in a store without people."""
+    return "" if store.person is None else store.person.person_id
 
 
 def _open_calibrated(text: str, options: "SensorOptions") -> "DepthCamera":

@@ -14,10 +14,21 @@ class Drafts:
     def __init__(self, window: MainWindow) -> None:
         self._window = window
         self._sealed: dict[str, bytes] = {}
+        self._owner = ""
 
-    def keep(self, seal: "AesSeal") -> None:
-        """Keep what stands in the screens, which are about to be closed."""
+    def keep(self, seal: "AesSeal", owner: str = "") -> None:
+        """Keep what stands in the screens, which are about to be closed.
+
+        Parameters
+        ----------
+        owner : str
+            Who typed it; it waits for them, until somebody else leaves something typed.
+        """
         typed = self._window.drafts()
+        if typed and owner != self._owner:
+            self._sealed.clear()
+        if typed:
+            self._owner = owner
         self._sealed |= {name: seal.seal(name, text.encode()) for name, text in typed.items()}
 
     @property
@@ -25,8 +36,10 @@ class Drafts:
         """Whether something waits to be given back."""
         return bool(self._sealed)
 
-    def give_back(self, seal: "AesSeal") -> None:
-        """Give every screen what was typed into it."""
+    def give_back(self, seal: "AesSeal", owner: str = "") -> None:
+        """Give every screen what was typed into it, to whoever typed it."""
+        if owner != self._owner:
+            return
         for name, sealed in self._sealed.items():
             text = seal.open(name, sealed).decode()
             self._window.screen_named(name).take_back(text)

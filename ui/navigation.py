@@ -47,6 +47,7 @@ class NavigationRail(QWidget):
         self._theme = theme
         self._group = QButtonGroup(self)
         self._buttons: dict[str, QToolButton] = {}
+        self._reasons: dict[str, str] = {}
         layout = self._column = QVBoxLayout(self)
         for number, name in enumerate(TITLES, 1):
             button = self._button(name)
@@ -83,7 +84,9 @@ class NavigationRail(QWidget):
             button.setText(title)
             button.setShortcut(shortcut)  # a new text takes the shortcut away
             keys = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
-            button.setToolTip(f"{title} ({keys})")
+            reason = self._reasons.get(name, "")
+            button.setToolTip(reason or f"{title} ({keys})")
+            button.setAccessibleDescription(reason)
             button.setAccessibleName(title)
         self._fit()
 
@@ -119,6 +122,12 @@ class NavigationRail(QWidget):
     def show_button(self, name: str) -> None:
         """Offer a screen."""
         self._buttons[name].show()
+
+    def keep_button(self, name: str, reason: str) -> None:
+        """Disable a button for a reason, or enable it where there is none."""
+        self._reasons[name] = reason
+        self._buttons[name].setEnabled(not reason)
+        self.retranslate()
 
     def show_chosen(self, name: str) -> None:
         """Mark the screen that is seen."""

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from adibas.sessions import KeyState, key_state
+from adibas.sessions import key_state
+from adibas.sessions.keys import BEHIND_PASSPHRASE
 from adibas.texts import translate as _
 from ui.ports import JobControl
 from ui.workspace import Workspace
@@ -21,7 +22,7 @@ def back_up_if_due(workspace: Workspace) -> None:
     def work(control: JobControl) -> "tuple[Path, BackupSummary] | None":
         from adibas.sessions.backup_schedule import BackupPlan
 
-        if key_state(store.folder) is not KeyState.PASSPHRASE:
+        if key_state(store.folder) not in BEHIND_PASSPHRASE:
             return None  # the page of backups says so
         plan = BackupPlan(Path(now.backup_folder), now.backup_days, now.backup_keep)
         return store.backups.write_planned(plan, progress=control.progress)

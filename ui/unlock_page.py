@@ -118,6 +118,10 @@ class UnlockPage(Screen):
         self._show(_passphrase_words, fields=1)
         self._send = lambda: self._presenter.give_passphrase(self._first.text())
 
+    def ask_own_passphrase(self) -> None:
+        self._show(_own_words, fields=1)
+        self._send = lambda: self._presenter.give_passphrase(self._first.text())
+
     def ask_server_password(self) -> None:
         self._show(_server_words, fields=1)
         self._send = lambda: self._presenter.give_server_password(self._first.text())
@@ -171,6 +175,14 @@ def _new_words() -> tuple[str, str, str]:
 
 def _passphrase_words() -> tuple[str, str, str]:
     return _("Locked"), _("Type the passphrase of the patient store."), _("Unlock")
+
+
+def _own_words() -> tuple[str, str, str]:
+    return (
+        _("Locked"),
+        _("Type your own passphrase: it tells who you are, and what you may see."),
+        _("Unlock"),
+    )
 
 
 def _server_words() -> tuple[str, str, str]:

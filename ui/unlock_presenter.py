@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from adibas.errors import AdibasError, ServerPasswordError
 from adibas.sessions import KeyState, key_state
+from adibas.sessions.keys import BEHIND_PASSPHRASE
 from adibas.texts import describe
 from adibas.texts import translate as _
 from ui.ports import CancelledError, JobControl, Jobs
@@ -27,6 +28,9 @@ class UnlockView(Protocol):
 
     def ask_passphrase(self) -> None:
         """Ask for the passphrase of the store."""
+
+    def ask_own_passphrase(self) -> None:
+        """Ask for the passphrase of one of the people who may open the store."""
 
     def ask_server_password(self) -> None:
         """Ask for the password of the server that keeps the database."""
@@ -70,6 +74,7 @@ class UnlockPresenter:
         self._operator = operator
         self._jobs = jobs
         self._opened = opened
+        self._ask_passphrase = view.ask_passphrase
         self._passphrase: str | None = None
         """Between the passphrase and the server's password alone."""
 
@@ -86,8 +91,8 @@ class UnlockPresenter:
         self._open(None, self._view.ask_unlock)
 
     def give_passphrase(self, passphrase: str) -> None:
-        """Open with the passphrase of an existing store."""
-        self._open(passphrase, self._view.ask_passphrase)
+        """Open with the passphrase of an existing store, or of one of its people."""
+        self._open(passphrase, self._ask_passphrase)
 
     def give_server_password(self, password: str) -> None:
         """Open with the passphrase that was given, and with the password of the server."""
@@ -110,8 +115,13 @@ class UnlockPresenter:
         def done(state: KeyState) -> None:
             if state is KeyState.NEW_PASSPHRASE:
                 self._view.ask_new_passphrase()
-            elif state is KeyState.PASSPHRASE:
-                self._view.ask_passphrase()
+            elif state in BEHIND_PASSPHRASE:
+                has_people = state is KeyState.PEOPLE
+                view = self._view
+                self._ask_passphrase = (
+                    view.ask_own_passphrase if has_people else view.ask_passphrase
+                )
+                self._ask_passphrase()
             else:
                 with_keyring(state)
 

@@ -75,6 +75,7 @@ class MainWindow(QMainWindow):
         self._pages, self._outer = QStackedWidget(self), QStackedWidget(self)
         self._messages, self._progress = MessageBar(self), ProgressStrip(self)
         self._patient, self._read_only = ElidedLabel(self), ElidedLabel(self)
+        self._person = ElidedLabel(self)
         self._help = HelpDock(self)
         self._lay_out()
         jobs.changed.subscribe(self._progress.show_job)
@@ -106,6 +107,8 @@ class MainWindow(QMainWindow):
         self._read_only.hide()
         self.statusBar().setContentsMargins(STATUS_MARGIN_PX, 0, STATUS_MARGIN_PX, 0)
         self.statusBar().addWidget(self._patient, 1)
+        self._person.hide()
+        self.statusBar().addPermanentWidget(self._person)
         self.statusBar().addPermanentWidget(self._read_only)
         self.statusBar().addPermanentWidget(self._progress)
 
@@ -136,6 +139,10 @@ class MainWindow(QMainWindow):
         """Offer one of the rail's screens; it is built when it is first asked for."""
         self._builders[name] = build
         self._rail.show_button(name)
+
+    def keep_screen(self, name: str, reason: str) -> None:
+        """Offer a screen no more where there is a reason, which its button tells."""
+        self._rail.keep_button(name, reason)
 
     def remove_screens(self) -> None:
         """Close all screens and forget them."""
@@ -198,12 +205,18 @@ class MainWindow(QMainWindow):
         self._outer.setCurrentWidget(self.unlock_page)
         self._messages.put_away()
         self.show_patient("")
+        self.show_person("")
         self._help.follow(self.unlock_page.name)
         self.shown_changed.emit("")
 
     def show_patient(self, text: str) -> None:
         """Say at the bottom who is being looked at."""
         self._patient.setText(text)
+
+    def show_person(self, text: str) -> None:
+        """Say at the bottom who has the store open; nothing where it has no people."""
+        self._person.setText(text)
+        self._person.setVisible(bool(text))
 
     def show_read_only(self, *, is_read_only: bool) -> None:
         """Say whether another window has the store."""

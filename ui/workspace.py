@@ -66,6 +66,8 @@ class Workspace:
     ------
     patient_changed, session_changed, capture_chosen, target_changed
         Something else was chosen, or what is chosen has new content.
+    person_changed
+        Who has the store open became somebody by name.
     screen_wanted(name)
         A screen asks for another one to be shown.
     noticed(kind, sentence)
@@ -91,6 +93,7 @@ class Workspace:
         self.session_changed: Event[[]] = Event()
         self.capture_chosen: Event[[]] = Event()
         self.target_changed: Event[[]] = Event()
+        self.person_changed: Event[[]] = Event()
         self.screen_wanted: Event[[str]] = Event()
         self.noticed: Event[[NoticeKind, str]] = Event()
         self.retry_offered: Event[[str, Callable[[], object]]] = Event()

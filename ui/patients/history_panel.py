@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QCheckBox, QComboBox, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from adibas.sessions.roles import Permission
 from adibas.texts import translate as _
 from ui.patients.content import History, PurgeQuestion, Thumbnail
 from ui.patients.history_list import HistoryList
@@ -105,6 +106,16 @@ class HistoryPanel(QWidget):
             (self._purge, self.purge_asked.emit),
         ):
             button.clicked.connect(lambda _checked, send=send: self._send(send))
+
+    def for_roles(self) -> tuple[tuple[QWidget, Permission], ...]:
+        """Return the buttons that are not for everybody."""
+        return (
+            (self._compare, Permission.COMPARE),
+            (self._export, Permission.EXPORT),
+            (self._delete, Permission.CHANGE_PATIENTS),
+            (self._restore, Permission.CHANGE_PATIENTS),
+            (self._purge, Permission.PURGE),
+        )
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

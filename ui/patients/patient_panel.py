@@ -4,6 +4,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
 
 from adibas.data.patients import Consent
+from adibas.sessions.roles import Permission
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.patients.content import PurgeQuestion, ShownPatient
@@ -63,6 +64,14 @@ class PatientPanel(QWidget):
             column.addWidget(label)
         buttons = (self._edit, self._consents, self._delete, self._restore, self._purge)
         column.addLayout(in_a_flow(*buttons))
+
+    def for_roles(self) -> tuple[tuple[QWidget, Permission], ...]:
+        """Return the buttons that are not for everybody."""
+        changing = (self._edit, self._delete, self._restore)
+        return (
+            *((button, Permission.CHANGE_PATIENTS) for button in changing),
+            (self._purge, Permission.PURGE),
+        )
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from adibas.sessions import KeyState, key_state
+from adibas.sessions import key_state
 from adibas.sessions.disk_words import forecast_text
+from adibas.sessions.keys import BEHIND_PASSPHRASE
 from adibas.sessions.merge_words import merge_texts
 from adibas.texts import translate as _
 from ui.ports import JobControl
@@ -49,7 +50,7 @@ class BackupPresenter:
 
         def work(_control: JobControl) -> "tuple[float | None, bool, DiskForecast]":
             days = store.backups.days_since(Path(now.backup_folder)) if now.backup_folder else None
-            has_passphrase = key_state(store.folder) is KeyState.PASSPHRASE
+            has_passphrase = key_state(store.folder) in BEHIND_PASSPHRASE
             return days, has_passphrase, store.forecast_disk()
 
         self._workspace.jobs.start(_("Looking at the backups"), work, self._show_state)

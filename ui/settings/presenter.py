@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from adibas.sensors.doctor import Finding, findings
-from adibas.sessions import KeyState, VerifyReport, change_passphrase, key_state
+from adibas.sessions import KeyState, VerifyReport, key_state
+from adibas.sessions.keys import BEHIND_PASSPHRASE
 from adibas.texts import translate as _
 from ui.log import log_folder
 from ui.ports import JobControl
@@ -100,15 +101,15 @@ class SettingsPresenter:
         self._workspace.jobs.start(_("Looking for the key of the patient store"), work, done)
 
     def change_passphrase(self, old: str, new: str, repeated: str) -> None:
-        """Put the store's key behind a new passphrase."""
+        """Put the store's key behind a new passphrase: the store's, or that of who has it open."""
         if new != repeated:
             self._workspace.tell("bad", _("The two passphrases differ. Type the same one twice."))
             return
-        folder = self._workspace.store.folder
+        store = self._workspace.store
 
         def work(_control: JobControl) -> None:
-            has_one = key_state(folder) is KeyState.PASSPHRASE
-            change_passphrase(folder, old if has_one else None, new)
+            has_one = key_state(store.folder) in BEHIND_PASSPHRASE
+            store.people.change_passphrase(old if has_one else None, new)
 
         self._workspace.jobs.start(_("Changing the passphrase"), work, lambda _: self._changed())
 
@@ -130,7 +131,7 @@ class SettingsPresenter:
         store = self._workspace.store
 
         def work(_control: JobControl) -> bool:
-            return key_state(store.folder) is KeyState.PASSPHRASE
+            return key_state(store.folder) in BEHIND_PASSPHRASE
 
         def done(has_passphrase: bool) -> None:
             place = str(store.folder)

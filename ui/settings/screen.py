@@ -5,6 +5,7 @@ from PySide6.QtWidgets import QWidget
 from ui.settings.audit_presenter import AuditPresenter
 from ui.settings.backup_presenter import BackupPresenter
 from ui.settings.names_presenter import NamesPresenter
+from ui.settings.people_presenter import PeoplePresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protocols_presenter import ProtocolsPresenter
 from ui.settings.retention_presenter import RetentionPresenter
@@ -25,4 +26,6 @@ def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -
     view.bind_backup(BackupPresenter(view.backup, workspace))
     view.bind_retention(RetentionPresenter(view.retention, workspace))
     view.bind_servers(ServersPresenter(view.servers, workspace))
+    view.bind_people(PeoplePresenter(view.people, workspace))
+    view.keep_for_roles(workspace.store.may)
     return view

@@ -1,5 +1,7 @@
 """The settings screen: six pages, one of them with a page behind it. No decisions."""
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QLabel,
@@ -14,6 +16,7 @@ from PySide6.QtWidgets import (
 from adibas import __version__
 from adibas.resources import resource_path
 from adibas.sensors.doctor import Finding
+from adibas.sessions.roles import Permission
 from adibas.texts import spoken_language
 from adibas.texts import translate as _
 from ui.preferences import Preferences
@@ -25,6 +28,8 @@ from ui.settings.computer_page import ComputerPage
 from ui.settings.general_page import GeneralPage
 from ui.settings.names_page import NamesPage
 from ui.settings.names_presenter import NamesPresenter
+from ui.settings.people_page import PeoplePage
+from ui.settings.people_presenter import PeoplePresenter
 from ui.settings.presenter import SettingsPresenter
 from ui.settings.protection_page import ProtectionPage
 from ui.settings.protocols_page import ProtocolsPage
@@ -33,6 +38,7 @@ from ui.settings.retention_page import RetentionPage
 from ui.settings.retention_presenter import RetentionPresenter
 from ui.settings.servers_page import ServersPage
 from ui.settings.servers_presenter import ServersPresenter
+from ui.widgets.for_roles import keep_for_roles, only_for
 from ui.widgets.screen import Screen
 
 PROTECTION_TAB, AUDIT_TAB, COMPUTER_TAB, PROTOCOLS_TAB = 1, 2, 3, 4
@@ -54,7 +60,9 @@ class SettingsScreen(Screen):
         self._backup, self._retention = BackupPage(self), RetentionPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
-        protection = _below_each_other(self._protection, self._backup, self._retention)
+        self._people = PeoplePage(self)
+        parts = (self._protection, self._people, self._backup, self._retention)
+        protection = _below_each_other(*parts)
         self._servers = ServersPage(self)
         general = _below_each_other(self._general, self._servers)
         for page in (_scrolled(general), _scrolled(protection)):
@@ -106,6 +114,29 @@ class SettingsScreen(Screen):
         self._servers.saved.connect(presenter.save)
         self._servers.tested.connect(presenter.test)
         self._servers.removed.connect(presenter.remove)
+
+    @property
+    def people(self) -> PeoplePage:
+        """The page of who may open the store."""
+        return self._people
+
+    def bind_people(self, presenter: PeoplePresenter) -> None:
+        """Send what is wanted of people to the presenter, and own it."""
+        self._people_presenter = presenter
+        self._people.chosen.connect(presenter.choose)
+        self._people.saved.connect(presenter.save)
+        self._people.removed.connect(presenter.remove)
+
+    def keep_for_roles(self, may: Callable[[Permission], bool]) -> None:
+        """Offer to whoever has the store open what they may do."""
+        parts = ((self._backup, Permission.BACK_UP), (self._retention, Permission.RETAIN))
+        keep_for_roles(parts, may)
+        for index, permission in (
+            (AUDIT_TAB, Permission.READ_LOG),
+            (PROTOCOLS_TAB, Permission.CHANGE_PROTOCOLS),
+        ):
+            self._tabs.setTabEnabled(index, may(permission))
+            self._tabs.setTabToolTip(index, "" if may(permission) else only_for(permission))
 
     def bind_retention(self, presenter: RetentionPresenter) -> None:
         """Send what is wanted of retention to the presenter, and own it."""
@@ -170,6 +201,7 @@ class SettingsScreen(Screen):
             page.retranslate()
         self._protocols.retranslate()
         self._names.retranslate()
+        self._people.retranslate()
         self._backup.retranslate()
         self._retention.retranslate()
         self._servers.retranslate()
@@ -178,6 +210,7 @@ class SettingsScreen(Screen):
 
     def entered(self) -> None:
         self._presenter.enter()
+        self._people_presenter.enter()
         self._servers_presenter.enter()
         if self._tabs.currentIndex() == AUDIT_TAB:
             self._audit_presenter.enter()
