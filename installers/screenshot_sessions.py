@@ -45,7 +45,7 @@ class _Sample:
     markers: tuple[Marker, ...]
     picture_rgb: UInt8Array
     surface: BurstDisparity | None
-    surface_before: BurstDisparity | None
+    surface_before: BurstDisparity
 
 
 def add_sessions_to_compare(
@@ -61,7 +61,7 @@ def add_sessions_to_compare(
                 tuple(_named(one)),
                 store.captures.picture(one.capture_id),
                 store.captures.surface(one.capture_id),
-                _leaning(one) if one.view == "posterior" else None,
+                _leaning(one),
             )
             for one in store.captures.of_session(session_id)
         ]

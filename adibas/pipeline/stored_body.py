@@ -15,22 +15,19 @@ def latest_captures(store: SessionStore, session: Session) -> dict[str, Capture]
     return {one.view: one for one in store.captures.of_session(session.session_id)}
 
 
-def stored_view(store: SessionStore, capture: Capture) -> BodyView:
-    """Return the person in a capture's surface, with the picture.
+def stored_view(store: SessionStore, capture: Capture) -> BodyView | None:
+    """Return the person in a capture's surface, with the picture; None where no depth was kept.
 
     Raises
     ------
     BodyError
-        No depth was kept, its camera is not calibrated, nobody is seen, or no floor.
+        Nobody is seen, or no floor.
     StoreError
         A file of the capture is missing or damaged.
     """
     surface = store.captures.surface(capture.capture_id)
     if surface is None or capture.calibration.depth is None:
-        raise BodyError(
-            "No depth was kept with this capture, and a surface takes depth. Capture the view "
-            "again with a calibrated sensor."
-        )
+        return None
     view = person_in(capture.view, surface, capture.calibration, name=capture.view)
     return replace(view, picture_rgb=store.captures.picture(capture.capture_id))
 
@@ -50,26 +47,39 @@ def stored_back(store: SessionStore, session: Session) -> Back:
         raise BodyError(
             "The session has no posterior view, and the back is measured in it. Capture one."
         )
-    return measure_back(stored_view(store, capture), capture.markers())
+    view = stored_view(store, capture)
+    if view is None:
+        raise BodyError(
+            "No depth was kept with the posterior view, and a surface takes depth. Capture it "
+            "again with a calibrated sensor."
+        )
+    return measure_back(view, capture.markers())
 
 
 def stored_body(store: SessionStore, session: Session) -> MeasuredBody:
     """Join the last capture of each view into one surface, and measure it.
 
+    Views whose depth was not kept are left out.
+
     Raises
     ------
     BodyError
-        There is no capture, one has no depth or shows nobody, the views do not fit together, or
-        the back cannot be measured.
+        No capture has depth, one shows nobody, the views do not fit together, or the back cannot
+        be measured.
     StoreError
         A file of a capture is missing or damaged.
     """
     captures = latest_captures(store, session)
-    if not captures:
-        raise BodyError("The session has no capture. Capture the standing views first.")
+    seen = {view: stored_view(store, one) for view, one in captures.items()}
+    views = {name: view for name, view in seen.items() if view is not None}
+    if not views:
+        raise BodyError(
+            "The session has no view with depth, and a surface takes depth. Capture the standing "
+            "views with a calibrated sensor."
+        )
     return measure_views(
-        [stored_view(store, one) for one in captures.values()],
-        {view: one.markers() for view, one in captures.items()},
-        {view: one.provenance for view, one in captures.items()},
+        list(views.values()),
+        {name: captures[name].markers() for name in views},
+        {name: captures[name].provenance for name in views},
         session.patient,
     )

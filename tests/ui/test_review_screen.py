@@ -31,14 +31,15 @@ from tests.ui.review_scene import (
     saved_session,
 )
 from ui.jobs import JobRunner
-from ui.review.content import MeasureRow, Points, Space
+from ui.review.content import MeasureRow, Points
 from ui.review.drawing import overlays_of
 from ui.review.markers_model import MarkersModel
 from ui.review.measures_model import INTERVAL, KIND, NAME, VALUE, MeasuresModel
 from ui.review.screen import build_review_screen
-from ui.review.space_view import SpaceView
 from ui.widgets.image_view import ImageView
 from ui.widgets.overlays import Curve, Dot, Line
+from ui.widgets.space import Space
+from ui.widgets.space_view import SpaceView
 from ui.workspace import Workspace
 
 LEFT = Qt.MouseButton.LeftButton

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.body_measures import BodyMeasure, Definition
+from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.back import Back
-from adibas.reports.body_files import on_paper
 from adibas.surface.asymmetry import asymmetry_m
 
 STEP_M = 0.004
@@ -54,22 +53,6 @@ class Backs:
     sentences: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class MeasurePair:
-    """A measure in both sessions, in the units of reports; None where it has no value."""
-
-    definition: Definition
-    before: float | None
-    now: float | None
-    interval: tuple[float, float] | None
-    unit: str
-
-    @property
-    def difference(self) -> float | None:
-        """How much more it is now."""
-        return None if self.before is None or self.now is None else self.now - self.before
-
-
 def seen_back(back: Back) -> SeenBack:
     """Return what is drawn of a back."""
     grid, profile, shape = back.grid, back.profile, back.shape
@@ -94,25 +77,3 @@ def seen_back(back: Back) -> SeenBack:
         ),
         measures=back.measures,
     )
-
-
-def measure_pairs(backs: Backs) -> tuple[MeasurePair, ...]:
-    """Return the measures that either back has."""
-    earlier, later = _by_id(backs.earlier), _by_id(backs.later)
-    return tuple(
-        _pair(earlier.get(measure_id), later.get(measure_id))
-        for measure_id in dict.fromkeys((*later, *earlier))
-    )
-
-
-def _pair(before: BodyMeasure | None, now: BodyMeasure | None) -> MeasurePair:
-    known = now or before
-    if known is None:
-        raise ValueError("a pair has a measure")
-    before_value = None if before is None else on_paper(before)[0]
-    now_value, interval, unit = (None, None, on_paper(known)[2]) if now is None else on_paper(now)
-    return MeasurePair(known.definition, before_value, now_value, interval, unit)
-
-
-def _by_id(back: SeenBack | None) -> dict[str, BodyMeasure]:
-    return {} if back is None else {one.definition.measure_id: one for one in back.measures}

@@ -1,81 +1,63 @@
-"""The back in two sessions: its asymmetry, the spine, and the measures. Knows nothing of Qt."""
+"""The back and the whole body in two sessions, measured when looked at. Knows nothing of Qt."""
 
 from typing import Protocol
 
 from adibas.data.sessions import Session
-from adibas.errors import AdibasError
-from adibas.pipeline.stored_body import stored_back
+from adibas.pipeline.stored_body import stored_back, stored_body
 from adibas.sessions import SessionStore
-from adibas.texts import describe, message
-from adibas.texts import translate as _
+from adibas.texts import message
 from ui.comparison.back_content import Backs, SeenBack, seen_back
-from ui.ports import Job, JobControl
+from ui.comparison.body_content import Bodies, SeenBody, seen_body
+from ui.comparison.on_sight import OnSight, Sessions, read_both
 from ui.workspace import Workspace
 
-LOOKING = message("The backs are being measured.")
-BEFORE, NOW = message("Before: {why}"), message("Now: {why}")
+MEASURING = message("The backs are being measured.")
+JOINING = message("The views are being joined.")
 
 
 class BackView(Protocol):
-    """The page with the backs, as this presenter needs it."""
+    """The pages with backs and bodies, as these presenters need them."""
 
     def show_backs(self, backs: Backs) -> None:
-        """Show what was found in both sessions."""
+        """Show the backs of both sessions."""
+
+    def show_bodies(self, bodies: Bodies) -> None:
+        """Show the surfaces of both sessions."""
 
 
-class BackPresenter:
-    """Measures both backs beside the window, once somebody looks at the page."""
-
-    def __init__(self, view: BackView, workspace: Workspace) -> None:
-        self._view = view
-        self._workspace = workspace
-        self._sessions: tuple[Session | None, Session | None] = (None, None)
-        self._shown: tuple[Session | None, Session | None] | None = None
-        self._is_seen = False
-        self._job: Job | None = None
-
-    def show(self, earlier: Session | None, later: Session | None) -> None:
-        """Show these two as soon as the page is seen."""
-        self._sessions, self._shown = (earlier, later), None
-        self._measure()
-
-    def look(self, is_seen: bool) -> None:
-        """Note whether the page is seen."""
-        self._is_seen = is_seen
-        self._measure()
-
-    def _measure(self) -> None:
-        if not self._is_seen or self._shown == self._sessions:
-            return
-        if self._job is not None and self._job.is_running:
-            self._job.cancel()
-        self._shown = self._sessions
-        if self._sessions == (None, None):
-            self._view.show_backs(Backs())
-            return
-        self._view.show_backs(Backs(sentences=(_(LOOKING),)))
-        store, sessions = self._workspace.store, self._sessions
-
-        def work(_control: JobControl) -> Backs:
-            return read_backs(store, sessions)
-
-        self._job = self._workspace.jobs.start(_(LOOKING), work, self._view.show_backs)
+def back_presenter(view: BackView, workspace: Workspace) -> OnSight[Backs]:
+    """Return what measures the backs."""
+    return OnSight(workspace, MEASURING, read_backs, view.show_backs, _waiting_for_backs)
 
 
-def read_backs(store: SessionStore, sessions: tuple[Session | None, Session | None]) -> Backs:
+def body_presenter(view: BackView, workspace: Workspace) -> OnSight[Bodies]:
+    """Return what joins the views."""
+    return OnSight(workspace, JOINING, read_bodies, view.show_bodies, _waiting_for_bodies)
+
+
+def read_backs(store: SessionStore, sessions: Sessions) -> Backs:
     """Measure the backs of two sessions; what cannot be measured is told."""
-    found: list[SeenBack | None] = []
-    sentences: list[str] = []
-    for session, told in zip(sessions, (BEFORE, NOW), strict=True):
-        back, why = (None, []) if session is None else _read(store, session)
-        found.append(back)
-        sentences += [_(told).format(why=one) for one in why]
-    return Backs(found[0], found[1], tuple(sentences))
+    return Backs(*read_both(store, sessions, _back_of))
 
 
-def _read(store: SessionStore, session: Session) -> tuple[SeenBack | None, list[str]]:
-    try:
-        back = stored_back(store, session)
-    except AdibasError as error:
-        return None, [describe(error)]
-    return seen_back(back), [notice.text for notice in back.notices]
+def read_bodies(store: SessionStore, sessions: Sessions) -> Bodies:
+    """Join the views of two sessions; what does not fit is told."""
+    return Bodies(*read_both(store, sessions, _body_of))
+
+
+def _back_of(store: SessionStore, session: Session) -> tuple[SeenBack, tuple[str, ...]]:
+    back = stored_back(store, session)
+    return seen_back(back), tuple(notice.text for notice in back.notices)
+
+
+def _body_of(store: SessionStore, session: Session) -> tuple[SeenBody, tuple[str, ...]]:
+    body = stored_body(store, session)
+    return seen_body(body), ()
+
+
+def _waiting_for_backs(sentence: str) -> Backs:
+    return Backs(sentences=(sentence,) if sentence else ())
+
+
+def _waiting_for_bodies(sentence: str) -> Bodies:
+    return Bodies(sentences=(sentence,) if sentence else ())

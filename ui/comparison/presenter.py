@@ -13,7 +13,7 @@ from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import last_two_alike
 from adibas.texts import message
 from adibas.texts import translate as _
-from ui.comparison.back_presenter import BackPresenter, BackView
+from ui.comparison.back_presenter import BackView, back_presenter, body_presenter
 from ui.comparison.content import Choices
 from ui.comparison.numbers_presenter import NumbersPresenter, NumbersView
 from ui.comparison.pictures_presenter import PicturesPresenter, PicturesView
@@ -47,7 +47,7 @@ class ComparisonPresenter:
         self._workspace = workspace
         self.pictures = PicturesPresenter(view, workspace)
         self.numbers = NumbersPresenter(view, workspace)
-        self.back = BackPresenter(view, workspace)
+        self.back, self.body = back_presenter(view, workspace), body_presenter(view, workspace)
         self._choices = Choices()
         self._patient: str | None = None
         self._opened_id: str | None = None
@@ -214,7 +214,7 @@ class ComparisonPresenter:
 
     def _show(self) -> None:
         self._view.show_choices(self._choices)
-        for pages in (self.pictures, self.back):
+        for pages in (self.pictures, self.back, self.body):
             pages.show(self._choices.earlier, self._choices.later)
         self._show_numbers()
 

@@ -1,4 +1,4 @@
-"""The comparison screen: two sessions, a protocol, and five pages. No decisions."""
+"""The comparison screen: two sessions, a protocol, and six pages. No decisions."""
 
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from PySide6.QtWidgets import (
 from adibas.texts import translate as _
 from ui.comparison.back_content import Backs
 from ui.comparison.back_page import BackPage
+from ui.comparison.body_content import Bodies
+from ui.comparison.body_page import BodyPage
 from ui.comparison.choosers import Choosers
 from ui.comparison.content import Choices, Differences, Key, Pair, Repeats, Trends
 from ui.comparison.differences_page import DifferencesPage
@@ -43,7 +45,7 @@ class ComparisonScreen(Screen):
         self._pages = QTabWidget(self)
         self._pictures, self._differences = PicturesPage(self), DifferencesPage(self)
         self._trends, self._repeats = TrendsPage(theme, self), RepeatsPage(theme, self)
-        self._back = BackPage(theme, self)
+        self._back, self._body = BackPage(theme, self), BodyPage(self)
         for page in self._all_pages():
             self._pages.addTab(page, "")
         self._lack.setWordWrap(True)
@@ -67,6 +69,7 @@ class ComparisonScreen(Screen):
         self._go.clicked.connect(lambda: presenter.go_to(self._nothing[1]))
         self._pictures.view_chosen.connect(presenter.pictures.choose_view)
         self._back.seen.connect(presenter.back.look)
+        self._body.seen.connect(presenter.body.look)
         self._differences.trend_asked.connect(self._show_trend)
         self._repeats.operator_chosen.connect(presenter.choose_operator)
         for page in (self._trends, self._repeats):
@@ -77,7 +80,10 @@ class ComparisonScreen(Screen):
         self._choosers.retranslate()
         for page in self._all_pages():
             page.retranslate()
-        titles = (_("P&ictures"), _("&Differences"), _("&Back"), _("&Trends"), _("&Repeats"))
+        titles = (
+            *(_("P&ictures"), _("&Differences"), _("The &back"), _("The b&ody")),
+            *(_("&Trends"), _("&Repeats")),
+        )
         for index, title in enumerate(titles):
             self._pages.setTabText(index, title)
         self._word_lack()
@@ -105,7 +111,7 @@ class ComparisonScreen(Screen):
             "" if one is None else moment_text(one.started_utc)
             for one in (choices.earlier, choices.later)
         )
-        for page in (self._pictures, self._back):
+        for page in (self._pictures, self._back, self._body):
             page.show_dates(earlier, later)
 
     def show_pair(self, views: tuple[str, ...], pair: Pair | None) -> None:
@@ -113,6 +119,9 @@ class ComparisonScreen(Screen):
 
     def show_backs(self, backs: Backs) -> None:
         self._back.show_backs(backs)
+
+    def show_bodies(self, bodies: Bodies) -> None:
+        self._body.show_bodies(bodies)
 
     def show_differences(self, differences: Differences) -> None:
         self._differences.show_differences(differences)
@@ -125,8 +134,9 @@ class ComparisonScreen(Screen):
 
     def _all_pages(
         self,
-    ) -> tuple[PicturesPage, DifferencesPage, BackPage, TrendsPage, RepeatsPage]:
-        return self._pictures, self._differences, self._back, self._trends, self._repeats
+    ) -> tuple[PicturesPage, DifferencesPage, BackPage, BodyPage, TrendsPage, RepeatsPage]:
+        between = self._back, self._body
+        return self._pictures, self._differences, *between, self._trends, self._repeats
 
     def _word_lack(self) -> None:
         sentence, screen = self._nothing

@@ -1,6 +1,7 @@
 """What the review screen shows; without Qt."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from enum import Enum
 
 from adibas.arrays import FloatArray, UInt8Array
@@ -100,23 +101,6 @@ class Points:
     unnamed: tuple[str, ...] | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Space:
-    """What the 3-D view shows, in the colour camera's axes.
-
-    Attributes
-    ----------
-    points_m : (N, 3) array
-        Of the surface.
-    colors_rgb : (N, 3) uint8 array
-        Of the points.
-    markers : tuple of Marker
-        Those with a position are shown.
-    rotation_deg : int
-        How far the picture is turned clockwise to be upright.
-    """
-
-    points_m: FloatArray
-    colors_rgb: UInt8Array
-    markers: tuple[Marker, ...] = field(default=())
-    rotation_deg: int = 0
+def placed(markers: Iterable[Marker]) -> dict[str, FloatArray]:
+    """Return the places of those markers that have one, by name, colour camera's axes."""
+    return {one.label: one.position_m for one in markers if one.position_m is not None}

@@ -11,8 +11,9 @@ from adibas.errors import AdibasError, MarkerError
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.ports import JobControl
-from ui.review.content import CaptureItem, Space
+from ui.review.content import CaptureItem, placed
 from ui.review.points_presenter import Opened, PointsPresenter, PointsView
+from ui.widgets.space import Space
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -141,11 +142,11 @@ class ReviewPresenter:
             from adibas.pipeline.point_cloud import surface_points
 
             cloud = surface_points(surface, capture.calibration, picture_rgb)
-            return Space(cloud.points_m, cloud.colors_rgb, (), rotation_deg)
+            return Space(cloud.points_m, cloud.colors_rgb, rotation_deg=rotation_deg)
 
         def done(space: Space) -> None:
             if self._opened == capture.capture_id:
-                self._view.show_space(replace(space, markers=self.points.markers))
+                self._view.show_space(replace(space, landmarks_m=placed(self.points.markers)))
 
         self._workspace.jobs.start(_("Preparing the 3-D view"), work, done)
 

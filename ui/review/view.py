@@ -18,19 +18,20 @@ from adibas.arrays import UInt8Array
 from adibas.texts import translate as _
 from ui.navigation import TITLES
 from ui.review.capture_strip import CaptureStrip
-from ui.review.content import CaptureItem, MeasureRow, Mode, Points, Space
+from ui.review.content import CaptureItem, MeasureRow, Mode, Points, placed
 from ui.review.drawing import overlays_of, refused_index
 from ui.review.markers_panel import MarkersPanel
 from ui.review.measures_panel import MeasuresPanel
 from ui.review.notes_panel import NotesPanel
 from ui.review.presenter import ReviewPresenter
-from ui.review.space_view import SpaceView
 from ui.review.tools import ReviewTools
 from ui.review.wording import READ_ONLY_HINT, SPACE_HINT, WAIT_HINT, mode_hint
 from ui.theme import Theme
 from ui.widgets.first_step import FirstStep
 from ui.widgets.image_view import WHEEL_STEP, ImageView
 from ui.widgets.screen import Screen
+from ui.widgets.space import Space
+from ui.widgets.space_view import SpaceView
 
 NOTHING_PAGE, REVIEW_PAGE = 0, 1
 PICTURE_PAGE, SPACE_PAGE = 0, 1
@@ -186,7 +187,7 @@ class ReviewScreen(Screen):
         self._image.setCursor(
             Qt.CursorShape.ArrowCursor if is_plain else Qt.CursorShape.CrossCursor
         )
-        self._space.show_markers(points.markers)
+        self._space.show_landmarks(placed(points.markers))
         self._hint.setText(self._hint_text(points))
 
     def show_measures(self, rows: tuple[MeasureRow, ...]) -> None:

@@ -1,6 +1,8 @@
-"""The surface and the markers from any side; painted without OpenGL, so that it works anywhere."""
+"""A surface and landmarks from any side; painted without OpenGL, so that it works anywhere."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -18,12 +20,11 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QWidget
 
-from adibas.arrays import Float32Array, FloatArray
+from adibas.arrays import Float32Array, FloatArray, Int32Array
 from adibas.data.landmark_texts import landmark_text
-from adibas.data.markers import Marker
 from adibas.texts import translate as _
-from ui.review.content import Space
 from ui.theme import DRAWN, PICTURE_GROUND
+from ui.widgets.space import Space
 
 GROUND = QColor(PICTURE_GROUND).rgb()
 WHEEL_STEP = 1.2
@@ -32,8 +33,11 @@ TURN_PER_KEY = 0.1
 STEEPEST_RAD = 1.4
 LEAST_ZOOM, MOST_ZOOM = 0.3, 8.0
 DOT_PX = 4.0
+BESIDE_PX = 7.0
 LEAST_SIZE_M = 0.3
 LARGEST_SQUARE_PX = 6
+CELL_PX, BEHIND_M = 8, 0.05
+"""A landmark that lies so far behind what is seen in its cell is on the other side."""
 GAP_FACTOR = 1.6
 """Squares are so much wider than points are apart, for surfaces seen at a slant."""
 TURNS = {
@@ -59,6 +63,7 @@ class SpaceView(QWidget):
         self._middle_m = np.zeros(3)
         self._size_m, self._pitch_m = 1.0, 0.0
         self._packed = np.zeros(0, np.uint32)
+        self._nearest = np.zeros((0, 0), np.float32)
         self._points_m = np.zeros((0, 3), np.float32)
         self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
         self._pressed_at: QPointF | None = None
@@ -81,12 +86,10 @@ class SpaceView(QWidget):
             self._packed = 0xFF000000 | red << 16 | green << 8 | blue
         self.fit()
 
-    def show_markers(self, markers: tuple[Marker, ...]) -> None:
-        """Show the markers where they are now."""
+    def show_landmarks(self, landmarks_m: Mapping[str, FloatArray]) -> None:
+        """Show the landmarks where they are now."""
         if self._space is not None:
-            self._space = Space(
-                self._space.points_m, self._space.colors_rgb, markers, self._space.rotation_deg
-            )
+            self._space = replace(self._space, landmarks_m=landmarks_m)
             self.update()
 
     def project(self, points_m: AnyFloats) -> tuple[AnyFloats, AnyFloats]:
@@ -122,7 +125,7 @@ class SpaceView(QWidget):
         else:
             painter.drawImage(0, 0, self._surface_image())
             painter.save()
-            self._paint_markers(painter, self._space)
+            self._paint_landmarks(painter, self._space)
             painter.restore()
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))
@@ -136,6 +139,7 @@ class SpaceView(QWidget):
         columns, rows = np.rint(places).astype(np.int32).T
         is_seen = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         order = np.argsort(-depths[is_seen])
+        self._note_nearest(columns[is_seen][order], rows[is_seen][order], depths[is_seen][order])
         # Squares at the edges reach into a margin, so that no pixel needs to be checked again.
         stride = width + side
         picture = np.full((height + side) * stride, GROUND, np.uint32)
@@ -147,18 +151,39 @@ class SpaceView(QWidget):
         image = QImage(picture.data, width, height, 4 * stride, QImage.Format.Format_RGB32)
         return image.copy()
 
-    def _paint_markers(self, painter: QPainter, space: Space) -> None:
-        placed = [one for one in space.markers if one.position_m is not None]
-        if not placed:
+    def _note_nearest(self, columns: Int32Array, rows: Int32Array, depths: Float32Array) -> None:
+        """Note how near the surface is in each cell; points come from far to near."""
+        shape = (self.height() // CELL_PX + 1, self.width() // CELL_PX + 1)
+        self._nearest = np.full(shape, np.inf, np.float32)
+        self._nearest[rows // CELL_PX, columns // CELL_PX] = depths
+
+    def _is_before(self, x_px: float, y_px: float, depth: float) -> bool:
+        """Say whether a place is on the side that is seen."""
+        row, column = int(y_px) // CELL_PX, int(x_px) // CELL_PX
+        n_rows, n_columns = self._nearest.shape
+        if not (0 <= row < n_rows and 0 <= column < n_columns):
+            return False
+        return depth <= float(self._nearest[row, column]) + BEHIND_M
+
+    def _paint_landmarks(self, painter: QPainter, space: Space) -> None:
+        if not space.landmarks_m:
             return
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        places, _depths = self.project(np.array([one.position_m for one in placed], float))
-        for marker, (x, y) in zip(placed, places.tolist(), strict=True):
+        places, depths = self.project(np.array(list(space.landmarks_m.values()), float))
+        placed = zip(space.landmarks_m, places.tolist(), depths.tolist(), strict=True)
+        for name, (x, y), depth in placed:
+            if not self._is_before(x, y, depth):
+                continue
             painter.setPen(QPen(QColor(0, 0, 0), 1.5))
             painter.setBrush(QColor(DRAWN["selected"]))
             painter.drawEllipse(QPointF(x, y), DOT_PX, DOT_PX)
             path = QPainterPath()
-            path.addText(QPointF(x + 7, y - 5), painter.font(), landmark_text(marker.label))
+            text = landmark_text(name)
+            # Names of the left half end at their dots: those of both sides do not meet.
+            is_left = x < self.width() / 2
+            length_px = self.fontMetrics().horizontalAdvance(text)
+            begin = x - BESIDE_PX - length_px if is_left else x + BESIDE_PX
+            path.addText(QPointF(begin, y - 5), painter.font(), text)
             painter.strokePath(path, QPen(QColor(0, 0, 0, 190), 3.0))
             painter.fillPath(path, QColor(DRAWN["selected"]))
 

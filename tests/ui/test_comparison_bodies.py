@@ -1,0 +1,186 @@
+"""The pages of the back and of the body: measured when looked at, over a real store."""
+
+import numpy as np
+import pytest
+from pyqtgraph import PlotWidget
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QTableView, QTabWidget
+
+from adibas.data.patients import Identity
+from adibas.pipeline.stored_body import stored_back
+from adibas.reports.body_files import on_paper
+from adibas.surface.asymmetry import asymmetry_m
+from adibas.texts import decimal_text
+from tests.unit.standing_bodies import add_body_session
+from ui.comparison import back_presenter
+from ui.comparison.back_content import seen_back
+from ui.comparison.back_plots import AsymmetryMap, SpinePlot
+from ui.comparison.screen import build_comparison_screen
+from ui.theme import DRAWN
+from ui.widgets.space import Space
+from ui.widgets.space_view import SpaceView
+
+BACK, BODY = 2, 3
+
+
+@pytest.fixture
+def patient(store, workspace):
+    patient = store.patients.add(Identity("Rosa Ibarra"))
+    workspace.choose_patient(patient)
+    return patient.pseudonym
+
+
+@pytest.fixture
+def screen(workspace, theme, qtbot):
+    """The screen of what the store holds, as soon as `entered` is called."""
+    screen = build_comparison_screen(workspace, theme)
+    qtbot.addWidget(screen)
+    screen.resize(1140, 740)
+    screen.show()
+    yield screen
+    screen.left()
+    screen.closed()
+
+
+def page(screen, index):
+    tabs = screen.findChild(QTabWidget)
+    tabs.setCurrentIndex(index)
+    QApplication.processEvents()
+    return tabs.widget(index)
+
+
+def lines(part):
+    model = part.findChild(QTableView).model()
+    columns = range(model.columnCount())
+    return [[model.index(row, one).data() for one in columns] for row in range(model.rowCount())]
+
+
+def test_backs_are_measured_once_and_only_when_somebody_looks(screen, store, patient, monkeypatch):
+    measured = []
+
+    def counted(store, session):
+        measured.append(session.session_id)
+        return stored_back(store, session)
+
+    monkeypatch.setattr(back_presenter, "stored_back", counted)
+    sessions = [add_body_session(store, patient).session_id for _visit in range(2)]
+    screen.entered()
+    assert measured == []
+    page(screen, BACK)
+    assert measured == sessions
+    page(screen, BODY)
+    page(screen, BACK)
+    assert measured == sessions
+
+
+def test_the_table_says_what_the_report_says(screen, store, patient):
+    session = add_body_session(store, patient)
+    add_body_session(store, patient)
+    screen.entered()
+    shown = {line[0]: line[1:] for line in lines(page(screen, BACK))}
+    for measure in stored_back(store, session).measures:
+        value, interval, unit = on_paper(measure)
+        before, now, between, difference = shown[f"{measure.definition.name} [{unit}]"]
+        if value is None:
+            assert (before, now, difference) == ("\N{EN DASH}",) * 3
+            continue
+        assert before == now == decimal_text(value, 1)
+        assert difference == "0.0"
+        assert between == (
+            "\N{EN DASH}"
+            if interval is None
+            else f"{decimal_text(interval[0], 1)} to {decimal_text(interval[1], 1)}"
+        )
+
+
+def test_a_session_without_a_back_says_why_beside_the_other(screen, store, patient):
+    add_body_session(store, patient, without_depth=("posterior",), views=())
+    add_body_session(store, patient)
+    screen.entered()
+    back = page(screen, BACK)
+    before, now = back.findChildren(AsymmetryMap)
+    assert not before.isVisible()
+    assert now.isVisible()
+    told = [one.text() for one in back.findChildren(type(back.titles[0])) if one.isVisible()]
+    assert any(text.startswith("Before: No depth was kept") for text in told)
+
+
+def test_the_map_is_red_where_the_back_lies_further_back_than_the_other_side(
+    screen, store, patient
+):
+    measured = stored_back(store, add_body_session(store, patient))
+    screen.entered()
+    (seen,) = [one for one in page(screen, BACK).findChildren(AsymmetryMap) if one.isVisible()]
+    plot, picture = seen.findChild(PlotWidget), seen.grab().toImage()
+    value_mm = 1e3 * asymmetry_m(measured.grid, measured.line)
+    is_right = []
+    for row, column in np.argwhere(np.abs(value_mm) > 4.0)[::5]:
+        place = QPointF(1e3 * measured.grid.x_m[column], measured.grid.y_m[row])
+        at = plot.mapTo(
+            seen, plot.mapFromScene(plot.getPlotItem().getViewBox().mapViewToScene(place))
+        )
+        color = picture.pixelColor(at)
+        is_right.append((color.red() > color.blue()) == (value_mm[row, column] > 0))
+    assert len(is_right) > 50
+    assert np.mean(is_right) > 0.9  # cells of 4 mm and pixels do not meet everywhere
+
+
+def test_the_profile_hangs_at_its_lowest_turn_and_the_choice_draws_another_curve(
+    screen, store, patient
+):
+    back = stored_back(store, add_body_session(store, patient))
+    screen.entered()
+    part = page(screen, BACK)
+    names = {name: (value_mm, height_m) for name, value_mm, height_m in seen_back(back).turns}
+    assert names["ILS"] == (pytest.approx(0.0), back.shape.ils_m)
+    apart_mm = 1e3 * np.ptp(back.profile.back_m(np.array([back.shape.ka_m, back.shape.ils_m])))
+    assert abs(names["KA"][0]) == pytest.approx(apart_mm)
+    plot, choice = part.findChild(SpinePlot), part.findChild(QComboBox)
+    pictures = []
+    for index in range(choice.count()):
+        choice.setCurrentIndex(index)
+        pictures.append(plot.grab().toImage())
+        assert plot.accessibleDescription()
+    assert all(pictures[one] != pictures[other] for one, other in ((0, 1), (0, 2), (1, 2)))
+
+
+def test_the_joined_body_is_turned_and_its_girths_stand_below(qtbot, screen, store, patient):
+    views = ("posterior", "anterior", "right_lateral", "left_lateral")
+    add_body_session(store, patient, views)
+    screen.entered()
+    body = page(screen, BODY)
+    (space,) = [one for one in body.findChildren(SpaceView) if one.isVisible()]
+    assert any(line[0].startswith("Least girth of the trunk") for line in lines(body))
+    told = [one.text() for one in body.findChildren(QLabel) if one.isVisible()]
+    assert any(text.startswith("Views: Back, Front, Right side, Left side.") for text in told)
+    before = space.grab().toImage()
+    qtbot.keyClick(space, Qt.Key.Key_Right)
+    assert space.grab().toImage() != before
+
+
+def test_other_sessions_are_measured_when_they_are_chosen(screen, store, patient):
+    add_body_session(store, patient, ("posterior",))
+    screen.entered()
+    body = page(screen, BODY)
+    assert sum(one.isVisible() for one in body.findChildren(SpaceView)) == 1
+    add_body_session(store, patient, ("posterior",))
+    screen.entered()
+    assert sum(one.isVisible() for one in body.findChildren(SpaceView)) == 2
+
+
+def test_a_landmark_on_the_far_side_is_not_shown(qtbot):
+    wall_m = np.stack([*np.meshgrid(np.linspace(-1, 1, 80), np.linspace(-1, 1, 80))], axis=-1)
+    points_m = np.concatenate([wall_m.reshape(-1, 2), np.full((6400, 1), 2.0)], axis=1)
+    view = SpaceView()
+    qtbot.addWidget(view)
+    view.resize(400, 400)
+    yellow = QColor(DRAWN["selected"])
+
+    def n_yellow(landmark_m):
+        view.show_space(Space(points_m, np.full((6400, 3), 90, np.uint8), {"c7": landmark_m}))
+        image = view.grab().toImage()
+        return sum(image.pixelColor(x, y) == yellow for x in range(400) for y in range(400))
+
+    assert n_yellow(np.array([0.2, 0.1, 2.0])) > 20
+    assert n_yellow(np.array([0.2, 0.1, 2.3])) == 0

@@ -1,0 +1,85 @@
+"""The back and the body out of a store: what the same depth gives that never was in one."""
+
+import numpy as np
+import pytest
+
+from adibas.data.patients import Identity
+from adibas.errors import BodyError
+from adibas.pipeline.back import measure_back
+from adibas.pipeline.body_views import person_in
+from adibas.pipeline.stored_body import stored_back, stored_body
+from adibas.pipeline.whole_body import join_body
+from tests.unit.standing_bodies import add_body_session, scene, surface
+from tests.unit.store_samples import open_sample
+
+AROUND = ("posterior", "anterior", "right_lateral", "left_lateral")
+
+
+@pytest.fixture
+def store(tmp_path):
+    with open_sample(tmp_path / "store") as store:
+        yield store
+
+
+@pytest.fixture
+def patient(store):
+    return store.patients.add(Identity("Rosa Ibarra")).pseudonym
+
+
+def seen(view):
+    return person_in(view, surface(view), scene().calibration)
+
+
+def test_the_back_of_a_stored_capture_is_that_of_its_burst(store, patient):
+    session = add_body_session(store, patient, ("anterior", "posterior"))
+    wanted = measure_back(seen("posterior"))
+    found = stored_back(store, session)
+    assert [one.value for one in found.measures] == [one.value for one in wanted.measures]
+    assert any(one.value is not None for one in found.measures)
+    np.testing.assert_array_equal(found.grid.back_m, wanted.grid.back_m)
+
+
+def test_the_last_capture_of_a_view_counts(store, patient):
+    session = add_body_session(store, patient, ("posterior",), without_depth=("posterior",))
+    with pytest.raises(BodyError, match="No depth was kept with the posterior view"):
+        stored_back(store, session)
+
+
+def test_all_stored_views_are_joined_and_those_without_depth_left_out(store, patient):
+    session = add_body_session(
+        store, patient, ("anterior", "left_lateral", "posterior"), without_depth=("right_lateral",)
+    )
+    wanted = join_body([seen(view) for view in ("posterior", "anterior", "left_lateral")])
+    found = stored_body(store, session)
+    assert tuple(found.n_frames) == ("posterior", "anterior", "left_lateral")
+    np.testing.assert_allclose(found.whole.surface.points_m, wanted.surface.points_m)
+    assert found.patient == patient
+    assert found.back is not None
+    assert {one.definition.measure_id for one in found.girths} >= {"VOLUME.TRUNK"}
+
+
+def test_colours_come_from_the_picture(store, patient):
+    surface_found = stored_body(store, add_body_session(store, patient)).whole.surface
+    known = surface_found.colors[np.isfinite(surface_found.colors).all(axis=1)]
+    assert len(known) > 1000
+    np.testing.assert_allclose(known, 120, atol=2)  # as JPEG keeps it
+
+
+@pytest.mark.parametrize(
+    ("views", "without_depth", "told"),
+    [
+        ((), (), "no posterior view"),
+        (("anterior",), (), "no posterior view"),
+        ((), ("posterior",), "No depth was kept"),
+    ],
+)
+def test_a_session_without_a_back_says_why(store, patient, views, without_depth, told):
+    session = add_body_session(store, patient, views, without_depth=without_depth)
+    with pytest.raises(BodyError, match=told):
+        stored_back(store, session)
+
+
+def test_a_session_without_depth_has_no_body(store, patient):
+    session = add_body_session(store, patient, (), without_depth=AROUND)
+    with pytest.raises(BodyError, match="no view with depth"):
+        stored_body(store, session)

@@ -1,0 +1,67 @@
+"""What the page of the whole body shows; without Qt."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.data.body_measures import BodyMeasure
+from adibas.pipeline.body import MeasuredBody
+from adibas.reports.body_files import GREY
+from ui.widgets.space import Space
+
+AHEAD = np.array([1.0, -1.0, -1.0])
+"""From patient axes (right, up, back) to those of who stands behind: right, down, away."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenBody:
+    """One body.
+
+    Attributes
+    ----------
+    space : Space
+        The joined surface, seen from behind.
+    views : tuple of str
+        What it is joined from.
+    apart_mm : float or None
+        Root mean square distance between the views; None of a single one.
+    landmarks_apart_mm : mapping
+        Of landmarks that several views saw: how far they lie from their mean.
+    measures : tuple of BodyMeasure
+        Girths and volumes.
+    """
+
+    space: Space
+    views: tuple[str, ...]
+    apart_mm: float | None
+    landmarks_apart_mm: dict[str, float]
+    measures: tuple[BodyMeasure, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bodies:
+    """The bodies of two sessions; None where one could not be joined, as a sentence says."""
+
+    earlier: SeenBody | None = None
+    later: SeenBody | None = None
+    sentences: tuple[str, ...] = ()
+
+
+def seen_body(body: MeasuredBody) -> SeenBody:
+    """Return what is shown of a body."""
+    surface, joined = body.whole.surface, body.whole.joined
+    space = Space(
+        surface.points_m * AHEAD,
+        np.nan_to_num(surface.colors, nan=GREY).astype(np.uint8),
+        {
+            mark.name: np.mean(list(mark.places_m.values()), axis=0) * AHEAD
+            for mark in body.landmarks
+        },
+    )
+    return SeenBody(
+        space,
+        tuple(body.n_frames),
+        None if joined is None else 1e3 * joined.rms_m,
+        {mark.name: 1e3 * mark.apart_m for mark in body.landmarks if mark.apart_m is not None},
+        body.girths,
+    )
