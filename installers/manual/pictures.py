@@ -24,6 +24,7 @@ PICTURES = (
     "comparison-1",
     "comparison-2",
     "comparison-3",
+    "comparison-5",
     "behaviour",
     "calibration",
     "settings-2",

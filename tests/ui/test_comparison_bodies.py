@@ -21,7 +21,7 @@ from ui.theme import DRAWN
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
 
-BACK, BODY = 2, 3
+BACK, BODY = 4, 5
 
 
 @pytest.fixture

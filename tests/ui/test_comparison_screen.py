@@ -61,7 +61,7 @@ class User:
         self.screen = screen
         self.tabs = screen.findChild(QTabWidget)
         self.pictures, self.differences, self.trends, self.repeats = (
-            self.tabs.widget(index) for index in (0, 1, 4, 5)
+            self.tabs.widget(index) for index in range(4)
         )
 
     def open(self, page):

@@ -81,8 +81,8 @@ class ComparisonScreen(Screen):
         for page in self._all_pages():
             page.retranslate()
         titles = (
-            *(_("P&ictures"), _("&Differences"), _("The &back"), _("The b&ody")),
-            *(_("&Trends"), _("&Repeats")),
+            *(_("P&ictures"), _("&Differences"), _("&Trends"), _("&Repeats")),
+            *(_("The &back"), _("The b&ody")),
         )
         for index, title in enumerate(titles):
             self._pages.setTabText(index, title)
@@ -134,9 +134,9 @@ class ComparisonScreen(Screen):
 
     def _all_pages(
         self,
-    ) -> tuple[PicturesPage, DifferencesPage, BackPage, BodyPage, TrendsPage, RepeatsPage]:
-        between = self._back, self._body
-        return self._pictures, self._differences, *between, self._trends, self._repeats
+    ) -> tuple[PicturesPage, DifferencesPage, TrendsPage, RepeatsPage, BackPage, BodyPage]:
+        numbers = self._differences, self._trends, self._repeats
+        return self._pictures, *numbers, self._back, self._body
 
     def _word_lack(self) -> None:
         sentence, screen = self._nothing
