@@ -41,8 +41,10 @@ class StayingParams:
     farthest_m : float
         And if it lies on the average so near to what was seen there: 0.25, more than a body moves
         in a tenth of a second.
+    here : float
+        Who was found is near the place if this share of the pixels is: 0.3, walking past.
     broken : float
-        Somebody fell apart if nobody has this share of the pixels now: 0.7.
+        Somebody fell apart if nobody near has so many pixels, as a share of those before: 0.7.
     whole : float
         And is put together if the surfaces cover this share of the pixels: 0.6.
     hidden : float
@@ -55,6 +57,7 @@ class StayingParams:
 
     least_inside: float = 0.6
     farthest_m: float = 0.25
+    here: float = 0.3
     broken: float = 0.7
     whole: float = 0.6
     hidden: float = 0.1
@@ -86,8 +89,8 @@ def put_together(
     people = list(found)
     for pixels in before.people:
         n_before = int(np.count_nonzero(pixels))
-        n_still = max((np.count_nonzero(one.pixels & pixels) for one in people), default=0)
-        if n_still >= params.broken * n_before:
+        here = [one.pixels for one in people if _inside(one.pixels, pixels) > params.here]
+        if max(map(np.count_nonzero, here), default=0) >= params.broken * n_before:
             continue
         others = [one for one in people if _inside(one.pixels, pixels) < params.least_inside]
         if any(_inside(pixels, one.pixels) > params.hidden for one in others):
