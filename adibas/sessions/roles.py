@@ -72,7 +72,7 @@ WORDS = {
     Permission.PURGE: message("Removing patients and sessions for good"),
     Permission.RETAIN: message("Removing patients whose time is over"),
     Permission.BACK_UP: message("Making and restoring backups"),
-    Permission.READ_LOG: message("Reading the audit log"),
+    Permission.READ_LOG: message("Looking into the audit log"),
     Permission.MANAGE_PEOPLE: message("Saying who may open the store"),
     Permission.PROTECT: message("Changing how the store is protected"),
     Permission.CHANGE_PROTOCOLS: message("Changing protocols"),

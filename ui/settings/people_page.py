@@ -56,15 +56,16 @@ class PeoplePage(QWidget):
         self.retranslate()
 
     def _lay_out(self) -> None:
-        form = QFormLayout(self._group)
+        form = QFormLayout()
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
-        form.addRow(self._told)
         for field, label in self._labels.items():
             label.setBuddy(field)
             form.addRow(label, field)
-            if field is self._role:
-                form.addRow(self._may)
-        form.addRow(in_a_flow(self._save, self._remove))
+        inner = QVBoxLayout(self._group)  # a form gives sentences of several lines too little room
+        inner.addWidget(self._told)
+        inner.addLayout(form)
+        inner.addWidget(self._may)
+        inner.addLayout(in_a_flow(self._save, self._remove))
         column = QVBoxLayout(self)
         column.setContentsMargins(9, 4, 9, 4)
         column.addWidget(self._group)
@@ -128,10 +129,8 @@ class PeoplePage(QWidget):
         before = tuple(Role)[: tuple(Role).index(role)]
         known = set(allowed(before[-1])) if before else set()
         own = [_(WORDS[one]) for one in allowed(role) if one not in known]
-        told = ". ".join(own) + "."
-        if before:
-            told = _("All that the role before it may, and:") + " " + told
-        self._may.setText(told)
+        lines = [_("All that the role before it may, and:"), *own] if before else own
+        self._may.setText("\n".join(lines))
 
     def _ask(self) -> None:
         name = self._people.currentData()

@@ -60,8 +60,12 @@ class SettingsScreen(Screen):
         self._backup, self._retention = BackupPage(self), RetentionPage(self)
         self._about = QTextBrowser(self)
         self._about.setOpenLinks(False)
-        self._people = PeoplePage(self)
-        parts = (self._protection, self._people, self._backup, self._retention)
+        self._people, self._kept = PeoplePage(self), QLabel(self)
+        self._kept.setWordWrap(True)
+        self._kept.setContentsMargins(9, 4, 9, 4)
+        self._kept.setProperty("kind", "quiet")
+        self._kept.hide()
+        parts = (self._kept, self._protection, self._people, self._backup, self._retention)
         protection = _below_each_other(*parts)
         self._servers = ServersPage(self)
         general = _below_each_other(self._general, self._servers)
@@ -137,6 +141,7 @@ class SettingsScreen(Screen):
         ):
             self._tabs.setTabEnabled(index, may(permission))
             self._tabs.setTabToolTip(index, "" if may(permission) else only_for(permission))
+        self._kept.setVisible(not may(Permission.BACK_UP))
 
     def bind_retention(self, presenter: RetentionPresenter) -> None:
         """Send what is wanted of retention to the presenter, and own it."""
@@ -202,6 +207,12 @@ class SettingsScreen(Screen):
         self._protocols.retranslate()
         self._names.retranslate()
         self._people.retranslate()
+        self._kept.setText(
+            _(
+                "Backups, how long patients are kept, the audit log, protocols and who may open "
+                "the store are for administrators."
+            )
+        )
         self._backup.retranslate()
         self._retention.retranslate()
         self._servers.retranslate()
