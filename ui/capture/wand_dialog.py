@@ -52,6 +52,7 @@ class WandDialog(QDialog):
         self._measure.setProperty("main", "true")
         self._close = QPushButton(_("Cl&ose"), self)
         self._seen: SeenWand | None = None
+        self._behind = parent.window()
         self._lay_out()
 
     def _lay_out(self) -> None:
@@ -158,7 +159,7 @@ class WandDialog(QDialog):
 
         It is smaller where all together would be higher than the window behind.
         """
-        metrics, room_px = self.fontMetrics(), self.parentWidget().window().height()
+        metrics, room_px = self.fontMetrics(), self._behind.height()
         width = metrics.averageCharWidth() * LETTERS_IN_A_LINE
         picture_px = PICTURE_LINES * metrics.lineSpacing()
         self._picture.setMinimumHeight(picture_px)

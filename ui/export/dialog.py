@@ -88,7 +88,7 @@ class ExportDialog(QDialog):
         column.setSpacing(12)
         column.addWidget(inside, 1)
         column.addWidget(self._box)
-        self._inside = inside
+        self._inside, self._column = inside, column
         self._word()
         fields = (self._server, self._identity, self._pictures, self._language, self._box)
         for before, after in pairwise((*self._kinds.buttons(), *fields)):
@@ -160,13 +160,13 @@ class ExportDialog(QDialog):
         width = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
         parent = self.parentWidget()
         room = self.screen().size() if parent is None else parent.window().size()
-        margins = self.layout().contentsMargins()
+        margins = self._column.contentsMargins()
         inner_px = width - margins.left() - margins.right()
-        content = self._inside.widget().layout()
-        wished_px = content.totalHeightForWidth(inner_px) + self._box.sizeHint().height()
-        wished_px += margins.top() + margins.bottom() + self.layout().spacing()
-        least = round(SHARE_OF_WINDOW * room.height())
-        self.setMinimumSize(min(width, room.width()), min(wished_px, least))
+        wished_px = self._inside.column.totalHeightForWidth(inner_px)
+        wished_px += self._box.sizeHint().height() + self._column.spacing()
+        wished_px += margins.top() + margins.bottom()
+        most_px = round(SHARE_OF_WINDOW * room.height())
+        self.setMinimumSize(min(width, room.width()), min(wished_px, most_px))
 
     def _on_accepted(self) -> None:
         if self._kind == "server":

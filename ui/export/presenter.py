@@ -3,7 +3,7 @@
 Whatever is chosen, `ExportPresenter._start` is where it leaves.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
@@ -183,23 +183,26 @@ class ExportPresenter:
 
     def _show(self) -> None:
         choice, pictures = self._choice, self._wish().shown
-        who = NAMED if choice.with_identity else PSEUDONYM_ALONE
-        content = [CONTENTS[choice.kind]]
-        warnings = []
-        (warnings if choice.with_identity else content).append(who)
-        if pictures is PictureChoice.AS_IS and not choice.with_identity:
-            warnings.append(FACE_SEEN)
+        content = [_(CONTENTS[choice.kind])]
+        if not choice.with_identity:
+            content.append(_(PSEUDONYM_ALONE))
+        warnings = tuple(self._warnings(pictures))
+        self._view.show_choice(Shown(choice, pictures, tuple(content), warnings))
+
+    def _warnings(self, pictures: PictureChoice) -> Iterator[str]:
+        """Yield what the user should know before it leaves."""
+        choice = self._choice
+        if choice.with_identity:
+            yield _(NAMED)
+        elif pictures is PictureChoice.AS_IS:
+            yield _(FACE_SEEN)
         if not self._has_consent:
-            warnings.append(NO_CONSENT)
-        told = [_(one) for one in warnings]
+            yield _(NO_CONSENT)
         server = self._servers.get(choice.server)
         if choice.kind == "server" and server is not None and server.is_open_to_listeners:
             from adibas.exchange.servers import LISTENERS
 
-            told.append(_(LISTENERS).format(server=choice.server))
-        self._view.show_choice(
-            Shown(choice, pictures, tuple(_(one) for one in content), tuple(told))
-        )
+            yield _(LISTENERS).format(server=choice.server)
 
 
 def _write_fhir(

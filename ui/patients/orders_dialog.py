@@ -52,6 +52,7 @@ class OrdersDialog(QDialog):
         wanted = QSize(USUAL_LETTERS * letters.averageCharWidth(), USUAL_LINES * letters.height())
         self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
         self._allow()
+        self._list.setFocus()
 
     def bind(self, presenter: OrdersPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
