@@ -45,6 +45,7 @@ class StayingParams:
         Who was found is near the place if this share of the pixels is: 0.3, walking past.
     broken : float
         Somebody fell apart if nobody near has so many pixels, as a share of those before: 0.7.
+        Or if two were found where one was.
     whole : float
         And is put together if the surfaces cover this share of the pixels: 0.6.
     hidden : float
@@ -89,10 +90,16 @@ def put_together(
     people = list(found)
     for pixels in before.people:
         n_before = int(np.count_nonzero(pixels))
-        here = [one.pixels for one in people if _inside(one.pixels, pixels) > params.here]
-        if max(map(np.count_nonzero, here), default=0) >= params.broken * n_before:
+        shares = [_inside(one.pixels, pixels) for one in people]
+        here = [
+            one.pixels for one, share in zip(people, shares, strict=True) if share > params.here
+        ]
+        others = [
+            one for one, share in zip(people, shares, strict=True) if share < params.least_inside
+        ]
+        largest = max(map(np.count_nonzero, here), default=0)
+        if largest >= params.broken * n_before and len(people) - len(others) <= 1:
             continue
-        others = [one for one in people if _inside(one.pixels, pixels) < params.least_inside]
         if any(_inside(pixels, one.pixels) > params.hidden for one in others):
             continue  # hidden by somebody, and not fallen apart
         free = labels.copy()
