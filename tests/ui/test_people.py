@@ -133,7 +133,7 @@ def test_an_administrator_adds_somebody_in_the_settings(qtbot, workspace):
     next(one for one in page.findChildren(QPushButton) if "Save" in one.text()).click()
     assert workspace.store.person.name == "Anna"
     chooser = page.findChild(QComboBox)
-    assert [chooser.itemText(index) for index in range(chooser.count())] == ["Anna", "A new one"]
+    assert [chooser.itemText(index) for index in range(chooser.count())] == ["Anna", "A new person"]
     screen.closed()
 
 

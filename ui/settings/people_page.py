@@ -89,14 +89,14 @@ class PeoplePage(QWidget):
         self._remove.setText(_("Remove the person..."))
         index = self._people.findData("")
         if index >= 0:
-            self._people.setItemText(index, _("A new one"))
+            self._people.setItemText(index, _("A new person"))
 
     def show_people(self, names: tuple[str, ...], chosen: str) -> None:
         self._has_people = bool(names)
         self._people.clear()
         for name in names:
             self._people.addItem(name, name)
-        self._people.addItem(_("A new one"), "")
+        self._people.addItem(_("A new person"), "")
         self._people.setCurrentIndex(self._people.findData(chosen))
         self._told.setText(_told(has_people=self._has_people))
 
