@@ -16,6 +16,7 @@ from adibas.sessions.database import Database
 from adibas.sessions.key_file import KeyFile, read_key_file, write_key_file
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import change_passphrase, leave_keyring, wrong_passphrase
+from adibas.sessions.people_state import PEOPLE_AS_SUBJECT, state_of
 from adibas.sessions.person_keys import (
     MOST_PEOPLE,
     Person,
@@ -29,8 +30,6 @@ from adibas.sessions.person_keys import (
 )
 from adibas.sessions.roles import Permission, Role
 
-PEOPLE_AS_SUBJECT = "people"
-"""The audit log's word for who may open the store."""
 LONGEST_NAME = 80
 
 Slot = Mapping[str, object]
@@ -196,7 +195,7 @@ class People:
         if person is None:
             self._database.check_writable()
             change_passphrase(self._folder, old, new, params)
-            self._audit.append("change", PEOPLE_AS_SUBJECT, did="passphrase")
+            self._audit.append("change", PEOPLE_AS_SUBJECT, did="passphrase", state="")
             return
         check_length(new)
         with self._saving(person.name, "passphrase") as (state, save):
@@ -220,15 +219,16 @@ class People:
         self, name: str, did: str, role: Role | None = None
     ) -> "Iterator[tuple[_State, _Save]]":
         """Give the present state, and what writes another one, within one transaction."""
-        told = {} if role is None else {"role": role.value}
+        told = {"did": did, "person": name.strip()} | ({} if role is None else {"role": role.value})
         with self._database.changing() as transaction:
             state = self._state()
-            self._audit.write(
-                transaction, "change", PEOPLE_AS_SUBJECT, did=did, person=name.strip(), **told
-            )
 
             def save(people: tuple[Person, ...], slots: tuple[Slot, ...]) -> None:
-                write_key_file(self._folder, with_people(state.file, self._key, people, slots))
+                file = with_people(state.file, self._key, people, slots)
+                write_key_file(self._folder, file)
+                self._audit.write(
+                    transaction, "change", PEOPLE_AS_SUBJECT, **told, state=state_of(file)
+                )
 
             yield state, save
 

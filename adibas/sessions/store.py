@@ -27,6 +27,7 @@ from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.merged_files import finish_merge
 from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
+from adibas.sessions.people_state import note_other_people
 from adibas.sessions.person_keys import Person, Unlocked
 from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
 from adibas.sessions.roles import Permission, Role, may
@@ -342,6 +343,7 @@ def open_store(
         store = SessionStore(folder, database, let_go, audit, key)
         told = {} if person is None else {"role": person.role.value}
         audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only, **told)
+        note_other_people(folder, database, audit)
         with database.alone() as is_alone:
             if is_alone:
                 store.tidy()

@@ -234,11 +234,40 @@ def test_every_change_and_every_refusal_is_a_line(folder):
         assert (refused.operator, refused.subject) == ("Boris Vila", "people")
         assert refused.detail == {"permission": "manage-people", "role": "clinician"}
         told = [(one.operator, dict(one.detail)) for one in lines(store, "change")]
+        for _who, detail in told:
+            assert len(detail.pop("state")) == 16
     assert told[0] == (
         "Anna Puig",
         {"did": "role", "person": "Carla Roca", "role": "clinician"},
     )
     assert [detail["person"] for _who, detail in reversed(told[1:])] == list(PEOPLE)
+
+
+def found_otherwise(folder, passphrase):
+    with opened(folder, passphrase):
+        pass
+    with opened(folder, ANNA) as store:
+        return [one for one in lines(store, "change") if one.detail["did"] == "found otherwise"]
+
+
+@pytest.mark.parametrize("is_from_before_all_people", [False, True])
+def test_an_older_file_that_is_put_back_is_told_once_in_the_log(folder, is_from_before_all_people):
+    open_sample(folder).close()
+    before = (folder / "key.json").read_bytes()
+    with open_sample(folder) as store:
+        store.people.add("Anna Puig", Role.ADMINISTRATOR, ANNA, CHEAP)
+        store.people.add("Boris Vila", Role.CLINICIAN, BORIS, CHEAP)
+        older = before if is_from_before_all_people else (folder / "key.json").read_bytes()
+        store.people.remove("Boris Vila")
+    newest = (folder / "key.json").read_bytes()
+    assert found_otherwise(folder, ANNA) == []
+    (folder / "key.json").write_bytes(older)
+    passphrase = PASSPHRASE if is_from_before_all_people else BORIS
+    for _time in range(2):
+        opened(folder, passphrase).close()
+    (folder / "key.json").write_bytes(newest)
+    # Once when the older one was put back, and once when it was taken away.
+    assert len(found_otherwise(folder, ANNA)) == 2
 
 
 @pytest.mark.usefixtures("pseudonym")
