@@ -3,7 +3,7 @@
 import pytest
 
 from adibas.data.report import PictureChoice
-from adibas.errors import AdibasError, ExchangeError, StoreError
+from adibas.errors import AdibasError, ExchangeError, FileError, StoreError
 from adibas.exchange import dicom_pictures
 from adibas.exchange.handing_over import (
     HandoverWish,
@@ -112,3 +112,13 @@ def test_every_step_is_told_and_whoever_stops_before_the_writing_writes_nothing(
             export(store, wish(session), place, stop)
         assert not place.exists()
     assert exports(store) == ["dicom"]
+
+
+def test_a_place_that_cannot_be_is_refused_before_anything_is_noted(store, session, tmp_path):
+    (tmp_path / "folder.json").mkdir()
+    with pytest.raises(FileError, match="is a folder"):
+        export_fhir(store, wish(session), tmp_path / "folder.json")
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(FileError, match="no folder"):
+        export_dicom(store, wish(session), tmp_path / "file" / "inside")
+    assert exports(store) == []
