@@ -311,8 +311,9 @@ def _files(event: QDropEvent) -> tuple[Path, ...]:
 
 
 def _splitters(screen: Screen) -> tuple[tuple[str, QSplitter], ...]:
+    """Return them by the names that their places are kept under, whatever else a screen gets."""
     found = screen.findChildren(QSplitter)
-    return tuple((f"{screen.name}-{number}", one) for number, one in enumerate(found, 1))
+    return tuple((f"{screen.name}-{one.objectName()}", one) for one in found)
 
 
 def _bytes(packed: str) -> QByteArray:

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QMessageBox,
     QPushButton,
+    QSplitter,
     QWidget,
 )
 
@@ -30,6 +31,7 @@ from tests.ui.behaviour_scene import make_recording
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import CTRL, SECRET, visible, visible_dialogs
 from ui.log import LOG_FILE, start_log
+from ui.navigation import TITLES
 from ui.ports import CancelledError
 from ui.signals import SignalWatch
 from ui.theme import DARK, LIGHT
@@ -510,6 +512,15 @@ def test_where_everything_was_is_found_again_at_the_next_start(user, open_window
     assert again.application.preferences.now.splitters
     assert again.window._help.isVisible()
     again.close()
+
+
+def test_the_place_of_each_divider_is_kept_under_a_name_of_its_own(user):
+    for screen in TITLES:
+        user.go_to(screen)
+        names = [one.objectName() for one in user.window._screens[screen].findChildren(QSplitter)]
+        assert all(names), screen
+        assert len(set(names)) == len(names), screen
+    user.close()
 
 
 def test_a_place_tells_nobodys_name(user):

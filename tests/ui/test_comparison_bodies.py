@@ -2,10 +2,20 @@
 
 import numpy as np
 import pytest
+from openpyxl import load_workbook
+from pypdf import PdfReader
 from pyqtgraph import PlotWidget
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QTableView, QTabWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QComboBox,
+    QFileDialog,
+    QLabel,
+    QPushButton,
+    QTableView,
+    QTabWidget,
+)
 
 from adibas.data.patients import Identity
 from adibas.pipeline.stored_body import stored_back
@@ -184,3 +194,35 @@ def test_a_landmark_on_the_far_side_is_not_shown(qtbot):
 
     assert n_yellow(np.array([0.2, 0.1, 2.0])) > 20
     assert n_yellow(np.array([0.2, 0.1, 2.3])) == 0
+
+
+@pytest.mark.parametrize("ending", ["pdf", "xlsx"])
+def test_the_report_on_the_later_back_is_written_and_the_log_tells_it(
+    screen, store, patient, tmp_path, ending
+):
+    session = add_body_session(store, patient)
+    screen.entered()
+    button = next(one for one in page(screen, BACK).findChildren(QPushButton) if one.isVisible())
+    button.click()
+    dialog = screen.findChild(QFileDialog)
+    dialog.selectFile(str(tmp_path / "mine"))
+    dialog.filterSelected.emit(next(kind for kind in dialog.nameFilters() if ending in kind))
+    dialog.accept()
+    path = tmp_path / f"mine.{ending}"
+    if ending == "pdf":
+        told = " ".join(one.extract_text() for one in PdfReader(path).pages)
+    else:
+        sheets = load_workbook(path).worksheets
+        rows = [row for sheet in sheets for row in sheet.iter_rows(values_only=True)]
+        told = " ".join(str(value) for row in rows for value in row)
+    assert "Kyphosis" in told
+    assert patient in told
+    exports = [one for one in store.audit.entries() if one.action == "export"]
+    assert [one.subject for one in exports] == [session.session_id]
+
+
+def test_where_there_is_no_back_there_is_no_report(screen, store, patient):
+    add_body_session(store, patient, (), without_depth=("posterior",))
+    screen.entered()
+    buttons = page(screen, BACK).findChildren(QPushButton)
+    assert not any(one.isEnabled() for one in buttons if one.isVisible())

@@ -1,6 +1,14 @@
 """The back in both sessions: maps, the line and the curves of the spine, and a table."""
 
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import (
+    QComboBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QWidget,
+)
 
 from adibas.texts import message
 from adibas.texts import translate as _
@@ -20,15 +28,15 @@ CURVES: tuple[tuple[Curve, str], ...] = (
 class BackPage(SurfacePage):
     """Two maps and a plot above, the measures below."""
 
+    report_asked = Signal()
+    """The report on the later back is wanted."""
+
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._backs = Backs()
         self._maps = (AsymmetryMap(theme, self), AsymmetryMap(theme, self))
-        self._plot, self._curve, self._legend = (
-            SpinePlot(theme, self),
-            QComboBox(self),
-            QLabel(self),
-        )
+        self._plot, self._curve = SpinePlot(theme, self), QComboBox(self)
+        self._legend, self._report = QLabel(self), QPushButton(self)
         for curve, title in CURVES:
             self._curve.addItem(title, curve)
         pictures = QWidget(self)
@@ -40,7 +48,14 @@ class BackPage(SurfacePage):
             grid.addWidget(page, 1, column)
             grid.setColumnStretch(column, 1)
         grid.setRowStretch(1, 1)
-        self.lay_out(pictures, self._legend)
+        below = QHBoxLayout()
+        below.addWidget(self._legend, 1)
+        below.addWidget(self._report)
+        grid.addLayout(below, 2, 0, 1, len(heads))
+        self._legend.setWordWrap(True)
+        self._legend.setProperty("kind", "quiet")
+        self.lay_out(pictures)
+        self._report.clicked.connect(self.report_asked)
         self._curve.currentIndexChanged.connect(lambda _index: self._show_curve())
 
     def retranslate(self) -> None:
@@ -52,6 +67,7 @@ class BackPage(SurfacePage):
         for index, (_curve, title) in enumerate(CURVES):
             self._curve.setItemText(index, _(title))
         self.table.retranslate(_("Measures of the back"))
+        self._report.setText(_("Re&port on the back..."))
         self._legend.setText(
             _(
                 "Maps, seen from behind: red lies further back than the other side, blue further "
@@ -69,6 +85,7 @@ class BackPage(SurfacePage):
         for picture, back in zip(self._maps, both, strict=True):
             picture.show_back(back)
             picture.setVisible(back is not None)
+        self._report.setEnabled(backs.later is not None)
         self._show_curve()
         self.show_measures(*(() if one is None else one.measures for one in both))
 

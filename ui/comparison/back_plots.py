@@ -81,7 +81,8 @@ class AsymmetryMap(Plot):
             yRange=(heights_m[known[-1]], heights_m[known[0]]),
             padding=PADDING,
         )
-        self.name_axes(plot, _(ACROSS["aside_mm"]), _("Height over the floor [m]"))
+        aside = ACROSS["aside_mm"]
+        self.name_axes(plot, _(aside), _("Height over the floor [m]"))
 
 
 class SpinePlot(Plot):

@@ -11,6 +11,7 @@ from adibas.files import written_whole
 from adibas.measures.protocol_store import find_protocol, protocol_titles
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import last_two_alike
+from adibas.reports.body import write_stored_body
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.comparison.back_presenter import BackView, back_presenter, body_presenter
@@ -129,6 +130,21 @@ class ComparisonPresenter:
             self._workspace.tell("good", _("Written: {names}").format(names=path.name))
 
         self._workspace.jobs.start(_("Writing the picture"), work, done)
+
+    def save_report(self, path: Path) -> None:
+        """Write the report on the back of the later session, as its ending says."""
+        store, later = self._workspace.store, self._choices.later
+        language = self._workspace.preferences.now.language
+        if later is None:
+            return
+
+        def work(_control: JobControl) -> None:
+            write_stored_body(store, later, path, language)
+
+        def done(_nothing: None) -> None:
+            self._workspace.tell("good", _("Written: {names}").format(names=path.name))
+
+        self._workspace.jobs.start(_("Writing the report"), work, done)
 
     def _follow(self) -> None:
         if self._is_seen:

@@ -65,6 +65,7 @@ class RepeatsPage(QWidget):
         right.column.addWidget(self._save, 0, Qt.AlignmentFlag.AlignLeft)
         right.column.addStretch()
         across = QSplitter(self)
+        across.setObjectName("repeats")
         across.addWidget(self._rows)
         across.addWidget(right)
         across.setChildrenCollapsible(False)

@@ -33,18 +33,15 @@ class SurfacePage(QWidget):
             label.setWordWrap(True)
         self._notes.setProperty("kind", "warning")
 
-    def lay_out(self, pictures: QWidget, *words: QLabel) -> None:
-        """Put pictures with words on them above the table; each part scrolls where it must."""
+    def lay_out(self, pictures: QWidget) -> None:
+        """Put the pictures above the table; each part scrolls where it must."""
         above, below = Scrolled(self), Scrolled(self)
         above.keep_lines(pictures, PICTURE_LINES)
         above.column.addWidget(pictures, 1)
-        for label in words:
-            label.setWordWrap(True)
-            label.setProperty("kind", "quiet")
-            above.column.addWidget(label)
         below.keep_lines(self.table, TABLE_LINES)
         below.column.addWidget(self.table)
         content = QSplitter(Qt.Orientation.Vertical, self)
+        content.setObjectName(type(self).__name__)
         content.addWidget(above)
         content.addWidget(below)
         content.setChildrenCollapsible(False)

@@ -69,6 +69,7 @@ class TrendsPage(QWidget):
         right.column.addLayout(in_a_flow(self._has_reference, self._save))
         right.column.addWidget(self._points, 1)
         across = QSplitter(self)
+        across.setObjectName("trends")
         across.addWidget(self._list)
         across.addWidget(right)
         across.setChildrenCollapsible(False)

@@ -69,6 +69,7 @@ class ComparisonScreen(Screen):
         self._go.clicked.connect(lambda: presenter.go_to(self._nothing[1]))
         self._pictures.view_chosen.connect(presenter.pictures.choose_view)
         self._back.seen.connect(presenter.back.look)
+        self._back.report_asked.connect(self._ask_report)
         self._body.seen.connect(presenter.body.look)
         self._differences.trend_asked.connect(self._show_trend)
         self._repeats.operator_chosen.connect(presenter.choose_operator)
@@ -150,16 +151,34 @@ class ComparisonScreen(Screen):
         self._pages.setCurrentWidget(self._trends)
         self._trends.choose(key)
 
+    def _ask_report(self) -> None:
+        """Ask where the report on the back goes."""
+        kinds = "PDF (*.pdf);;Excel (*.xlsx)"
+        dialog = self._file_dialog(_("Report on the back"), kinds, "back.pdf")
+        dialog.fileSelected.connect(lambda path: self._presenter.save_report(Path(path)))
+        dialog.open()
+
     def _ask_file(self, page: TrendsPage | RepeatsPage) -> None:
         """Draw the plot as it is seen now, and ask where it goes."""
         picture = page.picture()
         if picture is None:
             return
         name, png = picture
-        dialog = QFileDialog(self, _("Picture of the plot"), "", "PNG (*.png)")
-        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-        dialog.setDefaultSuffix("png")
-        dialog.selectFile(f"{name}.png")
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog = self._file_dialog(_("Picture of the plot"), "PNG (*.png)", f"{name}.png")
         dialog.fileSelected.connect(lambda path: self._presenter.save_picture(Path(path), png))
         dialog.open()
+
+    def _file_dialog(self, title: str, kinds: str, name: str) -> QFileDialog:
+        """Return a dialog that asks where a file goes; `name` is what it suggests."""
+        dialog = QFileDialog(self, title, "", kinds)
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        dialog.setDefaultSuffix(Path(name).suffix.removeprefix("."))
+        dialog.filterSelected.connect(lambda kind: dialog.setDefaultSuffix(_ending_of(kind)))
+        dialog.selectFile(name)
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        return dialog
+
+
+def _ending_of(kind: str) -> str:
+    """Return the ending in a filter such as ``PDF (*.pdf)``."""
+    return kind.rpartition(".")[2].removesuffix(")")

@@ -24,6 +24,7 @@ class PatientsScreen(Screen):
         super().__init__(parent)
         self.list, self.pages = PatientListPanel(self), PatientPages(self)
         halves = QSplitter(Qt.Orientation.Horizontal, self)
+        halves.setObjectName("halves")
         halves.addWidget(self.list)
         halves.addWidget(self.pages)
         halves.setChildrenCollapsible(False)

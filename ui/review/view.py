@@ -69,13 +69,9 @@ class ReviewScreen(Screen):
         self._upper.addTab(self._notes, "")
         for widget in (self._image, self._space):
             self._center.addWidget(widget)
-        numbers = QSplitter(Qt.Orientation.Vertical, self)
-        numbers.addWidget(self._upper)
-        numbers.addWidget(self._measures)
-        numbers.setSizes([MARKERS_HEIGHT, MEASURES_HEIGHT])
-        numbers.setChildrenCollapsible(False)
         across = QSplitter(self)
-        for part, stretch in ((self._center, 4), (numbers, 1)):
+        across.setObjectName("across")
+        for part, stretch in ((self._center, 4), (self._numbers(), 1)):
             across.addWidget(part)
             across.setStretchFactor(across.indexOf(part), stretch)
         across.setSizes([PICTURE_WIDTH, PANEL_WIDTH])
@@ -95,6 +91,16 @@ class ReviewScreen(Screen):
         outer = QVBoxLayout(self)
         outer.setContentsMargins(0, 0, 0, 0)
         outer.addWidget(self._pages)
+
+    def _numbers(self) -> QSplitter:
+        """Return markers and notes above the measures."""
+        numbers = QSplitter(Qt.Orientation.Vertical, self)
+        numbers.setObjectName("numbers")
+        numbers.addWidget(self._upper)
+        numbers.addWidget(self._measures)
+        numbers.setSizes([MARKERS_HEIGHT, MEASURES_HEIGHT])
+        numbers.setChildrenCollapsible(False)
+        return numbers
 
     def bind(self, presenter: ReviewPresenter) -> None:
         """Send what the user does to `presenter`, and own it."""
