@@ -112,6 +112,10 @@ def test_settings_offer_an_operator_nothing_of_administrators(qtbot, as_operator
     kept = {tabs.tabText(index) for index in range(tabs.count()) if not tabs.isTabEnabled(index)}
     assert kept == {"Audit log", "Protocols"}
     assert tabs.tabToolTip(2) == ADMINISTRATORS
+    who_works = vars(vars(screen)["_general"])["_operator"]
+    assert (who_works.text(), who_works.isReadOnly()) == ("Carla", True)
+    as_operator.preferences.change(operator="somebody else")
+    assert who_works.text() == "Carla"
     tabs.setCurrentIndex(1)
     assert not screen.people.isVisible()
     for page in (screen.backup, screen.retention):

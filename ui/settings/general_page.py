@@ -32,7 +32,7 @@ class GeneralPage(PreferencePage):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._language, self._theme, self._scale = (QComboBox(self) for _ in range(3))
-        self._operator = QLineEdit(self)
+        self._operator, self._person = QLineEdit(self), ""
         self._countdown, self._frames, self._days = (WholeNumberField(self) for _ in range(3))
         self._countdown.setRange(0, 60)
         self._frames.setRange(1, 300)
@@ -74,7 +74,7 @@ class GeneralPage(PreferencePage):
         ):
             box.activated.connect(partial(self._send_choice, name, box))
         self._operator.editingFinished.connect(
-            lambda: self.changed.emit("operator", self._operator.text().strip())
+            lambda: self._person or self.changed.emit("operator", self._operator.text().strip())
         )
         self._countdown.valueChanged.connect(partial(self.changed.emit, "countdown_s"))
         self._frames.valueChanged.connect(partial(self.changed.emit, "burst_frames"))
@@ -102,12 +102,18 @@ class GeneralPage(PreferencePage):
         for index, theme in enumerate(THEMES):
             self._theme.setItemText(index, _(THEME_NAMES[theme]))
 
+    def show_person(self, name: str) -> None:
+        """Show who opened the store where it has people: nobody types another name then."""
+        self._person = name
+        self._operator.setReadOnly(bool(name))
+        self._operator.setText(name)
+
     def show_preferences(self, preferences: Preferences) -> None:
         """Show what holds now."""
         self._language.setCurrentIndex(self._language.findData(preferences.language))
         self._theme.setCurrentIndex(self._theme.findData(preferences.theme))
         self._scale.setCurrentIndex(self._scale.findData(preferences.font_scale))
-        self._operator.setText(preferences.operator)
+        self._operator.setText(self._person or preferences.operator)
         self._countdown.show_value(preferences.countdown_s)
         self._frames.show_value(preferences.burst_frames)
         self._days.show_value(preferences.calibration_days)

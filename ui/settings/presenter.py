@@ -19,6 +19,9 @@ class SettingsView(Protocol):
     def show_preferences(self, preferences: Preferences) -> None:
         """Show what holds now."""
 
+    def show_person(self, name: str) -> None:
+        """Show who opened the store; nobody types another name for the log then."""
+
     def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
         """Show where the store lies and what keeps its key."""
 
@@ -46,13 +49,18 @@ class SettingsPresenter:
         self._workspace = workspace
         self._language = workspace.preferences.now.language
         self._has_findings = False
-        self._end = workspace.preferences.changed.subscribe(self._on_preferences)
+        self._ends = (
+            workspace.preferences.changed.subscribe(self._on_preferences),
+            workspace.person_changed.subscribe(self._show_person),
+        )
         view.show_preferences(workspace.preferences.now)
+        self._show_person()
         view.show_log(str(log_folder()))
 
     def close(self) -> None:
         """Listen no more."""
-        self._end()
+        for end in self._ends:
+            end()
 
     def enter(self) -> None:
         """Show what keeps the key: the keyring may have to be asked."""
@@ -126,6 +134,11 @@ class SettingsPresenter:
         self._view.hide_check()  # it was said in the language before
         if self._has_findings:
             self.examine_computer()
+
+    def _show_person(self) -> None:
+        person = self._workspace.store.person
+        if person is not None:
+            self._view.show_person(person.name)
 
     def _show_protection(self) -> None:
         store = self._workspace.store

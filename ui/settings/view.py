@@ -248,6 +248,9 @@ class SettingsScreen(Screen):
         self._general.show_preferences(preferences)
         self._protection.show_preferences(preferences)
 
+    def show_person(self, name: str) -> None:
+        self._general.show_person(name)
+
     def show_protection(self, folder: str, *, has_passphrase: bool, is_read_only: bool) -> None:
         self._retention.show_read_only(is_read_only=is_read_only)
         self._protection.show_protection(
