@@ -21,6 +21,7 @@ from adibas.texts import LANGUAGES
 from tests.ui import export_scene, window_user
 from tests.ui.review_scene import saved_session
 from tests.ui.test_keyboard_only import Key, assert_keyboard_is_enough, controls, describe, name_of
+from tests.ui.test_mnemonics import assert_each_letter_is_one_control
 from tests.ui.window_user import visible, visible_dialogs
 from ui.behaviour.learn_dialog import LearnDialog
 from ui.behaviour.learning_presenter import LearningPresenter
@@ -261,6 +262,14 @@ def test_a_reader_has_a_name_for_every_control_of_a_dialog_in_every_language(use
         before = opened(somebody, kind)
         nameless = [describe(one) for one in controls(before.window) if not name_of(one)]
         assert not nameless, kind.__name__
+        put_away(somebody)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_letter_goes_to_one_control_of_a_dialog(user, language):
+    somebody = user(language)
+    for kind in OPENERS:
+        assert_each_letter_is_one_control(opened(somebody, kind).window)
         put_away(somebody)
 
 
