@@ -83,7 +83,7 @@ class ComparisonScreen(Screen):
             page.retranslate()
         titles = (
             *(_("P&ictures"), _("&Differences"), _("&Trends"), _("&Repeats")),
-            *(_("The &back"), _("The b&ody")),
+            *(_("The bac&k"), _("The bod&y")),
         )
         for index, title in enumerate(titles):
             self._pages.setTabText(index, title)
