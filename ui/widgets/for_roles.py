@@ -35,7 +35,8 @@ class _ForOthers(QObject):
 
 def only_for(permission: Permission) -> str:
     """Return who may do it, as a reason why somebody else may not."""
-    return _("Only for {who}.").format(who=_(who_may(permission)))
+    who = who_may(permission)
+    return _("Only for {who}.").format(who=_(who))
 
 
 def keep_for_roles(
