@@ -20,6 +20,9 @@ MOST_ITERATIONS = 100
 MOST_LANES = 64
 MOST_MEMORY_KIB = 4 * 1024 * 1024
 
+Derived = dict[tuple[object, ...], bytes]
+"""Keys that a passphrase gave, by the numbers and the salt of the derivation."""
+
 _ONE_AT_A_TIME = threading.Lock()
 """OpenSSL has one pool of threads for the lanes; a second derivation finds it taken and fails."""
 
@@ -54,7 +57,9 @@ class Argon2Params:
             raise ValueError(f"no use for Argon2id: {self}")
 
 
-def wrap_key(key: bytes, passphrase: str, bound_to: str, params: Argon2Params) -> dict[str, object]:
+def wrap_key(
+    key: bytes, passphrase: str, bound_to: str, params: Argon2Params, salt: bytes | None = None
+) -> dict[str, object]:
     """Return `key` sealed by `passphrase`, as plain values for a JSON document.
 
     Parameters
@@ -63,8 +68,11 @@ def wrap_key(key: bytes, passphrase: str, bound_to: str, params: Argon2Params) -
         What is sealed.
     bound_to : str
         The sealed key opens only together with this text.
+    salt : bytes, optional
+        Of the derivation; a new random one if not given.
     """
-    salt, nonce = secrets.token_bytes(SALT_BYTES), secrets.token_bytes(NONCE_BYTES)
+    salt = secrets.token_bytes(SALT_BYTES) if salt is None else salt
+    nonce = secrets.token_bytes(NONCE_BYTES)
     sealed = AESGCM(_derive(passphrase, salt, params)).encrypt(nonce, key, bound_to.encode())
     return {
         "argon2id": asdict(params),
@@ -74,8 +82,39 @@ def wrap_key(key: bytes, passphrase: str, bound_to: str, params: Argon2Params) -
     }
 
 
-def unwrap_key(document: Mapping[str, object], passphrase: str, bound_to: str) -> bytes | None:
+def unwrap_key(
+    document: Mapping[str, object],
+    passphrase: str,
+    bound_to: str,
+    derived: Derived | None = None,
+) -> bytes | None:
     """Return the key; None where the passphrase is another one.
+
+    Parameters
+    ----------
+    derived : dict, optional
+        What this passphrase gave before; what it gives now is added.
+
+    Raises
+    ------
+    ValueError
+        The document is damaged.
+    """
+    params, salt = derivation_of(document)
+    nonce, sealed = (_to_bytes(document, name) for name in ("nonce", "sealed_key"))
+    if (len(nonce), len(sealed)) != (NONCE_BYTES, KEY_BYTES + 16):
+        raise ValueError("the sealed key is cut short")
+    derived = {} if derived is None else derived
+    if (params, salt) not in derived:
+        derived[params, salt] = _derive(passphrase, salt, params)
+    try:
+        return AESGCM(derived[params, salt]).decrypt(nonce, sealed, bound_to.encode())
+    except InvalidTag:
+        return None
+
+
+def derivation_of(document: Mapping[str, object]) -> tuple[Argon2Params, bytes]:
+    """Return the numbers and the salt with which a passphrase becomes a key.
 
     Raises
     ------
@@ -88,14 +127,10 @@ def unwrap_key(document: Mapping[str, object], passphrase: str, bound_to: str) -
     names = ("iterations", "lanes", "memory_kib")
     if not all(type(numbers.get(name)) is int for name in names):
         raise ValueError("the numbers of argon2id are missing")
-    params = Argon2Params(*(numbers[name] for name in names))
-    salt, nonce, sealed = (_to_bytes(document, name) for name in ("salt", "nonce", "sealed_key"))
-    if (len(salt), len(nonce), len(sealed)) != (SALT_BYTES, NONCE_BYTES, KEY_BYTES + 16):
+    salt = _to_bytes(document, "salt")
+    if len(salt) != SALT_BYTES:
         raise ValueError("the sealed key is cut short")
-    try:
-        return AESGCM(_derive(passphrase, salt, params)).decrypt(nonce, sealed, bound_to.encode())
-    except InvalidTag:
-        return None
+    return Argon2Params(*(numbers[name] for name in names)), salt
 
 
 def _derive(passphrase: str, salt: bytes, params: Argon2Params) -> bytes:

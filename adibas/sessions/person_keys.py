@@ -1,6 +1,7 @@
 """The people of a store in `key.json`: a sealed copy of the store's key for each of them.
 
-Each copy is sealed by that person's own passphrase and bound to that person. Who they are and what
+Each copy is sealed by that person's own passphrase and bound to that person; all have one salt, so
+that one derivation tells whose passphrase it is, however many they are. Who they are and what
 they may is sealed under the store's key, all in one piece: without a passphrase nobody reads it,
 and nobody makes himself an administrator with a text editor.
 """
@@ -18,6 +19,8 @@ from adibas.sessions.key_file import KeyFile, damaged, fingerprint_of
 from adibas.sessions.key_wrapping import (
     SHORTEST_PASSPHRASE,
     Argon2Params,
+    Derived,
+    derivation_of,
     unwrap_key,
     wrap_key,
 )
@@ -26,7 +29,7 @@ from adibas.sessions.sealing import AesSeal, key_for
 
 SCOPE = "adibas-people-1"
 MOST_PEOPLE = 50
-"""Whose passphrase is the last of so many waits for some seconds."""
+"""Who guesses at a stolen file guesses at all of them at once."""
 ID_LENGTH = 32
 
 
@@ -94,7 +97,12 @@ def people_in(file: KeyFile, key: bytes) -> tuple[Person, ...]:
 def slot_for(
     file: KeyFile, key: bytes, person_id: str, passphrase: str, params: Argon2Params
 ) -> dict[str, object]:
-    """Return the copy of the key for one person.
+    """Return the copy of the key for one person; made as those that are there, if any.
+
+    Parameters
+    ----------
+    params : Argon2Params
+        Of the first person; the others have the same.
 
     Raises
     ------
@@ -102,7 +110,13 @@ def slot_for(
         It is too short.
     """
     check_length(passphrase)
-    wrapped = wrap_key(key, passphrase, _bound_to(file, person_id), params)
+    salt = None
+    if file.place == "people":
+        try:
+            params, salt = derivation_of(slots_of(file.wrapped)[0])
+        except ValueError as error:
+            raise damaged(str(error)) from error
+    wrapped = wrap_key(key, passphrase, _bound_to(file, person_id), params, salt)
     return {"person_id": person_id, **wrapped}
 
 
@@ -151,9 +165,10 @@ def check_length(passphrase: str) -> None:
 
 def _found(file: KeyFile, passphrase: str) -> tuple[bytes, str] | None:
     """Return the key, and the id of the person whose passphrase it was."""
+    derived: Derived = {}
     for slot in slots_of(file.wrapped):
         person_id = str(slot["person_id"])
-        key = _unwrapped(slot, passphrase, _bound_to(file, person_id))
+        key = _unwrapped(slot, passphrase, _bound_to(file, person_id), derived)
         if key is not None:
             return key, person_id
     return None
@@ -172,9 +187,11 @@ def _person(told: Mapping[str, Any]) -> Person:
     return Person(str(told["person_id"]), str(told["name"]), Role(told["role"]))
 
 
-def _unwrapped(slot: Mapping[str, object], passphrase: str, bound_to: str) -> bytes | None:
+def _unwrapped(
+    slot: Mapping[str, object], passphrase: str, bound_to: str, derived: Derived
+) -> bytes | None:
     try:
-        return unwrap_key(slot, passphrase, bound_to)
+        return unwrap_key(slot, passphrase, bound_to, derived)
     except ValueError as error:
         raise damaged(str(error)) from error
 

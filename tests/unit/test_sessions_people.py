@@ -6,7 +6,7 @@ import json
 import pytest
 
 from adibas.errors import FileError, NotAllowedError, PassphraseError, StoreError
-from adibas.sessions import KeyState, key_file, key_state, open_store
+from adibas.sessions import KeyState, key_file, key_state, key_wrapping, open_store
 from adibas.sessions.keys import change_passphrase, load_key, open_key
 from adibas.sessions.restoring import restore_into, verify_backup
 from adibas.sessions.roles import Role
@@ -77,6 +77,22 @@ def test_all_of_them_read_the_same_patients(folder, pseudonym):
     for _role, passphrase in PEOPLE.values():
         with opened(folder, passphrase) as store:
             assert store.patients.get(pseudonym).identity == IDENTITY
+
+
+@pytest.mark.usefixtures("pseudonym")
+def test_a_passphrase_costs_one_derivation_however_many_people_there_are(folder, monkeypatch):
+    derived = []
+    derive = key_wrapping._derive
+
+    def counted(*arguments):
+        derived.append(arguments)
+        return derive(*arguments)
+
+    monkeypatch.setattr(key_wrapping, "_derive", counted)
+    assert open_key(folder, CARLA).person.name == "Carla Roca"
+    with pytest.raises(PassphraseError):
+        open_key(folder, "a wrong guess")
+    assert len(derived) == 2
 
 
 @pytest.mark.usefixtures("pseudonym")
