@@ -6,13 +6,13 @@ that nobody is measured against himself.
 Source: thesis, equation 7.5 (leave one out); the false alarms that 7.5 does not see count, too.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.errors import GestureError
-from adibas.gestures.descriptor import DescriptorParams
+from adibas.gestures.descriptor import DescriptorParams, mirrored
 from adibas.gestures.hidden_markov import MarkovTraining
 from adibas.gestures.likeness import LikenessParams, LikenessTraining
 from adibas.gestures.mixtures import mixtures_of
@@ -40,6 +40,9 @@ class TrainingParams:
         Examples a gesture that are aligned with the stream. 12.
     most_others : int
         Segments without a gesture that the likeness learns from. 400: costs grow with the square.
+    most_mirrored : int
+        Examples up to which the likeness also tries mirrored copies. 400: of more there are both
+        sides, or the side matters.
     most_folds : int
         Groups are joined to so many when thresholds are chosen. 5.
     gate_slack : float
@@ -51,6 +54,7 @@ class TrainingParams:
     method: Method = "likeness"
     most_examples: int = 12
     most_others: int = 400
+    most_mirrored: int = 400
     most_folds: int = 5
     gate_slack: float = 1.1
     seed: int = 0
@@ -71,6 +75,24 @@ def train(
     """
     params = params or TrainingParams()
     check_examples(examples)
+    if params.method == "weighted-dtw":
+        return _weighted_if_better(examples, descriptor, params, progress)
+    return _trained(examples, descriptor, params, progress)[0]
+
+
+def _weighted_if_better(
+    examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
+) -> GestureModel:
+    """Weigh the joints alike where who was left out is recognised no better by their weights."""
+    weighted, f1 = _trained(examples, descriptor, params, progress)
+    plain, plain_f1 = _trained(examples, descriptor, replace(params, method="dtw"), progress)
+    return weighted if f1 > plain_f1 else replace(plain, method=params.method)
+
+
+def _trained(
+    examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
+) -> tuple[GestureModel, float]:
+    """Return a recogniser, and the mean F1 of its gestures in people who were left out."""
     rng = np.random.default_rng(params.seed)
     folds = _folds(examples.groups, params.most_folds, rng)
     model = _draft(examples, descriptor, params, rng)
@@ -86,13 +108,13 @@ def train(
     costs = np.array([proposal.cost for proposal in found])
     right = np.array([_target(one, examples)[one.label] > 0 for one in found], bool)
     labels = np.array([proposal.label for proposal in found], np.int64)
-    thresholds = np.array(
-        [
-            best_threshold(costs[labels == label], right[labels == label], _count(examples, label))
-            for label in range(len(examples.labels))
-        ]
-    )
-    return _finished(model, thresholds, thresholds)
+    thresholds = np.zeros(len(examples.labels))
+    f1 = np.zeros(len(examples.labels))
+    for label in range(len(examples.labels)):
+        mine, n_wanted = labels == label, _count(examples, label)
+        thresholds[label] = best_threshold(costs[mine], right[mine], n_wanted)
+        f1[label] = f1_by_threshold(costs[mine], right[mine], n_wanted).max(initial=0.0)
+    return _finished(model, thresholds, thresholds), float(f1.mean())
 
 
 def check_examples(examples: Examples) -> None:
@@ -199,9 +221,7 @@ def best_threshold(costs: FloatArray, is_right: BoolArray, n_wanted: int) -> flo
     if not is_right.any():
         return float(costs.min()) * (1 - BARELY) if len(costs) else BARELY
     order = np.argsort(costs)
-    hits = np.minimum(np.cumsum(is_right[order]), n_wanted)
-    taken = np.arange(1, len(costs) + 1)
-    best = int(np.argmax(2.0 * hits / (taken + n_wanted)))
+    best = int(np.argmax(f1_by_threshold(costs, is_right, n_wanted)))
     here = costs[order[best]]
     after = costs[order[best + 1]] if best + 1 < len(costs) else 1.1 * here
     return max(float(0.5 * (here + min(after, 1.1 * here))), BARELY)
@@ -213,7 +233,7 @@ def _with_judge(
     params: TrainingParams,
     found: list[Segment],
     folds: tuple[IntArray, IntArray],
-) -> GestureModel:
+) -> tuple[GestureModel, float]:
     """Learn how much a segment is like each gesture, from examples and proposals."""
     n_labels = len(examples.labels)
     targets = np.array([_target(one, examples) for one in [*examples.gestures, *found]])
@@ -223,23 +243,77 @@ def _with_judge(
     chosen = whole if examples.is_isolated else _balanced(targets, n_given, params)
     segments = [*examples.gestures, *found]
     pieces = [at_one_length(examples.frames_of(segments[index])) for index in chosen]
-    training: LikenessTraining | MarkovTraining
-    if params.method == "hmm":
-        training = MarkovTraining(pieces, targets[chosen], params.seed)
-    else:
-        training = LikenessTraining.of(pieces, targets[chosen], LikenessParams())
-    predicted = training.held_out(fold_of[chosen])
-    costs = 1.0 - predicted.max(axis=1)
-    right = targets[chosen][np.arange(len(chosen)), predicted.argmax(axis=1)] > 0
-    given = chosen < n_given
-    threshold = best_threshold(costs[given | ~right], right[given | ~right], int(given.sum()))
+    best = _judging_of(pieces, targets[chosen], fold_of[chosen], chosen < n_given, params)
     is_right = targets[n_given:] > 0
     gates = np.array([_gate(label, found, is_right, params) for label in range(n_labels)])
-    done = _finished(model, np.full(n_labels, threshold), gates)
-    return GestureModel(
-        done.method, done.labels, done.descriptor, done.examples, done.owners, done.weights,
-        done.thresholds, done.gates, training.fitted(),
-    )  # fmt: skip
+    done = _finished(model, np.full(n_labels, best.threshold), gates)
+    return replace(done, judge=best.training.fitted()), best.f1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Judging:
+    """What was learned, and how it does on those who were left out."""
+
+    training: LikenessTraining | MarkovTraining
+    threshold: float
+    f1: float
+
+
+def _judging_of(
+    pieces: list[FloatArray],
+    targets: FloatArray,
+    folds: IntArray,
+    given: BoolArray,
+    params: TrainingParams,
+) -> _Judging:
+    """Learn from the pieces; where examples are few, from mirrored copies as well.
+
+    Some gestures are done with either side, and few people show it; with others the side makes
+    the gesture. Copies are left out where who was left out is recognised worse with them, by more
+    than one standard error; or where nothing is missed without them.
+    """
+    if params.method == "hmm":
+        return _judging(MarkovTraining(pieces, targets, params.seed), targets, folds, given)
+    training = LikenessTraining.of(pieces, targets, LikenessParams())
+    plain = _judging(training, targets, folds, given)
+    n_given = int(given.sum())
+    if n_given > params.most_mirrored:
+        return plain
+    right = np.flatnonzero(targets.any(axis=1))
+    more = [mirrored(pieces[index]) for index in right]
+    training = LikenessTraining.of(
+        [*pieces, *more], np.concatenate([targets, targets[right]]), LikenessParams()
+    )
+    both = _judging(training, targets, np.concatenate([folds, folds[right]]), given)
+    error = np.sqrt(plain.f1 * (1.0 - plain.f1) / n_given)
+    return both if both.f1 > plain.f1 - error else plain
+
+
+def _judging(
+    training: LikenessTraining | MarkovTraining,
+    targets: FloatArray,
+    folds: IntArray,
+    given: BoolArray,
+) -> _Judging:
+    """Judge the first pieces, of which `targets` and `given` tell; mirrored ones may follow."""
+    n_pieces = len(targets)
+    predicted = training.held_out(folds)[:n_pieces]
+    costs = 1.0 - predicted.max(axis=1)
+    right = targets[np.arange(n_pieces), predicted.argmax(axis=1)] > 0
+    counted = given | ~right
+    n_wanted = int(given.sum())
+    return _Judging(
+        training,
+        best_threshold(costs[counted], right[counted], n_wanted),
+        float(f1_by_threshold(costs[counted], right[counted], n_wanted).max()),
+    )
+
+
+def f1_by_threshold(costs: FloatArray, is_right: BoolArray, n_wanted: int) -> FloatArray:
+    """Return the F1 of all that costs no more than each, the cheapest first."""
+    hits = np.minimum(np.cumsum(is_right[np.argsort(costs)]), n_wanted)
+    taken = np.arange(1, len(costs) + 1)
+    return np.asarray(2.0 * hits / (taken + n_wanted))
 
 
 def _target(segment: Segment, examples: Examples) -> FloatArray:

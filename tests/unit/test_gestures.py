@@ -1,13 +1,14 @@
 """Gestures: described alike wherever and whoever, found in streams, counted honestly."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from adibas.cli.command_line import main
 from adibas.data.events import TimedEvent
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, mirror_order
 from adibas.data.skeleton_track import track_of
 from adibas.errors import GestureError
 from adibas.gestures.descriptor import (
@@ -19,6 +20,7 @@ from adibas.gestures.descriptor import (
     DescriptorParams,
     body_size,
     describe,
+    mirrored,
 )
 from adibas.gestures.evaluation import compare, leave_one_out
 from adibas.gestures.model import METHODS
@@ -346,3 +348,42 @@ def test_a_neck_is_not_made_up_for_long_nor_without_shoulders():
     n_held = 5 + round(LONGEST_HIDDEN_S * 15)
     assert np.isfinite(long[: n_held - 2, 0]).all()
     assert np.isnan(long[n_held + 2 :]).all()
+
+
+def of_other_side(track):
+    """Return the same movement with the sides exchanged."""
+    exchanged_m = track.joints_m[:, mirror_order(JOINT_NAMES)] * [-1.0, 1.0, 1.0]
+    return track_of(track.times_s, exchanged_m)
+
+
+@pytest.mark.parametrize(("n_wrong", "is_known"), [(1, True), (0, False)])
+def test_the_other_side_is_the_same_gesture_unless_all_are_known_without(n_wrong, is_known):
+    """An example that is marked wrongly is one that nobody else's tell."""
+    tracks, events = streams(3)
+    still = [replace(one, begin_s=0.0, end_s=0.6) for one in events[1::4]]
+    examples = examples_of(tracks, [*events, *still * n_wrong], PARAMS)[0]
+    other_hand = mirrored(examples.frames_of(examples.gestures[0]))
+    wave = examples.labels.index("wave")
+    with_copies, without = (
+        train(examples, PARAMS, TrainingParams(most_mirrored=most)) for most in (400, 0)
+    )
+    told, alone = (float(one.classify(other_hand)[wave]) for one in (with_copies, without))
+    assert (told < 0.7 * alone) == is_known
+    assert (told == alone) == (not is_known)
+
+
+def test_sides_that_make_the_gesture_are_told_apart():
+    tracks, events = streams(4, ("wave",) * 4)
+    for number in range(4):
+        tracks[f"o{number}", 1] = of_other_side(tracks[f"r{number}", 1])
+    events = [
+        *(replace(one, label="wave left") for one in events),
+        *(
+            replace(one, label="wave right", recording=one.recording.replace("r", "o"))
+            for one in events
+        ),
+    ]
+    examples = examples_of(tracks, events, PARAMS)[0]
+    found = leave_one_out(examples, PARAMS, TrainingParams())
+    np.testing.assert_array_equal(found.confusion, np.diag(np.diag(found.confusion)))
+    assert found.missed.sum() <= 2
