@@ -155,7 +155,7 @@ def necks(joints_m: FloatArray, longest: int) -> FloatArray:
     for shoulder in SHOULDERS:
         offset = neck - joints_m[:, shoulder]
         guesses.append(joints_m[:, shoulder] + _held(offset, longest))
-    known = np.isfinite(guesses).all(axis=2)[:, :, None]
+    known = np.asarray(np.isfinite(guesses).all(axis=2))[:, :, None]
     total = np.where(known, guesses, 0.0).sum(axis=0)
     n_known = known.sum(axis=0)
     guess = np.where(n_known > 0, total / np.maximum(n_known, 1), np.nan)

@@ -45,14 +45,18 @@ UNEVEN = message(
     "twice as long is not taken for the same. Check their ends, or learn two gestures."
 )
 BOTH_SIDES = message(
-    "Some examples of {label} look like the mirror image of others: left and right are told apart. "
-    "Learn a gesture for each side, or mark several of both."
+    "Some examples of {label} look like the mirror image of others. If the side matters, learn a "
+    "gesture for each; if it does not, mark several of both."
 )
 NOBODY_NAMED = message(
     "{n} examples do not say which person of the recording they are of: the one who is seen "
     "longest is taken."
 )
 NOBODY_THERE = message("{n} examples are left out: nobody's joints were found at that time.")
+WEIGHED_ALIKE = message(
+    "All joints are weighed alike: with weights of their own, those who were left out are "
+    "recognised no better."
+)
 ALL_ALIKE = message(
     "No joint tells {label} from the rest: all count alike. Mark every one, within a longer "
     "recording."
@@ -120,6 +124,8 @@ def learn(
     weights = weights_of_gestures(examples)
     notices = [*lesson.notices, *_uneven(examples), *_both_sides(examples)]
     notices += _alike(examples.labels, weights)
+    if params.method == "weighted-dtw" and np.ptp(model.weights) == 0:
+        notices.append(Sentence(WEIGHED_ALIKE))
     tested, rule = None, lesson.rule
     if is_tested:
         rule, groups = _left_out(examples, lesson.rule)

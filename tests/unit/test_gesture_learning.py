@@ -261,3 +261,11 @@ def test_the_command_says_how_well_those_left_out_are_known(tmp_path, capsys):
     assert "wave is told by: " in said
     assert "Left out in turn" in said
     assert json.loads(out.read_text())["provenance"]["left_out"]["rule"] == "subject"
+
+
+def test_joints_that_are_weighed_alike_are_told(watched):
+    track, events = watched
+    lesson = marked_lesson("hello", marked("wave", events), [track], "child")
+    trained = learn(lesson, TrainingParams(method="weighted-dtw"), no_progress, is_tested=False)
+    assert np.ptp(trained.model.weights) == 0
+    assert any("weighed alike" in one.text for one in trained.notices)

@@ -387,3 +387,25 @@ def test_sides_that_make_the_gesture_are_told_apart():
     found = leave_one_out(examples, PARAMS, TrainingParams())
     np.testing.assert_array_equal(found.confusion, np.diag(np.diag(found.confusion)))
     assert found.missed.sum() <= 2
+
+
+def test_joints_are_weighed_where_that_recognises_those_left_out_better():
+    """Feet that jump about tell nothing; without them all is clear."""
+    tracks, events = streams(3)
+    examples = {}
+    for jump_m in (0.0, 1.5):
+        rng = np.random.default_rng(0)
+        moved = {}
+        for name, track in tracks.items():
+            joints_m = track.joints_m.copy()
+            feet = [JOINT_NAMES.index(f"{side}_{part}") for side in ("left", "right")
+                    for part in ("foot", "knee")]  # fmt: skip
+            joints_m[:, feet] += rng.normal(0.0, jump_m, (len(joints_m), len(feet), 3))
+            moved[name] = track_of(track.times_s, joints_m)
+        examples[jump_m] = examples_of(moved, events, PARAMS)[0]
+    weights = {
+        jump_m: train(some, PARAMS, TrainingParams(method="weighted-dtw")).weights
+        for jump_m, some in examples.items()
+    }
+    assert np.ptp(weights[0.0]) == 0
+    assert weights[1.5][DESCRIBED_JOINTS.index("left_hand")] > 0.1
