@@ -41,8 +41,8 @@ class TrainingParams:
     most_others : int
         Segments without a gesture that the likeness learns from. 400: costs grow with the square.
     most_mirrored : int
-        Examples up to which the likeness also tries mirrored copies. 400: of more there are both
-        sides, or the side matters.
+        Examples in streams up to which the likeness also tries mirrored copies. 400: of more there
+        are both sides, or the side matters.
     most_folds : int
         Groups are joined to so many when thresholds are chosen. 5.
     gate_slack : float
@@ -243,6 +243,9 @@ def _with_judge(
     chosen = whole if examples.is_isolated else _balanced(targets, n_given, params)
     segments = [*examples.gestures, *found]
     pieces = [at_one_length(examples.frames_of(segments[index])) for index in chosen]
+    if examples.is_isolated:
+        # Sets of clips hold gestures that the side makes, such as a swipe to the left.
+        params = replace(params, most_mirrored=0)
     best = _judging_of(pieces, targets[chosen], fold_of[chosen], chosen < n_given, params)
     is_right = targets[n_given:] > 0
     gates = np.array([_gate(label, found, is_right, params) for label in range(n_labels)])
