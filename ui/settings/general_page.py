@@ -73,13 +73,15 @@ class GeneralPage(PreferencePage):
             ("font_scale", self._scale),
         ):
             box.activated.connect(partial(self._send_choice, name, box))
-        self._operator.editingFinished.connect(
-            lambda: self._person or self.changed.emit("operator", self._operator.text().strip())
-        )
+        self._operator.editingFinished.connect(self._send_operator)
         self._countdown.valueChanged.connect(partial(self.changed.emit, "countdown_s"))
         self._frames.valueChanged.connect(partial(self.changed.emit, "burst_frames"))
         self._days.valueChanged.connect(partial(self.changed.emit, "calibration_days"))
         self._sound.toggled.connect(partial(self.changed.emit, "has_sound"))
+
+    def _send_operator(self) -> None:
+        if not self._person:  # who opened the store with a passphrase of their own is who works
+            self.changed.emit("operator", self._operator.text().strip())
 
     def _send_choice(self, name: str, box: QComboBox, index: int) -> None:
         self.changed.emit(name, box.itemData(index))
