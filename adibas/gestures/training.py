@@ -83,10 +83,14 @@ def train(
 def _weighted_if_better(
     examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
 ) -> GestureModel:
-    """Weigh the joints alike where who was left out is recognised no better by their weights."""
+    """Weigh the joints alike unless who was left out is clearly recognised better by weights.
+
+    By more than one standard error of the share that is recognised.
+    """
     weighted, f1 = _trained(examples, descriptor, params, progress)
     plain, plain_f1 = _trained(examples, descriptor, replace(params, method="dtw"), progress)
-    return weighted if f1 > plain_f1 else replace(plain, method=params.method)
+    error = _standard_error(plain_f1, len(examples.gestures))
+    return weighted if f1 > plain_f1 + error else replace(plain, method=params.method)
 
 
 def _trained(
@@ -288,8 +292,11 @@ def _judging_of(
         [*pieces, *more], np.concatenate([targets, targets[right]]), LikenessParams()
     )
     both = _judging(training, targets, np.concatenate([folds, folds[right]]), given)
-    error = np.sqrt(plain.f1 * (1.0 - plain.f1) / n_given)
-    return both if both.f1 > plain.f1 - error else plain
+    return both if both.f1 > plain.f1 - _standard_error(plain.f1, n_given) else plain
+
+
+def _standard_error(share: float, n: int) -> float:
+    return float(np.sqrt(share * (1.0 - share) / n))
 
 
 def _judging(

@@ -55,7 +55,7 @@ NOBODY_NAMED = message(
 NOBODY_THERE = message("{n} examples are left out: nobody's joints were found at that time.")
 WEIGHED_ALIKE = message(
     "All joints are weighed alike: with weights of their own, those who were left out are "
-    "recognised no better."
+    "not clearly recognised better."
 )
 ALL_ALIKE = message(
     "No joint tells {label} from the rest: all count alike. Mark every one, within a longer "
