@@ -50,6 +50,24 @@ def test_who_is_whole_stays_as_found_and_who_left_leaves_nothing_behind():
     assert put_together([], labels, farther, before) == ()
 
 
+def test_who_walks_on_has_not_fallen_apart():
+    """A third of the place is left, and an arm is a surface of its own."""
+    labels, depth_m, before = parted(0)
+    labels[10:70, 50:60] = 1
+    walked = np.roll(labels, 20, axis=1)
+    found = (BodyMask(walked > 0),)
+    assert put_together(found, walked, depth_m, before) == found
+
+
+def test_who_is_hidden_by_somebody_is_not_put_together():
+    labels, depth_m, before = parted(0)
+    passing = np.zeros(labels.shape, bool)
+    passing[:, 60:120] = True
+    labels[passing] = 3
+    found = (BodyMask(passing),)
+    assert put_together(found, labels, depth_m, before) == found
+
+
 @pytest.fixture(scope="module")
 def bending():
     """Somebody who bends from 1.0 to 4.2 s, 15 frames a second."""
