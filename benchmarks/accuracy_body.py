@@ -14,13 +14,16 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.errors import BodyError
 from adibas.geometry.rigid import RigidTransform
 from adibas.markers.disparity import fuse_depth
-from adibas.pipeline.back import Back, measure_back
+from adibas.pipeline.back import Back, BackParams, measure_back
 from adibas.pipeline.body_views import LEAST_SHARE, BodyView, person_in
 from adibas.pipeline.whole_body import WholeBody, join_body
+from adibas.simulation.depth_noise import EXACT
 from adibas.simulation.poses import DOWN, FORWARD, HEADINGS_RAD, LEFT, View
 from adibas.simulation.rotations import about
+from adibas.surface.back_measures import ROTATION_RMS
+from adibas.surface.trunk import back_points
 from benchmarks.body_scenes import BackScene, burst, draw_back_scene, true_midline_m
-from benchmarks.body_truth import plain_truth, smoothed_truth
+from benchmarks.body_truth import plain_truth, smoothed_truth, true_rotation_rad
 from benchmarks.table import Row
 
 BACK_SEEDS = range(3000, 3250)
@@ -45,6 +48,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
 
 def _backs(seeds: range) -> Iterator[Row]:
     errors, plain, held, aside, n_refused = [], [], [], [], 0
+    rotations: list[tuple[float, bool]] = []
     for seed in seeds:
         scene = draw_back_scene(seed)
         try:
@@ -69,11 +73,13 @@ def _backs(seeds: range) -> Iterator[Row]:
         errors.append(error)
         plain.append(found - plain_truth(midline_m, *known).values())
         held.append(np.abs(error) <= half / 2.0)
+        rotations.append(_rotation(scene, back, midline_m, seed))
     told = f"bent spines, {N_FRAMES} frames at 2 m, seeds {seeds[0]}-{seeds[-1]}"
     yield from _spine_rows(told, np.array(errors), np.array(plain))
     share = 100.0 * float(np.mean(held))
     n_held = np.size(held)
     yield Row(f"{told}: intervals that hold the truth ({n_held})", share, "%", 95.0, "goal 93-97")
+    yield from _rotation_rows(told, rotations)
     yield Row(f"{told}: line of the spine, aside, rms", _rms(np.array(aside)), "mm")
     yield Row(f"{told}: not measured", float(n_refused), f"of {len(seeds)}")
 
@@ -93,6 +99,30 @@ def _aside_mm(back: Back, midline_m: FloatArray) -> float:
     y_m = np.linspace(0.58, 0.84, 60) * back.stature_m
     true_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 0])
     return 1e3 * _rms(back.line.at(y_m) - true_m)
+
+
+def _rotation_rows(told: str, found: Sequence[tuple[float, bool]]) -> Iterator[Row]:
+    off_deg, is_held = (np.array(column) for column in zip(*found, strict=True))
+    yield Row(f"{told}: surface rotation, root mean square: error, rms", _rms(off_deg), "deg")
+    share = 100.0 * float(np.mean(is_held))
+    name = f"{told}: intervals of the rotation that hold the truth ({len(is_held)})"
+    yield Row(name, share, "%", 95.0, "goal 93-97")
+
+
+def _rotation(scene: BackScene, back: Back, midline_m: FloatArray, seed: int) -> tuple[float, bool]:
+    """Return the error of the rotation in degrees, and whether the interval holds the truth."""
+    calibration = scene.calibration
+    frames = burst(scene, scene.posed("posterior"), 1, seed, EXACT)
+    surface = fuse_depth(frames, calibration.depth_bias, calibration.depth)
+    clean = person_in("posterior", surface, calibration)
+    points_m = back.patient_from_camera.apply(clean.points_m())
+    points_m = points_m[back_points(points_m, back.stature_m, BackParams().trunk)]
+    truth_rad = true_rotation_rad(points_m, midline_m, back)
+    (found,) = [one for one in back.measures if one.definition is ROTATION_RMS]
+    if found.value is None or found.interval is None:
+        raise ValueError("the rotation of a measured back has an interval")
+    low_rad, high_rad = found.interval
+    return float(np.degrees(found.value - truth_rad)), low_rad <= truth_rad <= high_rad
 
 
 def _bodies(seeds: range, told: str, sway: float) -> Iterator[Row]:

@@ -5,11 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray
+from adibas.pipeline.back import Back
 from adibas.surface.sagittal import SagittalParams
-from adibas.surface.spine_profile import ProfileParams
+from adibas.surface.spine_profile import ProfileParams, fit_profile
+from adibas.surface.symmetry_line import SymmetryLine
 
 STEP_M = 0.002
 HALF_TANGENT_M = 0.03
+N_HEIGHTS = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +34,30 @@ class TrueSpine:
                 self.fleche_lombaire_mm,
             ]
         )
+
+
+def true_rotation_rad(points_m: FloatArray, midline_m: FloatArray, back: Back) -> float:
+    """Return the root mean square of the rotation on the midline of a surface without noise.
+
+    Parameters
+    ----------
+    points_m : (N, 3) array
+        Of the back without noise, patient axes.
+    midline_m : (N, 3) array
+        The skin over the spinous processes, from the neck down.
+    back : Back
+        The estimate: between its turns the rotation is averaged.
+    """
+    if back.shape is None:
+        raise ValueError("a back without curves has no rotation")
+    top_m = min(back.profile.top_m, midline_m[0, 1])
+    bottom_m = max(back.profile.bottom_m, midline_m[-1, 1])
+    y_m = np.linspace(top_m, bottom_m, N_HEIGHTS)
+    x_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 0])
+    line = SymmetryLine(y_m, x_m, np.zeros(N_HEIGHTS), np.zeros(N_HEIGHTS))
+    between_m = np.arange(max(back.shape.ils_m, bottom_m), min(back.shape.ict_m, top_m), STEP_M)
+    rotation_rad = fit_profile(points_m, line).rotation_rad(between_m)
+    return float(np.sqrt(np.mean(rotation_rad**2)))
 
 
 def smoothed_truth(midline_m: FloatArray, stature_m: float, top_m: float) -> TrueSpine:

@@ -120,6 +120,10 @@ DEVIATION_MAX = Definition(
 )
 STEP_M = 0.004
 SMALL_M = 1e-5
+N_DRAWS = 200
+ROTATION_SHAPE_SD_RAD = np.radians(0.33)
+"""Of the root mean square of the rotation, beside the noise: 26 simulated backs of other seeds than
+the benchmark's erred by 0.52 degrees, of which the noise explains 0.40."""
 AGAINST_VERTICAL = (INCLINATION, IMBALANCE)
 """Measures that err by as much as the vertical does."""
 
@@ -173,11 +177,25 @@ def _sagittal(shape: SagittalShape | None) -> tuple[BodyMeasure, ...]:
 def _rotations(profile: SpineProfile, shape: SagittalShape | None) -> tuple[BodyMeasure, ...]:
     if shape is None:
         return _without((ROTATION_RMS, ROTATION_MAX), NO_CURVES)
-    turned = profile.rotation_rad(np.arange(shape.ils_m, shape.ict_m, STEP_M))
+    y_m = np.arange(shape.ils_m, shape.ict_m, STEP_M)
+    turned = profile.rotation_rad(y_m)
+    rms_rad = _rms(turned)
+    sd_rad = float(np.hypot(_rms_sd_rad(profile, y_m), ROTATION_SHAPE_SD_RAD))
+    low_rad, high_rad = Estimate(rms_rad, sd_rad).interval
     return (
-        BodyMeasure(ROTATION_RMS, _rms(turned)),
+        BodyMeasure(ROTATION_RMS, rms_rad, (max(low_rad, 0.0), high_rad)),
         BodyMeasure(ROTATION_MAX, _largest(turned)),
     )
+
+
+def _rms_sd_rad(profile: SpineProfile, y_m: FloatArray) -> float:
+    """Return what noise makes of the root mean square of the rotation (parametric bootstrap)."""
+    rng = np.random.default_rng(0)
+    covariance = profile.side_covariance
+    noise = np.linalg.cholesky(covariance + 1e-12 * np.eye(len(covariance)))
+    drawn = noise @ rng.normal(size=(len(noise), N_DRAWS))
+    slopes = profile.side_slope(y_m)[:, None] + profile.weights(y_m) @ drawn
+    return float(np.std(np.sqrt(np.mean(np.arctan(slopes) ** 2, axis=0))))
 
 
 def _trunk(markers: Mapping[str, PlacedMarker], vertical_sd_rad: float) -> list[BodyMeasure]:

@@ -62,8 +62,8 @@ class SpineProfile:
         Of the B-splines.
     coefficients : (3, N) array
         Of p, a and c.
-    covariance : (N, N) array
-        Of the coefficients of p.
+    covariance, side_covariance : (N, N) arrays
+        Of the coefficients of p, and of a.
     noise_m : float
         Standard deviation of one pixel from the fitted surface.
     top_m, bottom_m : float
@@ -74,6 +74,7 @@ class SpineProfile:
     knots: FloatArray
     coefficients: FloatArray
     covariance: FloatArray
+    side_covariance: FloatArray
     noise_m: float
     top_m: float
     bottom_m: float
@@ -82,7 +83,8 @@ class SpineProfile:
         n = len(self.knots) - DEGREE - 1
         check_shape("coefficients", self.coefficients, (N_PARTS, n))
         check_shape("covariance", self.covariance, (n, n))
-        for array in (self.knots, self.coefficients, self.covariance):
+        check_shape("side_covariance", self.side_covariance, (n, n))
+        for array in (self.knots, self.coefficients, self.covariance, self.side_covariance):
             read_only(array)
 
     def heights_m(self, step_m: float = 0.002) -> FloatArray:
@@ -100,10 +102,14 @@ class SpineProfile:
 
     def rotation_rad(self, y_m: FloatArray) -> FloatArray:
         """Return the surface's rotation about the vertical; see `SymmetryLine`."""
-        return np.arctan(np.asarray(self._spline(1)(y_m)))
+        return np.arctan(self.side_slope(y_m))
+
+    def side_slope(self, y_m: FloatArray) -> FloatArray:
+        """Return dz/dt beside the line: the tangent of the rotation."""
+        return np.asarray(self._spline(1)(y_m))
 
     def weights(self, y_m: FloatArray, derivative: int = 0) -> FloatArray:
-        """Return (M, N): times the coefficients of p they give it, or its derivative."""
+        """Return (M, N): times the coefficients of a part they give it, or its derivative."""
         n = self.coefficients.shape[1]
         basis = BSpline(self.knots, np.eye(n), DEGREE)
         return np.asarray(basis(y_m, nu=derivative))
@@ -129,13 +135,14 @@ def fit_profile(
     wide = _fit_within(points_m, line, knots, params.side_reach_m, params)
     parts = near.parts.copy()
     parts[1] = wide.parts[1]
-    return SpineProfile(line, knots, parts, near.covariance, near.noise_m, top_m, bottom_m)
+    covariances = near.covariances[0], wide.covariances[1]
+    return SpineProfile(line, knots, parts, *covariances, near.noise_m, top_m, bottom_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fit:
     parts: FloatArray
-    covariance: FloatArray
+    covariances: tuple[FloatArray, FloatArray]
     noise_m: float
 
 
@@ -176,9 +183,10 @@ def _fit_within(
     n = rows.shape[1]
     density = len(y_m) / ((top_m - bottom_m) * 2.0 * reach_m)
     alike = max(density * params.window_m2, 1.0)
-    covariance = noise_m**2 * alike * (inverse @ gram @ inverse)[:n, :n]
+    covariance = noise_m**2 * alike * (inverse @ gram @ inverse)
+    of_side = covariance[n : 2 * n, n : 2 * n] / reach_m**2
     parts = solved.reshape(N_PARTS, n) / np.array([[1.0], [reach_m], [reach_m**2]])
-    return _Fit(parts, covariance, noise_m)
+    return _Fit(parts, (covariance[:n, :n], of_side), noise_m)
 
 
 def _penalty(knots: FloatArray, per_metre: float, params: ProfileParams) -> FloatArray:

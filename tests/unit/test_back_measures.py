@@ -5,7 +5,7 @@ import pytest
 
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.surface.back_grid import BackGrid, grid_of
-from adibas.surface.back_measures import PlacedMarker, back_measures
+from adibas.surface.back_measures import ROTATION_RMS, PlacedMarker, back_measures
 from adibas.surface.sagittal import sagittal_shape
 from adibas.surface.spine_profile import fit_profile
 from adibas.surface.symmetry_line import find_symmetry_line
@@ -63,6 +63,20 @@ def test_intervals_come_from_the_markers_and_the_vertical(back):
     assert wide > max(narrow, 2 * 1.9 * np.radians(0.5))
     same = np.ptp(measured(back, MARKERS, 0.1)["BACK.PELVIS.TILT"].interval)
     assert same == pytest.approx(np.ptp(found["BACK.PELVIS.TILT"].interval))
+
+
+def test_the_interval_of_the_rotation_grows_with_noise_and_holds_a_known_turn():
+    turn_rad = np.radians(4.0)
+    widths_rad = []
+    for noise_m in (0.001, 0.006):
+        points_m = points_of_back(np.random.default_rng(2), noise_m, turn_rad)
+        profile = fit_profile(points_m, find_symmetry_line(grid_of(points_m)))
+        shape = sagittal_shape(profile, STATURE_M)
+        found = {one.definition: one for one in back_measures(profile, shape, {})}
+        low_rad, high_rad = found[ROTATION_RMS].interval
+        assert 0.0 <= low_rad <= turn_rad <= high_rad
+        widths_rad.append(high_rad - low_rad)
+    assert widths_rad[0] < widths_rad[1]
 
 
 def test_without_markers_or_curves_there_is_a_reason_and_no_value(back):

@@ -52,6 +52,18 @@ def test_symmetry_line_and_rotation_of_a_turned_back():
     np.testing.assert_allclose(profile.rotation_rad(heights_m), turn_rad, atol=np.radians(0.7))
 
 
+def test_slopes_to_the_side_scatter_as_their_covariance_says(still):
+    points_m, line, profile = still
+    rng, heights_m = np.random.default_rng(8), np.linspace(0.95, 1.4, 20)
+    noise_m = rng.normal(0.0, 0.003, (60, len(points_m)))
+    up = np.array([0.0, 0.0, 1.0])
+    noisy = [fit_profile(points_m + one[:, None] * up, line, WINDOW) for one in noise_m]
+    scatter = np.std([one.side_slope(heights_m) for one in noisy], axis=0)
+    weights = profile.weights(heights_m)
+    stated = np.sqrt(np.diag(weights @ noisy[0].side_covariance @ weights.T))
+    assert np.mean(scatter / stated) == pytest.approx(1.0, abs=0.1)
+
+
 def test_markers_pull_the_line_to_themselves():
     flat = np.zeros((40, 60))
     grid = BackGrid(np.arange(60) * 0.004 - 0.12, 1.0 - 0.004 * np.arange(40), flat)
