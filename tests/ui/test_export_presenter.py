@@ -15,7 +15,7 @@ from tests.ui import export_scene
 from tests.ui.conftest import PASSPHRASE
 from tests.ui.export_scene import exports
 from tests.unit.exchange_samples import secrets_in
-from tests.unit.orthanc_server import free_port
+from tests.unit.loopback import free_port
 from tests.unit.store_samples import NAME, START
 from ui.export.presenter import ExportPresenter, ExportView
 

@@ -13,7 +13,8 @@ from adibas.exchange import dicom_network
 from adibas.exchange.servers import DicomServer, read_servers, write_servers
 from tests.ui import export_scene
 from tests.unit import orthanc_server
-from tests.unit.orthanc_server import TITLE, free_port
+from tests.unit.loopback import free_port
+from tests.unit.orthanc_server import TITLE
 from ui.settings.screen import build_settings_screen
 from ui.settings.servers_presenter import ServerEntry, ServersPresenter, ServersView
 

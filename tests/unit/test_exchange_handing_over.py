@@ -15,7 +15,7 @@ from adibas.exchange.orders import Order
 from adibas.exchange.servers import DicomServer
 from adibas.reports import pdf
 from tests.unit.exchange_samples import add_clinic_session
-from tests.unit.orthanc_server import free_port
+from tests.unit.loopback import free_port
 from tests.unit.store_samples import open_sample
 
 AS_IS = PictureChoice.AS_IS
