@@ -562,7 +562,7 @@ def test_the_surface_is_shown_with_the_markers(review, view):
     space = view.show_space.call_args.args[0]
     assert len(space.points_m) > 1000
     np.testing.assert_allclose(space.points_m[:, 2], 1.0, rtol=1e-5)
-    assert [one.label for one in space.markers] == list(DOTS)
+    assert list(space.landmarks_m) == list(DOTS)
 
 
 class Running:
