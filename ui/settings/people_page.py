@@ -1,104 +1,61 @@
 """Who may open the store: a chooser, what a person is, and a passphrase typed twice."""
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import (
-    QComboBox,
-    QFormLayout,
-    QGroupBox,
-    QLabel,
-    QLineEdit,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit, QWidget
 
 from adibas.sessions.roles import TITLES, WORDS, Role, allowed
 from adibas.texts import translate as _
+from ui.settings.listed_things import ListedThings
 from ui.settings.people_presenter import PersonEntry
-from ui.widgets.flow import in_a_flow
 from ui.widgets.question import ask
 
 
-class PeoplePage(QWidget):
-    """One group; seen by administrators alone."""
+class PeoplePage(ListedThings):
+    """Seen by administrators alone."""
 
-    chosen = Signal(str)
-    """A name; empty: a new person is described."""
     saved = Signal(object)
     """A `PersonEntry`."""
     removed = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._group, self._told, self._may = QGroupBox(self), QLabel(self), QLabel(self)
-        for label in (self._told, self._may):
-            label.setWordWrap(True)
+        self._may, self._role = QLabel(self), QComboBox(self)
+        self._may.setWordWrap(True)
         self._may.setProperty("kind", "quiet")
-        self._people, self._role = QComboBox(self), QComboBox(self)
         self._name, self._passphrase, self._again = (QLineEdit(self) for _field in range(3))
         for field in (self._passphrase, self._again):
             field.setEchoMode(QLineEdit.EchoMode.Password)
-        self._save, self._remove = QPushButton(self), QPushButton(self)
-        self._remove.setProperty("danger", "true")
+        self.remove.setProperty("danger", "true")
         self._has_people = False
-        fields = (self._people, self._name, self._role, self._passphrase, self._again)
-        self._labels = {field: QLabel(self) for field in fields}
-        for part in (self, self._group):  # the page is scrolled before anything is squeezed
-            part.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Minimum)
-        self._lay_out()
-        self._people.activated.connect(lambda _index: self.chosen.emit(self._people.currentData()))
+        for row in (self.chooser, self._name, self._role, self._passphrase, self._again):
+            self.add_row(row)
+        self.lay_out(self._may, buttons=(self.save, self.remove))
         self._role.currentIndexChanged.connect(self._show_what_it_may)
-        self._save.clicked.connect(lambda: self.saved.emit(self._entry()))
-        self._remove.clicked.connect(self._ask)
+        self.save.clicked.connect(lambda: self.saved.emit(self._entry()))
+        self.remove.clicked.connect(self._ask)
         for role in Role:
             self._role.addItem("", role)
         self.retranslate()
 
-    def _lay_out(self) -> None:
-        form = QFormLayout()
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
-        for field, label in self._labels.items():
-            label.setBuddy(field)
-            form.addRow(label, field)
-        inner = QVBoxLayout(self._group)  # a form gives sentences of several lines too little room
-        inner.addWidget(self._told)
-        inner.addLayout(form)
-        inner.addWidget(self._may)
-        inner.addLayout(in_a_flow(self._save, self._remove))
-        column = QVBoxLayout(self)
-        column.setContentsMargins(9, 4, 9, 4)
-        column.addWidget(self._group)
-
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        self._group.setTitle(_("Who may open the store"))
-        self._told.setText(_told(has_people=self._has_people))
-        for field, text in (
-            (self._people, _("Person")),
-            (self._name, _("Name, as the audit log tells it")),
-            (self._role, _("Role")),
-            (self._passphrase, _("Passphrase of this person")),
-            (self._again, _("The same passphrase again")),
-        ):
-            self._labels[field].setText(text)
+        self.group.setTitle(_("Who may open the store"))
+        self.told.setText(_told(has_people=self._has_people))
+        self.name_fields(
+            *(_("Person"), _("Name, as the audit log tells it"), _("Role")),
+            *(_("Passphrase of this person"), _("The same passphrase again")),
+            new_one=_("A new person"),
+        )
         for index, role in enumerate(Role):
             self._role.setItemText(index, _(TITLES[role]))
         self._show_what_it_may()
-        self._save.setText(_("Save the person"))
-        self._remove.setText(_("Remove the person..."))
-        index = self._people.findData("")
-        if index >= 0:
-            self._people.setItemText(index, _("A new person"))
+        self.save.setText(_("Save the person"))
+        self.remove.setText(_("Remove the person..."))
 
     def show_people(self, names: tuple[str, ...], chosen: str) -> None:
         self._has_people = bool(names)
-        self._people.clear()
-        for name in names:
-            self._people.addItem(name, name)
-        self._people.addItem(_("A new person"), "")
-        self._people.setCurrentIndex(self._people.findData(chosen))
-        self._told.setText(_told(has_people=self._has_people))
+        self.list_names(names, chosen, _("A new person"))
+        self.told.setText(_told(has_people=self._has_people))
 
     def show_person(self, entry: PersonEntry, *, is_new: bool, can_choose_role: bool) -> None:
         self._name.setText(entry.name)
@@ -108,11 +65,11 @@ class PeoplePage(QWidget):
         for field in (self._passphrase, self._again):
             field.clear()
             field.setPlaceholderText("" if is_new else _("as it is"))
-        self._remove.setEnabled(not is_new)
+        self.remove.setEnabled(not is_new)
 
     def show_rights(self, *, is_seen: bool, can_change: bool) -> None:
         self.setVisible(is_seen)
-        self._group.setEnabled(can_change)
+        self.group.setEnabled(can_change)
 
     def _entry(self) -> PersonEntry:
         return PersonEntry(
@@ -133,7 +90,7 @@ class PeoplePage(QWidget):
         self._may.setText("\n".join(lines))
 
     def _ask(self) -> None:
-        name = self._people.currentData()
+        name = self.current
         question = _(
             "{name} will open the store no more. Backups of before still open with that "
             "passphrase. Whoever kept a copy of the store keeps what is in it."

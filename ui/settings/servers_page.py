@@ -1,21 +1,10 @@
 """DICOM servers of the clinic: which there are, how one is reached, and whether it answers."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import (
-    QCheckBox,
-    QComboBox,
-    QFileDialog,
-    QFormLayout,
-    QGroupBox,
-    QLabel,
-    QLineEdit,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QCheckBox, QFileDialog, QLineEdit, QPushButton, QWidget
 
 from adibas.texts import translate as _
+from ui.settings.listed_things import ListedThings
 from ui.settings.servers_presenter import ServerEntry
 from ui.widgets.flow import in_a_flow
 from ui.widgets.number_fields import WholeNumberField
@@ -24,11 +13,9 @@ LAST_PORT = 65_535
 LONGEST_TITLE = 16
 
 
-class ServersPage(QWidget):
-    """One group: a chooser, a description, three buttons."""
+class ServersPage(ListedThings):
+    """How each server is reached."""
 
-    chosen = Signal(str)
-    """A name; empty: a new server is described."""
     saved = Signal(object)
     """A `ServerEntry`; also of the next one."""
     tested = Signal(object)
@@ -36,9 +23,6 @@ class ServersPage(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._group, self._told = QGroupBox(self), QLabel(self)
-        self._told.setWordWrap(True)
-        self._servers = QComboBox(self)
         self._name, self._host, self._title, self._own_title, self._certificates = (
             QLineEdit(self) for _field in range(5)
         )
@@ -47,88 +31,45 @@ class ServersPage(QWidget):
         self._port = WholeNumberField(self)
         self._port.setRange(1, LAST_PORT)
         self._encrypted = QCheckBox(self)
-        self._browse, self._save, self._test, self._remove = (
-            QPushButton(self) for _button in range(4)
-        )
-        self._labels = {
-            field: QLabel(self)
-            for field in (
-                self._servers,
-                self._name,
-                self._host,
-                self._port,
-                self._title,
-                self._own_title,
-            )
-        }
-        self._certificates_label = QLabel(self)
-        self._certificates_label.setBuddy(self._certificates)
-        for part in (self, self._group):  # the page is scrolled before anything is squeezed
-            part.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Minimum)
-        self._lay_out()
-        self._connect()
-        self.retranslate()
-
-    def _lay_out(self) -> None:
-        form = QFormLayout(self._group)
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
-        form.addRow(self._told)
-        for field, label in self._labels.items():
-            label.setBuddy(field)
-            form.addRow(label, field)
-        form.addRow("", self._encrypted)
-        form.addRow(self._certificates_label, self._certificates)
-        form.addRow("", in_a_flow(self._browse))
-        form.addRow(in_a_flow(self._save, self._test, self._remove))
-        column = QVBoxLayout(self)
-        column.setContentsMargins(9, 4, 9, 4)
-        column.addWidget(self._group)
-
-    def _connect(self) -> None:
-        self._servers.activated.connect(
-            lambda _index: self.chosen.emit(self._servers.currentData())
-        )
+        self._browse, self._test = QPushButton(self), QPushButton(self)
+        addresses = (self._name, self._host, self._port, self._title, self._own_title)
+        for field in (self.chooser, *addresses):
+            self.add_row(field)
+        self.form.addRow("", self._encrypted)
+        self.add_row(self._certificates)
+        self.form.addRow("", in_a_flow(self._browse))
+        self.lay_out(buttons=(self.save, self._test, self.remove))
         self._encrypted.toggled.connect(self._allow_certificates)
         self._browse.clicked.connect(self._ask_certificates)
-        self._save.clicked.connect(lambda: self.saved.emit(self._entry()))
+        self.save.clicked.connect(lambda: self.saved.emit(self._entry()))
         self._test.clicked.connect(lambda: self.tested.emit(self._entry()))
-        self._remove.clicked.connect(self.removed)
+        self.remove.clicked.connect(self.removed)
+        self.retranslate()
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        self._group.setTitle(_("DICOM servers"))
-        self._told.setText(
+        self.group.setTitle(_("DICOM servers"))
+        self.told.setText(
             _(
                 "Sessions are sent to these servers when you export them, and orders are looked "
                 "up there. The program connects to nothing else."
             )
         )
-        for field, text in (
-            (self._servers, _("Server")),
-            (self._name, _("What you call it")),
-            (self._host, _("Its address in the network")),
-            (self._port, _("Its port")),
-            (self._title, _("Its title (AE title)")),
-            (self._own_title, _("Title of this program (AE title)")),
-        ):
-            self._labels[field].setText(text)
+        self.name_fields(
+            *(_("Server"), _("What you call it"), _("Its address in the network"), _("Its port")),
+            *(_("Its title (AE title)"), _("Title of this program (AE title)")),
+            _("Its certificate (empty: those of the system)"),
+            new_one=_("A new one"),
+        )
         self._encrypted.setText(_("Encrypted (TLS)"))
-        self._certificates_label.setText(_("Its certificate (empty: those of the system)"))
         self._browse.setText(_("Choose the certificate..."))
-        self._save.setText(_("Save the server"))
+        self.save.setText(_("Save the server"))
         self._test.setText(_("See whether it answers"))
-        self._remove.setText(_("Forget the server"))
-        index = self._servers.findData("")
-        if index >= 0:
-            self._servers.setItemText(index, _("A new one"))
+        self.remove.setText(_("Forget the server"))
 
     def show_servers(self, names: tuple[str, ...], chosen: str) -> None:
-        self._servers.clear()
-        for name in names:
-            self._servers.addItem(name, name)
-        self._servers.addItem(_("A new one"), "")
-        self._servers.setCurrentIndex(self._servers.findData(chosen))
-        self._remove.setEnabled(bool(chosen))
+        self.list_names(names, chosen, _("A new one"))
+        self.remove.setEnabled(bool(chosen))
 
     def show_entry(self, entry: ServerEntry) -> None:
         for field, text in (
@@ -142,7 +83,7 @@ class ServersPage(QWidget):
         self._port.show_value(entry.port)
         self._encrypted.setChecked(entry.is_encrypted)
         self._allow_certificates()
-        self._remove.setEnabled(bool(self._servers.currentData()))
+        self.remove.setEnabled(bool(self.current))
 
     def _entry(self) -> ServerEntry:
         return ServerEntry(
