@@ -62,9 +62,10 @@ def user(open_window):
 @pytest.fixture
 def slow(user):
     """Start a job that runs until it is let go or stopped; return both signs."""
-    let_go, was_stopped = threading.Event(), threading.Event()
+    let_go, was_stopped, has_begun = (threading.Event() for _sign in range(3))
 
     def work(control):
+        has_begun.set()
         try:
             while not let_go.wait(0.01):
                 control.progress(1, 2)
@@ -75,6 +76,7 @@ def slow(user):
 
     results = []
     user.application.jobs.start("Something slow", work, results.append)
+    user.until(has_begun.is_set)  # what has not begun is never stopped
     yield let_go, was_stopped, results
     let_go.set()
 
