@@ -104,7 +104,7 @@ def _of_zip(data: bytes) -> Iterator[bytes]:
             for part in archive.infolist():
                 yield part.filename.encode() + part.comment + part.extra
                 yield archive.read(part)
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError):
+    except (zipfile.BadZipFile, zlib.error, RuntimeError):
         return
 
 

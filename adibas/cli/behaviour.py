@@ -41,6 +41,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_("what a human observer coded: .csv, .tsv, .xlsx, .boris or .eaf"),
     )
+    _add_measuring(parser)
+    add_patient(parser)
+    add_language(parser)
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        action="append",
+        metavar="report.xlsx|.csv|DIR",
+        help=_(
+            "report, or what was found as a coding; may be given several times. In a folder the "
+            "report is named after the recordings, and none that stands there is replaced"
+        ),
+    )
+    add_json(parser)
+
+
+def _add_measuring(parser: argparse.ArgumentParser) -> None:
+    """Say how activity is measured and counted."""
     parser.add_argument(
         "--section",
         type=named_section,
@@ -62,20 +81,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help=_("seconds in which nobody moved: its steps are the noise"),
     )
-    add_patient(parser)
-    add_language(parser)
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        action="append",
-        metavar="report.xlsx|.csv|DIR",
-        help=_(
-            "report, or what was found as a coding; may be given several times. In a folder the "
-            "report is named after the recordings, and none that stands there is replaced"
-        ),
-    )
-    add_json(parser)
 
 
 def named_section(text: str) -> tuple[str, float, float]:

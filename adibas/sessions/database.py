@@ -7,7 +7,7 @@ in those modules, behind `DatabaseKind`.
 import threading
 from abc import abstractmethod
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Protocol
 
@@ -101,12 +101,11 @@ class Database:
         self._is_closed = False
         event.listen(kind.engine, "begin", self._begin)
         self._words = kind.reading_words
-        try:
+        with ExitStack() as on_failure:
+            on_failure.callback(kind.engine.dispose)
             with self.reading() as transaction:
                 kind.check_readable(transaction)
-        except BaseException:
-            kind.engine.dispose()
-            raise
+            on_failure.pop_all()
 
     @contextmanager
     def reading(self) -> Iterator[Transaction]:

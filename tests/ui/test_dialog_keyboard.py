@@ -218,8 +218,10 @@ def test_escape_closes_a_dialog_from_wherever_one_is(user, kind):
     somebody = user()
     before = opened(somebody, kind)
     before.key(Key.Key_Tab)
+    assert visible_dialogs()
     before.key(Key.Key_Escape)
     somebody.until(lambda: not visible_dialogs())
+    assert somebody.window.isVisible(), "the window behind it stays"
 
 
 @pytest.mark.parametrize("kind", OPENERS, ids=lambda kind: kind.__name__)
