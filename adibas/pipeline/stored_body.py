@@ -10,11 +10,6 @@ from adibas.pipeline.body_views import BodyView, person_in
 from adibas.sessions import SessionStore
 
 
-def latest_captures(store: SessionStore, session: Session) -> dict[str, Capture]:
-    """Return the last capture of each view."""
-    return {one.view: one for one in store.captures.of_session(session.session_id)}
-
-
 def stored_view(store: SessionStore, capture: Capture) -> BodyView | None:
     """Return the person in a capture's surface, with the picture; None where no depth was kept.
 
@@ -42,7 +37,7 @@ def stored_back(store: SessionStore, session: Session) -> Back:
     StoreError
         A file of the capture is missing or damaged.
     """
-    capture = latest_captures(store, session).get(POSTERIOR)
+    capture = store.captures.latest(session.session_id).get(POSTERIOR)
     if capture is None:
         raise BodyError(
             "The session has no posterior view, and the back is measured in it. Capture one."
@@ -69,7 +64,7 @@ def stored_body(store: SessionStore, session: Session) -> MeasuredBody:
     StoreError
         A file of a capture is missing or damaged.
     """
-    captures = latest_captures(store, session)
+    captures = store.captures.latest(session.session_id)
     seen = {view: stored_view(store, one) for view, one in captures.items()}
     views = {name: view for name, view in seen.items() if view is not None}
     if not views:

@@ -8,7 +8,8 @@ from openpyxl import Workbook
 from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
 from adibas.reports.body_facts import HEADING, body_facts, general_facts
-from adibas.reports.body_files import measures_of, on_paper
+from adibas.reports.body_files import measures_of
+from adibas.reports.body_numbers import on_paper
 from adibas.reports.body_plots import back_figure
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory

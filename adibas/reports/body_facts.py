@@ -2,7 +2,8 @@
 
 from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.body import MeasuredBody
-from adibas.reports.body_files import measures_of, on_paper
+from adibas.reports.body_files import measures_of
+from adibas.reports.body_numbers import on_paper
 from adibas.reports.facts import Pairs, analysed, intended_use, view_name
 from adibas.texts import decimal_text, message
 from adibas.texts import translate as _

@@ -1,6 +1,5 @@
 """A measured body as files: the surface as PLY, the numbers as JSON."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +9,12 @@ from adibas.alignment.surfels import Surface
 from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
+from adibas.reports.body_numbers import GREY, on_paper
 from adibas.reports.map_files import write_ply
 from adibas.surface.merging import BodySurface
 
-GREY = 190.0
-"""Where no colour was seen."""
 RADIUS_M = 0.003
 PROFILE_STEP_M = 0.01
-UNITS = {
-    "angle": ("deg", 180.0 / math.pi, 3),
-    "length": ("mm", 1000.0, 2),
-    "volume": ("l", 1000.0, 3),
-}
-"""Unit on paper, how many of it are in the core's, and digits."""
 
 
 def write_body_ply(surface: BodySurface, path: Path) -> None:
@@ -44,16 +36,6 @@ def write_body_ply(surface: BodySurface, path: Path) -> None:
         ),
         path,
     )
-
-
-def on_paper(measure: BodyMeasure) -> tuple[float | None, tuple[float, float] | None, str]:
-    """Return value, interval and unit of a measure as reports show them."""
-    unit, factor, digits = UNITS[measure.definition.quantity]
-    value = None if measure.value is None else round(measure.value * factor, digits)
-    interval = measure.interval
-    if interval is not None:
-        interval = (round(interval[0] * factor, digits), round(interval[1] * factor, digits))
-    return value, interval, unit
 
 
 def body_to_json(body: MeasuredBody) -> dict[str, Any]:

@@ -154,6 +154,10 @@ class Captures:
             self._audit.saw(session_id)
         return captures
 
+    def latest(self, session_id: str) -> dict[str, Capture]:
+        """Return the last capture of each view of a session, by the view."""
+        return {one.view: one for one in self.of_session(session_id)}
+
     def corrected(self) -> tuple[CorrectedCapture, ...]:
         """Return which captures had a marker corrected, oldest first; none of them is looked at."""
         with self._database.reading() as transaction:

@@ -18,12 +18,12 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.data.patients import Identity
+from adibas.pipeline import stored_body
 from adibas.pipeline.stored_body import stored_back
-from adibas.reports.body_files import on_paper
+from adibas.reports.body_numbers import on_paper
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.texts import decimal_text
 from tests.unit.standing_bodies import add_body_session
-from ui.comparison import back_presenter
 from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
 from ui.comparison.screen import build_comparison_screen
@@ -73,7 +73,7 @@ def test_backs_are_measured_once_and_only_when_somebody_looks(screen, store, pat
         measured.append(session.session_id)
         return stored_back(store, session)
 
-    monkeypatch.setattr(back_presenter, "stored_back", counted)
+    monkeypatch.setattr(stored_body, "stored_back", counted)
     sessions = [add_body_session(store, patient).session_id for _visit in range(2)]
     screen.entered()
     assert measured == []

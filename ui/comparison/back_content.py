@@ -1,13 +1,15 @@
 """What the page of the back shows; without Qt."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.body_measures import BodyMeasure
-from adibas.pipeline.back import Back
-from adibas.surface.asymmetry import asymmetry_m
+
+if TYPE_CHECKING:
+    from adibas.pipeline.back import Back
 
 STEP_M = 0.004
 
@@ -53,8 +55,10 @@ class Backs:
     sentences: tuple[str, ...] = ()
 
 
-def seen_back(back: Back) -> SeenBack:
+def seen_back(back: "Back") -> SeenBack:
     """Return what is drawn of a back."""
+    from adibas.surface.asymmetry import asymmetry_m
+
     grid, profile, shape = back.grid, back.profile, back.shape
     half_m = grid.cell_m / 2.0
     height_m = profile.heights_m(STEP_M)

@@ -3,7 +3,6 @@
 from typing import Protocol
 
 from adibas.data.sessions import Session
-from adibas.pipeline.stored_body import stored_back, stored_body
 from adibas.sessions import SessionStore
 from adibas.texts import message
 from ui.comparison.back_content import Backs, SeenBack, seen_back
@@ -46,11 +45,15 @@ def read_bodies(store: SessionStore, sessions: Sessions) -> Bodies:
 
 
 def _back_of(store: SessionStore, session: Session) -> tuple[SeenBack, tuple[str, ...]]:
+    from adibas.pipeline.stored_body import stored_back
+
     back = stored_back(store, session)
     return seen_back(back), tuple(notice.text for notice in back.notices)
 
 
 def _body_of(store: SessionStore, session: Session) -> tuple[SeenBody, tuple[str, ...]]:
+    from adibas.pipeline.stored_body import stored_body
+
     body = stored_body(store, session)
     return seen_body(body), ()
 

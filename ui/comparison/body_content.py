@@ -1,13 +1,16 @@
 """What the page of the whole body shows; without Qt."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from adibas.data.body_measures import BodyMeasure
-from adibas.pipeline.body import MeasuredBody
-from adibas.reports.body_files import GREY
+from adibas.reports.body_numbers import GREY
 from ui.widgets.space import Space
+
+if TYPE_CHECKING:
+    from adibas.pipeline.body import MeasuredBody
 
 AHEAD = np.array([1.0, -1.0, -1.0])
 """From patient axes (right, up, back) to those of who stands behind: right, down, away."""
@@ -47,7 +50,7 @@ class Bodies:
     sentences: tuple[str, ...] = ()
 
 
-def seen_body(body: MeasuredBody) -> SeenBody:
+def seen_body(body: "MeasuredBody") -> SeenBody:
     """Return what is shown of a body."""
     surface, joined = body.whole.surface, body.whole.joined
     space = Space(

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from adibas.data.body_measures import BodyMeasure, Definition
-from adibas.reports.body_files import on_paper
+from adibas.reports.body_numbers import on_paper
 from adibas.texts import translate as _
 from ui.comparison.rows import Row, interval_text, number
 

@@ -5,7 +5,6 @@ from typing import Protocol
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
 from adibas.pipeline.picture_overlay import PlacedMarkers, lay_over
-from adibas.pipeline.stored_body import latest_captures
 from adibas.sessions import SessionStore
 from adibas.texts import translate as _
 from ui.comparison.content import Pair, Seen
@@ -87,7 +86,7 @@ def read_pair(
 
 
 def _by_view(store: SessionStore, session: Session | None) -> dict[str, Capture]:
-    return {} if session is None else latest_captures(store, session)
+    return {} if session is None else store.captures.latest(session.session_id)
 
 
 def _seen(store: SessionStore, session: Session, capture: Capture) -> Seen:

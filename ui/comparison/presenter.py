@@ -11,7 +11,6 @@ from adibas.files import written_whole
 from adibas.measures.protocol_store import find_protocol, protocol_titles
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import last_two_alike
-from adibas.reports.body import write_stored_body
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.comparison.back_presenter import BackView, back_presenter, body_presenter
@@ -139,6 +138,8 @@ class ComparisonPresenter:
             return
 
         def work(_control: JobControl) -> None:
+            from adibas.reports.body import write_stored_body
+
             write_stored_body(store, later, path, language)
 
         def done(_nothing: None) -> None:
