@@ -20,17 +20,15 @@ from adibas.arrays import BoolArray, Float32Array, UInt8Array
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.pinhole import Intrinsics
-from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
+from adibas.geometry.rigid import IDENTITY, RigidTransform
+from benchmarks.mapping_far import SEEDS as FAR_SEEDS
+from benchmarks.mapping_far import far_rows, motion_error
 from benchmarks.mapping_rooms import room_pair
 from benchmarks.table import Row
 
 REAL_DATA = "ADIBAS_REAL_DATA"
 NEAR_SEEDS = range(1000, 1040)
-FAR_SEEDS = range(2000, 3000)
 NEAR_TURN_RAD, NEAR_SHIFT_M = np.radians(1.5), 0.03
-MOST_TURN_RAD, MOST_SHIFT_M = np.radians(40.0), 0.5
-WRONG_M, WRONG_RAD = 0.02, np.radians(1.0)
-"""An alignment that is farther off than that is wrong."""
 MIDDLE_M = np.array([0.0, 0.0, 2.0])
 
 
@@ -49,7 +47,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
         yield from _turntable(Path(folder) / "person_turntable", quick=quick)
         yield from _open3d(Path(folder) / "open3d_rgbd")
     yield from _near(NEAR_SEEDS[:6] if quick else NEAR_SEEDS)
-    yield from _far(FAR_SEEDS[:10] if quick else FAR_SEEDS)
+    yield from far_rows(FAR_SEEDS[:10] if quick else FAR_SEEDS, keeps=not quick)
 
 
 def _turntable(folder: Path, *, quick: bool) -> Iterator[Row]:
@@ -154,7 +152,7 @@ def _near(seeds: range) -> Iterator[Row]:
         if not isinstance(fit, JointFit):
             n_refused += 1
             continue
-        shift_m, turn_rad = _error(fit.target_from_source, pair.target_from_source)
+        shift_m, turn_rad = motion_error(fit.target_from_source, pair.target_from_source)
         shifts.append(1e3 * shift_m)
         turns.append(np.degrees(turn_rad))
         sd_m = np.sqrt(np.trace(np.linalg.inv(fit.information)[3:, 3:]))
@@ -167,28 +165,6 @@ def _near(seeds: range) -> Iterator[Row]:
         "same: error of the shift over its stated deviation, median", float(np.median(ratios)), ""
     )
     yield Row("same: refused", float(n_refused), "pairs")
-
-
-def _far(seeds: range) -> Iterator[Row]:
-    n_aligned, n_wrong, n = 0, 0, 0
-    for seed in seeds:
-        rng = np.random.default_rng([seed, 9])
-        apart = rng.uniform(0.0, 1.0, 2)
-        pair = room_pair(seed, float(apart[0] * MOST_TURN_RAD), float(apart[1] * MOST_SHIFT_M))
-        if pair is None:
-            continue
-        n += 1
-        fit = align_anywhere(pair.target, pair.source)
-        if isinstance(fit, JointFit):
-            shift_m, turn_rad = _error(fit.target_from_source, pair.target_from_source)
-            is_wrong = shift_m > WRONG_M or turn_rad > WRONG_RAD
-            n_wrong += is_wrong
-            n_aligned += not is_wrong
-    told = f"noisy rooms up to 40 deg and 0.5 m apart without a guess, {n} pairs"
-    yield Row(f"{told}: aligned", 100.0 * n_aligned / n, "%", 80.0, "goal >=")
-    yield Row(
-        "same: wrong by more than 2 cm or 1 deg, and not told", float(n_wrong), "pairs", 0.0, "goal"
-    )
 
 
 def _moment(
@@ -212,12 +188,6 @@ def _reprojection_mm(
     inside = (columns >= 0) & (columns < camera.width) & (rows_v >= 0) & (rows_v < camera.height)
     off_m = np.abs(target.depth_m[rows_v[inside], columns[inside]] - points[inside, 2])
     return 1e3 * float(np.nanmedian(off_m))
-
-
-def _error(motion: RigidTransform, truth: RigidTransform) -> tuple[float, float]:
-    apart = motion @ truth.inverse()
-    turn_rad = float(np.linalg.norm(rotation_vector(apart.rotation)))
-    return float(np.linalg.norm(apart.translation_m)), turn_rad
 
 
 def _apart_mm(pose: RigidTransform, truth: RigidTransform) -> float:

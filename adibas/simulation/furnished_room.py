@@ -12,12 +12,17 @@ from adibas.arrays import Float32Array, FloatArray, IntArray
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.distortion import pixel_rays
 from adibas.geometry.rigid import RigidTransform
+from adibas.simulation.furnished_room_kernels import cast_rays
 
 HALF_WIDTH_M, HEIGHT_M = 2.4, 2.6
 N_BOXES, N_SPHERES = 14, 8
 PATTERN_M = (0.42, 0.13, 0.04)
 """Sides of the patches of a surface's pattern, at three sizes."""
 PATTERN_SHARE = (0.22, 0.16, 0.1)
+ROOM = np.array(
+    [[0.0, -HEIGHT_M / 2, 0.0, HALF_WIDTH_M, HEIGHT_M / 2, HALF_WIDTH_M, 1.0, 0.0]], np.float64
+)
+"""As `cast_rays` takes boxes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,14 +63,12 @@ class FurnishedRoom:
         halves = rng.uniform(0.1, 0.4, (n_boxes, 3)) * [1.0, 2.0, 1.0]
         middles[:, 1] = -halves[:, 1] - rng.choice([0.0, 0.5], n_boxes)
         angles = rng.uniform(0, np.pi, n_boxes)
-        self._boxes = [
-            (middle, half, _turn(angle))
-            for middle, half, angle in zip(middles, halves, angles, strict=True)
-        ]
+        turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        self._boxes = np.concatenate([ROOM, np.hstack([middles, halves, turns])])
         n_spheres = 0 if is_plain else N_SPHERES
         centres = rng.uniform(-1, 1, (n_spheres, 3)) * (HALF_WIDTH_M - 0.4)
         centres[:, 1] = -rng.uniform(0.3, 1.8, n_spheres)
-        self._spheres = list(zip(centres, rng.uniform(0.12, 0.35, n_spheres), strict=True))
+        self._spheres = np.hstack([centres, rng.uniform(0.12, 0.35, (n_spheres, 1))])
         self._colors = rng.uniform(0.25, 0.8, (1 + n_boxes + n_spheres, 3))
         self._salt = int(rng.integers(2**31))
 
@@ -78,7 +81,7 @@ class FurnishedRoom:
         )
         ways = (rays @ world_from_camera.rotation.T).reshape(-1, 3)
         origin = world_from_camera.translation_m
-        depths, owner = self._cast(origin, ways)
+        depths, owner = cast_rays(origin, ways, self._boxes, self._spheres)
         points = origin + ways * depths[:, None]
         rgb = self._painted(points, owner).reshape(*rays.shape)
         inverse = (1.0 / depths).reshape(rays.shape[:2])
@@ -87,33 +90,14 @@ class FurnishedRoom:
 
     def is_free(self, place_m: FloatArray, margin_m: float = 0.35) -> bool:
         """Return whether a camera at a place is away from all furniture."""
-        for middle, half, turn in self._boxes:
-            if (np.abs(turn @ (place_m - middle)) < half + margin_m).all():
+        for box in self._boxes[1:]:
+            off_m = _turn(box[6], box[7]) @ (place_m - box[:3])
+            if (np.abs(off_m) < box[3:6] + margin_m).all():
                 return False
-        return all(
-            np.linalg.norm(place_m - centre) > radius + margin_m for centre, radius in self._spheres
-        )
+        apart_m = np.linalg.norm(place_m - self._spheres[:, :3], axis=1)
+        return bool((apart_m > self._spheres[:, 3] + margin_m).all())
 
-    def _cast(self, origin: FloatArray, ways: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the nearest depth (ways have z = 1 in the camera) and whose surface it is."""
-        half = np.array([HALF_WIDTH_M, HEIGHT_M / 2, HALF_WIDTH_M])
-        middle = np.array([0.0, -HEIGHT_M / 2, 0.0])
-        depths = _box(origin - middle, ways, half)[1]
-        owner = np.zeros(len(ways), int)
-        number = 1
-        for box_middle, box_half, turn in self._boxes:
-            near, far = _box(turn @ (origin - box_middle), ways @ turn.T, box_half)
-            hit = (near < far) & (near > 0) & (near < depths)
-            depths, owner = np.where(hit, near, depths), np.where(hit, number, owner)
-            number += 1
-        for centre, radius in self._spheres:
-            near = _sphere(origin - centre, ways, radius)
-            hit = (near > 0) & (near < depths)  # false for NaN
-            depths, owner = np.where(hit, near, depths), np.where(hit, number, owner)
-            number += 1
-        return depths, owner
-
-    def _painted(self, points: FloatArray, owner: FloatArray) -> FloatArray:
+    def _painted(self, points: FloatArray, owner: IntArray) -> FloatArray:
         color: FloatArray = self._colors[owner]
         if self._is_plain:
             return color
@@ -124,25 +108,9 @@ class FurnishedRoom:
         return shown
 
 
-def _turn(angle_rad: float) -> FloatArray:
+def _turn(c: float, s: float) -> FloatArray:
     """Return the turn about the vertical from the world into a box's axes."""
-    c, s = np.cos(angle_rad), np.sin(angle_rad)
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
-
-
-def _box(origin: FloatArray, ways: FloatArray, half: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return where rays enter and leave a box about 0 (slab method; outside: enter > leave)."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        one, other = (-half - origin) / ways, (half - origin) / ways
-    return np.minimum(one, other).max(axis=1), np.maximum(one, other).min(axis=1)
-
-
-def _sphere(origin: FloatArray, ways: FloatArray, radius: float) -> FloatArray:
-    a = (ways**2).sum(axis=1)
-    b = ways @ origin
-    under = b**2 - a * (origin @ origin - radius**2)
-    with np.errstate(invalid="ignore"):
-        return np.asarray((-b - np.sqrt(under)) / a)
 
 
 def _hashed(cells: IntArray, salt: int) -> FloatArray:
