@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from adibas.arrays import FloatArray
+from adibas.arrays import FloatArray, Int32Array
 from adibas.simulation.body_shape import BodyShape, Sex
 from adibas.simulation.figures import Figure
 from adibas.simulation.poses import ArmAngles, LegAngles, Pose
@@ -24,6 +24,8 @@ STEPS_HZ = 0.9
 """Whole strides a second, of two steps."""
 
 Box = tuple[FloatArray, FloatArray]
+Solid = tuple[FloatArray, Int32Array]
+"""(V, 3) vertices in world axes and (T, 3) triangles."""
 
 
 class Actor(Protocol):
@@ -131,6 +133,10 @@ def _placed(pose: Pose, x_m: float, z_m: float, heading_rad: float) -> Pose:
     return replace(pose, offset_m=offset[[0, 2]].copy(), heading_rad=heading_rad)
 
 
+def _no_solids(_rng: np.random.Generator) -> tuple[Solid, ...]:
+    return ()
+
+
 @dataclass(frozen=True, slots=True)
 class CrowdPlan:
     """One scene.
@@ -139,6 +145,8 @@ class CrowdPlan:
     ----------
     cast, furniture : functions
         Draw who is there, and boxes (lowest and highest corner, world axes, metres).
+    things : function
+        Draws what else stands about, of any shape.
     n_frames : int
     distance_m, camera_height_m, tilt_rad : float
         Of the sensor from the origin, over the floor, and its look downwards.
@@ -150,6 +158,7 @@ class CrowdPlan:
     distance_m: float = 2.3
     camera_height_m: float = 1.3
     tilt_rad: float = math.radians(12.0)
+    things: Callable[[np.random.Generator], tuple[Solid, ...]] = _no_solids
 
 
 def _child(rng: np.random.Generator) -> BodyShape:

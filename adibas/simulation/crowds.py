@@ -10,16 +10,23 @@ from functools import lru_cache
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, UInt8Array, read_only
+from adibas.arrays import (
+    BoolArray,
+    Float32Array,
+    FloatArray,
+    Int32Array,
+    UInt8Array,
+    read_only,
+)
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.simulation.body import PosedBody
 from adibas.simulation.body_shape import BodyShape
-from adibas.simulation.crowd_plans import PLANS, Actor, CrowdPlan
+from adibas.simulation.crowd_plans import PLANS, Actor, CrowdPlan, Solid
+from adibas.simulation.crowd_sensors import CrowdSensor
 from adibas.simulation.depth_noise import DepthNoise, DepthSensor
-from adibas.simulation.device import draw_device
 from adibas.simulation.frame_times import FRAME_RATE_HZ, frame_time_ns
 from adibas.simulation.label_kernels import label_person
 from adibas.simulation.looks import draw_look
@@ -93,15 +100,16 @@ class CrowdScene:
     n_frames : int
     """
 
-    def __init__(self, plan: CrowdPlan, seed: int) -> None:
+    def __init__(self, plan: CrowdPlan, seed: int, sensor: CrowdSensor | None = None) -> None:
         rng = np.random.default_rng([seed, 0xC0])
         self._plan = plan
         self._seed = seed
         self._people = plan.cast(rng)
         self._patients = tuple(_dressed(person.shape, seed + k) for k, person in self._numbered())
-        self._furniture = plan.furniture(rng)
+        self._solids = (*(_box(*box) for box in plan.furniture(rng)), *plan.things(rng))
+        self._given = CrowdSensor() if sensor is None else sensor
         self.n_frames = plan.n_frames
-        device = draw_device(seed)
+        device = self._given.device(seed)
         rotation = about(np.array([1.0, 0.0, 0.0]), plan.tilt_rad)
         eye_m = np.array([0.0, -plan.camera_height_m, -plan.distance_m])
         self.depth_from_world = RigidTransform(rotation, -rotation @ eye_m)
@@ -150,13 +158,14 @@ class CrowdScene:
             for person, patient in zip(self._people, self._patients, strict=True)
         ]
         picture = _Picture(self._backdrop.inverse_depth, self._backdrop.infrared)
-        for low_m, high_m in self._furniture:
-            self._add_furniture(picture, low_m, high_m)
+        for solid in self._solids:
+            self._add_solid(picture, solid)
         alone = [
             self._add_person(picture, number, patient, one)
             for number, (patient, one) in enumerate(zip(self._patients, posed, strict=True), 1)
         ]
         depth_raw = self._sensor.measure(picture.inverse_depth, picture.reflectance, index)
+        self._given.punch(depth_raw, self._seed, index)
         people = tuple(
             self._truth(number, one, mine, picture.owners == number)
             for number, (one, mine) in enumerate(zip(posed, alone, strict=True), 1)
@@ -164,11 +173,10 @@ class CrowdScene:
         frame = SensorFrame(sequence=index, timestamp_ns=timestamp_ns, depth_raw=depth_raw)
         return CrowdFrame(frame, people, picture.owners, picture.labels)
 
-    def _add_furniture(self, picture: "_Picture", low_m: FloatArray, high_m: FloatArray) -> None:
-        vertices_m, triangles = _box(low_m, high_m)
-        vertices_m = np.ascontiguousarray(self.depth_from_world.apply(vertices_m))
+    def _add_solid(self, picture: "_Picture", solid: Solid) -> None:
+        vertices_m = np.ascontiguousarray(self.depth_from_world.apply(solid[0]))
         size = picture.inverse_depth.shape
-        near, _ = draw(vertices_m, triangles, self._lens, size, hides_back_faces=True)
+        near, _ = draw(vertices_m, solid[1], self._lens, size, hides_back_faces=False)
         wins = near > picture.inverse_depth
         picture.inverse_depth[wins] = near[wins]
         picture.reflectance[wins] = FURNITURE_ECHO

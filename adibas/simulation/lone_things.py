@@ -84,7 +84,7 @@ class ThingFrames:
         """Return image `index`, of each kind in turn."""
         rng = np.random.default_rng([self._seed, 0x44, index])
         kind = KINDS[index % len(KINDS)]
-        vertices, triangles = _turned(_PLANS[kind](rng), rng.uniform(-math.pi, math.pi))
+        vertices, triangles = draw_thing(rng, kind)
         from_world = _camera_before(rng, vertices)
         seen_from = np.ascontiguousarray(from_world.apply(vertices))
         depth = self._device.depth
@@ -99,6 +99,11 @@ class ThingFrames:
         if self._has_damage:
             shown = damaged_mask(rng, shown, depth_mm, CLUTTER)
         return ThingFrame(np.ascontiguousarray(depth_mm), np.asarray(shown > 0), kind)
+
+
+def draw_thing(rng: np.random.Generator, kind: str) -> Solid:
+    """Return a thing of one of `KINDS` on the floor at the origin, turned any way."""
+    return _turned(_PLANS[kind](rng), rng.uniform(-math.pi, math.pi))
 
 
 def _camera_before(rng: np.random.Generator, vertices: FloatArray) -> RigidTransform:
