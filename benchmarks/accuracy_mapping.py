@@ -69,7 +69,7 @@ def _turntable(folder: Path, *, quick: bool) -> Iterator[Row]:
     yield Row(f"{told}: neighbours re-projected, median", np.median(ours), "mm", 2.0, "goal <=")
     yield Row("same, by the given poses", float(np.median(given)), "mm")
     yield Row("same, refused", float(n_refused), "pairs")
-    tracker = Tracker()
+    tracker = Tracker(lambda number: frames[number].moment)
     for frame in frames:
         tracker.add(frame.moment)
     track = tracker.track()

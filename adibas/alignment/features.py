@@ -11,7 +11,15 @@ import cv2
 import numpy as np
 
 from adibas.alignment.sights import Sight
-from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray, check_shape, read_only
+from adibas.arrays import (
+    BoolArray,
+    Float32Array,
+    FloatArray,
+    IntArray,
+    UInt8Array,
+    check_shape,
+    read_only,
+)
 from adibas.geometry.rigid import RigidTransform
 
 
@@ -105,7 +113,7 @@ def find_features(sight: Sight, params: FeatureParams | None = None) -> Features
     """Find what can be found again from far away, where there is depth."""
     params = params or FeatureParams()
     finder = cv2.SIFT_create(nfeatures=params.n_features)  # type: ignore[attr-defined]
-    points, descriptors = finder.detectAndCompute(sight.gray, None)
+    points, descriptors = finder.detectAndCompute(sight.gray, _with_depth(sight))
     pixels = np.array([point.pt for point in points], float).reshape(-1, 2)
     points_m = sight.points_m(pixels)
     is_known = ~np.isnan(points_m[:, 0])
@@ -167,9 +175,18 @@ def follow_corners(
 def _corners(sight: Sight, params: FeatureParams) -> FloatArray:
     """Return the (N, 2) pixels of what can be followed; OpenCV gives None where there is none."""
     corners: Any = cv2.goodFeaturesToTrack(
-        sight.gray, params.n_corners, params.corner_quality, params.corner_distance_px
+        sight.gray,
+        params.n_corners,
+        params.corner_quality,
+        params.corner_distance_px,
+        mask=_with_depth(sight),
     )
     return np.empty((0, 2)) if corners is None else corners.reshape(-1, 2).astype(float)
+
+
+def _with_depth(sight: Sight) -> UInt8Array:
+    """Return where a picture shows a surface that the depth camera measured."""
+    return (sight.source >= 0).astype(np.uint8)
 
 
 def _follow(

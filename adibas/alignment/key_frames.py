@@ -4,102 +4,82 @@ Source: thesis, section 5.2.1: key-frames by visual overlap, loop candidates nea
 estimate, a geometric check of each.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections import OrderedDict
+from collections.abc import Callable
 
-import numpy as np
-
+from adibas.alignment.camera_track import Following, KeyFrameParams, Track, size_of
 from adibas.alignment.joint_fit import JointFit
-from adibas.alignment.pairing import Moment, PairingParams, Unaligned, align, align_anywhere
-from adibas.alignment.pose_graph import Edge, Graph, GraphParams, optimise
-from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
-
-
-@dataclass(frozen=True, slots=True)
-class KeyFrameParams:
-    """When a moment becomes a key-frame, and which ones may close a loop with it.
-
-    Attributes
-    ----------
-    least_overlap : float
-        With the current key-frame: 0.75.
-    largest_shift_m, largest_turn_rad : float
-        From it: 0.25 and 0.26 (15 degrees).
-    loop_gap : int
-        Key-frames in between that make a loop: 4.
-    loop_shift_m, loop_turn_rad : float
-        Estimated distance within which a loop is tried: 1.0 and 0.8.
-    n_loops : int
-        Tried for each key-frame, the nearest first: 3.
-    n_recovered : int
-        Key-frames that are tried where the camera was lost, the latest first: 6.
-    least_weight : float
-        A loop that counts less than this after all, beside the others, is wrong: 0.2.
-    """
-
-    least_overlap: float = 0.75
-    largest_shift_m: float = 0.25
-    largest_turn_rad: float = 0.26
-    loop_gap: int = 4
-    loop_shift_m: float = 1.0
-    loop_turn_rad: float = 0.8
-    n_loops: int = 3
-    n_recovered: int = 6
-    least_weight: float = 0.2
-    pairing: PairingParams = field(default_factory=PairingParams)
-    graph: GraphParams = field(default_factory=GraphParams)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Track:
-    """Where the camera was.
-
-    Attributes
-    ----------
-    world_from : tuple of (RigidTransform or None)
-        Of each moment added; the first one's depth camera is the world. None where it was lost.
-    problems : dict of int to Unaligned
-        Why, by the number of the moment.
-    n_key_frames, n_loops, n_wrong_loops : int
-    """
-
-    world_from: tuple[RigidTransform | None, ...]
-    problems: dict[int, Unaligned]
-    n_key_frames: int
-    n_loops: int
-    n_wrong_loops: int
+from adibas.alignment.pairing import Moment, Unaligned, align, align_anywhere
+from adibas.alignment.pose_graph import Edge, Graph, optimise
+from adibas.geometry.rigid import IDENTITY, RigidTransform
 
 
 class Tracker:
-    """Follows a camera from moment to moment."""
+    """Follows a camera from moment to moment.
 
-    def __init__(self, params: KeyFrameParams | None = None) -> None:
+    Parameters
+    ----------
+    recall : callable
+        Gives a moment that was added again, by its number from 0 on.
+    before : Following or None
+        Where an earlier tracker stood; the next moment is the one after its last.
+    """
+
+    def __init__(
+        self,
+        recall: Callable[[int], Moment],
+        params: KeyFrameParams | None = None,
+        before: Following | None = None,
+    ) -> None:
         self._params = params or KeyFrameParams()
-        self._keys: list[Moment] = []
-        self._world_from_key: list[RigidTransform] = []
-        self._edges: list[Edge] = []
-        self._places: list[tuple[int, RigidTransform] | None] = []
-        self._problems: dict[int, Unaligned] = {}
-        self._last: RigidTransform | None = None
-        self._step = IDENTITY
+        self._recall = recall
+        before = before or Following()
+        self._keys = list(before.keys)
+        self._kept: OrderedDict[int, Moment] = OrderedDict()
+        self._world_from_key = list(before.world_from_key)
+        self._edges = list(before.edges)
+        self._places = list(before.places)
+        self._problems = dict(before.problems)
+        self._last, self._step = before.last, before.step
+        self._n_moving = before.n_moving
+
+    @property
+    def following(self) -> Following:
+        """All that is known now."""
+        return Following(
+            tuple(self._keys),
+            tuple(self._world_from_key),
+            tuple(self._edges),
+            tuple(self._places),
+            dict(self._problems),
+            self._last,
+            self._step,
+            self._n_moving,
+        )
+
+    @property
+    def keys(self) -> tuple[int, ...]:
+        """Numbers of the moments that are key-frames."""
+        return tuple(self._keys)
+
+    @property
+    def world_from_key(self) -> tuple[RigidTransform, ...]:
+        """Where the key-frames are, as far as is known now."""
+        return tuple(self._world_from_key)
 
     def add(self, moment: Moment) -> Unaligned | None:
-        """Take the next moment; return why it could not be placed, None if it was."""
+        """Take the next moment; return why it does not fit what was placed, None if it does."""
         if not self._keys:
-            self._keys.append(moment)
-            self._world_from_key.append(IDENTITY)
-            self._places.append((0, IDENTITY))
-            self._last = IDENTITY
+            self._begin(moment)
             return None
         found = self._place(moment)
         if isinstance(found, Unaligned):
-            self._problems[len(self._places)] = found
-            self._places.append(None)
-            self._last, self._step = None, IDENTITY
+            self._lose(moment, found)
             return found
         number, fit = found
         motion = fit.target_from_source
         self._places.append((number, motion))
+        self._n_moving += fit.before > self._params.most_still_before
         world_from_moment = self._world_from_key[number] @ motion
         if self._last is not None:
             self._step = self._last.inverse() @ world_from_moment
@@ -118,8 +98,48 @@ class Tracker:
         loops = [w for w, edge in zip(graph.weights, self._edges, strict=True) if edge.is_doubtful]
         n_wrong = int(sum(weight < self._params.least_weight for weight in loops))
         return Track(
-            tuple(places), dict(self._problems), len(self._keys), len(loops) - n_wrong, n_wrong
+            tuple(places),
+            dict(self._problems),
+            len(self._keys),
+            len(loops) - n_wrong,
+            n_wrong,
+            self._n_moving,
         )
+
+    def _begin(self, moment: Moment) -> None:
+        """Take a moment for the world."""
+        self._keys = [len(self._places)]
+        self._kept.clear()
+        self._keep(0, moment)
+        self._world_from_key = [IDENTITY]
+        self._places.append((0, IDENTITY))
+        self._last, self._step = IDENTITY, IDENTITY
+
+    def _lose(self, moment: Moment, why: Unaligned) -> None:
+        """Note that a moment was not placed; where nothing was yet, begin anew from it."""
+        if sum(place is not None for place in self._places) > 1:
+            self._problems[len(self._places)] = why
+            self._places.append(None)
+            self._last, self._step = None, IDENTITY
+            return
+        self._problems[self._keys[0]] = why
+        self._places[self._keys[0]] = None
+        self._begin(moment)
+
+    def _keep(self, key: int, moment: Moment) -> None:
+        """Keep a key-frame at hand, and let go of the one that was longest not used."""
+        self._kept[key] = moment
+        self._kept.move_to_end(key)
+        if len(self._kept) > self._params.n_kept:
+            self._kept.popitem(last=False)
+
+    def _key(self, key: int) -> Moment:
+        """Return a key-frame by its number among them."""
+        moment = self._kept.get(key)
+        if moment is None:
+            moment = self._recall(self._keys[key])
+        self._keep(key, moment)
+        return moment
 
     def _place(self, moment: Moment) -> tuple[int, JointFit] | Unaligned:
         """Align with the latest key-frame, else with others."""
@@ -128,12 +148,12 @@ class Tracker:
         problem = Unaligned.TOO_LITTLE_OVERLAP
         if self._last is not None:
             guess = self._world_from_key[latest].inverse() @ self._last @ self._step
-            fit = align(self._keys[latest], moment, guess, pairing)
+            fit = align(self._key(latest), moment, guess, pairing)
             if isinstance(fit, JointFit):
                 return latest, fit
             problem = fit
         for number in range(latest, max(latest - self._params.n_recovered, -1), -1):
-            fit = align_anywhere(self._keys[number], moment, pairing)
+            fit = align_anywhere(self._key(number), moment, pairing)
             if isinstance(fit, JointFit):
                 return number, fit
         return problem
@@ -149,15 +169,22 @@ class Tracker:
 
     def _add_key(self, moment: Moment, number: int, fit: JointFit) -> None:
         own = len(self._keys)
-        self._keys.append(moment)
+        self._keys.append(len(self._places) - 1)
+        self._keep(own, moment)
         self._world_from_key.append(self._world_from_key[number] @ fit.target_from_source)
         self._edges.append(Edge(number, own, fit.target_from_source, fit.information))
         self._places[-1] = (own, IDENTITY)
         loops = self._loops(own, number)
-        if loops:
-            self._edges += loops
+        self._edges += loops
+        if any(self._shows_drift(loop) for loop in loops):
             self._world_from_key = list(self._graph().world_from)
             self._last = self._world_from_key[own]
+
+    def _shows_drift(self, loop: Edge) -> bool:
+        """Say whether a loop disagrees with the poses as they are."""
+        motion = self._world_from_key[loop.target].inverse() @ self._world_from_key[loop.source]
+        shift_m, turn_rad = size_of(motion @ loop.target_from_source.inverse())
+        return shift_m > self._params.drift_m or turn_rad > self._params.drift_rad
 
     def _loops(self, own: int, before: int) -> list[Edge]:
         """Return motions from earlier key-frames that see the same."""
@@ -172,9 +199,9 @@ class Tracker:
         for _, number, guess in sorted(distances, key=lambda one: one[:2])[: params.n_loops]:
             if number == before:
                 continue
-            fit = align(self._keys[number], self._keys[own], guess, params.pairing)
+            fit = align(self._key(number), self._key(own), guess, params.pairing)
             if not isinstance(fit, JointFit):
-                fit = align_anywhere(self._keys[number], self._keys[own], params.pairing)
+                fit = align_anywhere(self._key(number), self._key(own), params.pairing)
             if isinstance(fit, JointFit):
                 edges.append(
                     Edge(number, own, fit.target_from_source, fit.information, is_doubtful=True)
@@ -183,17 +210,3 @@ class Tracker:
 
     def _graph(self) -> Graph:
         return optimise(self._world_from_key, self._edges, self._params.graph)
-
-
-def size_of(motion: RigidTransform) -> tuple[float, float]:
-    """Return how far a motion goes, metres, and by how much it turns, radians."""
-    return (
-        float(np.linalg.norm(motion.translation_m)),
-        float(np.linalg.norm(rotation_vector(motion.rotation))),
-    )
-
-
-def path_length_m(world_from: Sequence[RigidTransform | None]) -> float:
-    """Return how far the camera went, over those moments where it is known."""
-    places = np.array([one.translation_m for one in world_from if one is not None])
-    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum()) if len(places) else 0.0

@@ -94,6 +94,22 @@ class Surface:
             read_only(array)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Distances:
+    """Between a frame and a surface.
+
+    Attributes
+    ----------
+    points_m : (N, 3) array
+        Of the surface, in the world's axes.
+    behind_m : (N,) array
+        How far behind them the frame sees its own, along its normal.
+    """
+
+    points_m: FloatArray
+    behind_m: FloatArray
+
+
 class SurfelMap:
     """Grows frame by frame."""
 
@@ -134,6 +150,27 @@ class SurfelMap:
         self._n = add_shot(self._surfels, self._n, shot, seen, limits)
         self._was_full |= self._n >= params.capacity
         self._remove_missed()
+
+    def distances_m(self, view: View, world_from_camera: RigidTransform) -> "Distances":
+        """Return how far what a frame sees lies behind the surface; nothing is fused.
+
+        Parameters
+        ----------
+        view : View
+            The finest level is enough.
+        """
+        pose = np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]])
+        goal = goal_of(view, 0)
+        shot = Shot(goal, view.levels[0].rays, np.zeros((1, 1, 3), np.uint8), pose)
+        known = self._surfels[: self._n].copy()  # what is seen through would be counted
+        seen = find_surfels(known, self._n, shot, self._params.gate_per_m)
+        cells = seen >= 0
+        points_m = known[seen[cells], PLACE : PLACE + 3].astype(float)
+        planes = goal.planes[cells].astype(float)
+        inside = world_from_camera.inverse().apply(points_m)
+        ahead = (planes * inside).sum(axis=1)
+        lengths = np.linalg.norm(planes, axis=1)
+        return Distances(points_m, np.asarray((1.0 - ahead) / lengths))
 
     def surface(self) -> Surface:
         """Return what is sure enough."""

@@ -32,23 +32,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="trajectory.txt",
         help=_("path of the camera to write, in TUM's format"),
     )
+    parser.add_argument(
+        "--body",
+        action="store_true",
+        help=_("map the person alone, who turns before a camera that stands still"),
+    )
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Map and write the files."""
-    from adibas.pipeline.mapping import MapRequest, map_recording
-    from adibas.reports.map_files import map_to_json, write_ply, write_trajectory
+    from adibas.pipeline.mapping import MapRequest, forget_unfinished, map_recording
+    from adibas.reports.map_files import (
+        map_to_json,
+        motion_sentence,
+        write_ply,
+        write_trajectory,
+    )
 
     check_surface(arguments.out)
     if arguments.trajectory is not None:
         check_place(arguments.trajectory)
-    request = MapRequest(arguments.recording, arguments.calibration, arguments.frames)
+    request = MapRequest(
+        arguments.recording,
+        arguments.calibration,
+        arguments.frames,
+        arguments.body,
+        out=arguments.out,
+    )
     with console.progress(_("Mapping")) as progress:
         mapped = map_recording(request, progress)
     write_ply(mapped.surface, arguments.out)
     if arguments.trajectory is not None:
         write_trajectory(mapped, arguments.trajectory)
+    forget_unfinished(request)
     for notice in mapped.notices:
         console.warn(notice.text)
     n_placed = len(mapped.world_from_camera)
@@ -65,5 +82,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             ),
         )
     )
+    if mapped.motion is not None:
+        console.say(motion_sentence(mapped.motion).text)
     console.give(map_to_json(mapped))
     return 0

@@ -5,32 +5,40 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-
-from adibas.alignment.key_frames import KeyFrameParams, Track, Tracker, path_length_m
-from adibas.alignment.pairing import TEXTS, Moment
-from adibas.alignment.sights import see
+from adibas.alignment.camera_track import KeyFrameParams, path_length_m
+from adibas.alignment.pairing import TEXTS
 from adibas.alignment.surfels import Surface, SurfelMap, SurfelParams
-from adibas.alignment.views import ViewParams, prepare_view
-from adibas.arrays import Float32Array, IntArray, UInt8Array
-from adibas.calibration.files import check_fits
-from adibas.data.calibration import RgbdCalibration
-from adibas.data.frames import depth_in_metres
+from adibas.alignment.views import View, ViewParams, prepare_view
+from adibas.arrays import IntArray
+from adibas.data.frames import SensorFrame
 from adibas.data.sentence import Sentence
-from adibas.errors import CalibrationError, RecordingError
+from adibas.errors import RecordingError
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.frame_notices import counted
+from adibas.pipeline.in_order import in_order
+from adibas.pipeline.map_body import BodyMotion, body_motion
+from adibas.pipeline.map_following import N_THREADS, Followed, Follower
+from adibas.pipeline.map_frames import MapFrames, Shown
+from adibas.pipeline.map_preview import MapWatch, picture_of
+from adibas.pipeline.map_state import Keeper, settings_of, unfinished_path
+from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
-from adibas.recordings import open_recording
-from adibas.recordings.decoding import decode_color
 from adibas.recordings.ports import RecordingReader
 from adibas.texts import Message, message
 
-INCOMPLETE = message("The frame lacks depth or colour.")
-BACKWARD = message("The frame is not after the one before.")
 FULL = message("The surface is too large: parts of it were left out. Choose fewer frames.")
+WRONG_LOOPS = message("Loops that did not fit the rest and count nothing: {n}.")
+JUMPS = message("The recording jumps: places where more than a second is missing: {n}.")
+MOVING = message(
+    "Something moved before the camera, which a map takes to stand still. What was seen through "
+    "later was removed."
+)
 FEWEST_PLACED = 2
+FRAMES_A_PICTURE = 25
+"""While the surface grows, it is shown every so many frames."""
+MOTION_FRAMES = 60
+"""At most, evenly chosen, tell how a person was not rigid."""
 FINEST = ViewParams(n_levels=1)
 """Of the resolutions, a surface takes the finest alone."""
 
@@ -45,15 +53,23 @@ class MapRequest:
     calibration : Path or None
         In place of the recording's own.
     frames : (first, one past the last or None)
+    is_body : bool
+        The person alone: a patient who turns before a camera that stands still.
     tracking : KeyFrameParams
     surfels : SurfelParams
+    out : Path or None
+        Where the surface will be written; what is unfinished is kept beside it. None: nothing is.
+    access : RecordingAccess
     """
 
     recording: Path
     calibration: Path | None = None
     frames: tuple[int, int | None] = (0, None)
+    is_body: bool = False
     tracking: KeyFrameParams = field(default_factory=KeyFrameParams)
     surfels: SurfelParams = field(default_factory=SurfelParams)
+    out: Path | None = None
+    access: RecordingAccess = FILES
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,6 +90,8 @@ class MappedRecording:
     n_key_frames, n_loops, n_wrong_loops : int
     notices : tuple of Sentence
         What was left out and why.
+    motion : BodyMotion or None
+        How a person who was mapped alone was not rigid.
     """
 
     timestamps_ns: IntArray
@@ -85,10 +103,16 @@ class MappedRecording:
     n_loops: int
     n_wrong_loops: int
     notices: tuple[Sentence, ...]
+    motion: BodyMotion | None = None
 
 
-def map_recording(request: MapRequest, progress: Progress) -> MappedRecording:
+def map_recording(
+    request: MapRequest, progress: Progress, watch: MapWatch | None = None
+) -> MappedRecording:
     """Find the camera's path, then fuse all frames into one surface.
+
+    With `MapRequest.out`, what was found is kept beside it until `forget_unfinished`; the same
+    request goes on from there after a break, and comes to the same result.
 
     Raises
     ------
@@ -96,108 +120,142 @@ def map_recording(request: MapRequest, progress: Progress) -> MappedRecording:
         It is missing, broken, or has no such frames, or no two of them fit together.
     CalibrationError
         There is none of both cameras, or one for another resolution.
+    BodyError
+        The person is asked for, and no floor is seen.
+    FileError
+        What is unfinished cannot be kept.
     """
-    with open_recording(request.recording) as recording:
+    with request.access.open(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
-        if calibration.color is None or calibration.depth is None:
-            raise CalibrationError(
-                "A map takes the calibration of both cameras. Give one with --calibration FILE."
-            )
-        frames = _Frames(recording, wanted, calibration)
-        tracker = Tracker(request.tracking)
-        for number, (_, depth_m, color_rgb) in enumerate(frames, 1):
-            sight = see(depth_m, color_rgb, calibration)
-            tracker.add(Moment(sight, request.tracking.pairing.features))
-            progress(number, 2 * len(wanted))
-        track = tracker.track()
-        n_placed = sum(pose is not None for pose in track.world_from)
-        if n_placed < FEWEST_PLACED:
+        frames = MapFrames(recording, wanted, calibration, is_body=request.is_body)
+        frames.look_for_floor()
+        keeper = _keeper(request, frames)
+        followed = Follower(frames, request.tracking, keeper, watch).follow(progress)
+        placed = tuple(pose for pose in followed.track.world_from if pose is not None)
+        if len(placed) < FEWEST_PLACED:
+            forget_unfinished(request)
             raise RecordingError(
                 "No two frames could be put together in {file}. {reason}",
                 file=request.recording.name,
-                reason=_first_reason(frames, track),
+                reason=_first_reason(followed),
             )
-        surfels = SurfelMap(request.surfels)
-        times_ns: list[int] = []
-        for number, (time_ns, depth_m, color_rgb) in enumerate(frames, 1):
-            pose = track.world_from[number - 1]
-            if pose is not None:
-                view = prepare_view(depth_m, calibration.depth, FINEST)
-                surfels.add(view, color_rgb, calibration, pose)
-                times_ns.append(time_ns)
-            progress(len(wanted) + number, 2 * len(wanted))
-        notices = _notices(recording, frames, track, len(wanted))
-        if surfels.was_full:
-            notices = (*notices, Sentence(FULL))
-    placed = tuple(pose for pose in track.world_from if pose is not None)
+        fusing = _Fusing(frames, followed, request.surfels)
+        surfels = fusing.fuse(progress, watch)
+        motion = fusing.motion(surfels) if request.is_body else None
+        notices = _notices(recording, followed, frames)
+    if surfels.was_full:
+        notices = (*notices, Sentence(FULL))
     return MappedRecording(
-        np.array(times_ns, np.int64),
+        followed.times_ns[[pose is not None for pose in followed.track.world_from]],
         placed,
         surfels.surface(),
         path_length_m(placed),
-        len(wanted),
-        track.n_key_frames,
-        track.n_loops,
-        track.n_wrong_loops,
+        len(frames),
+        followed.track.n_key_frames,
+        followed.track.n_loops,
+        followed.track.n_wrong_loops,
         notices,
+        motion,
     )
 
 
-class _Frames:
-    """The whole frames of a recording, in order; can be gone through again."""
+def forget_unfinished(request: MapRequest) -> None:
+    """Remove what was kept beside the output, once this is written.
 
-    def __init__(
-        self, recording: RecordingReader, wanted: range, calibration: RgbdCalibration
-    ) -> None:
-        self._recording = recording
-        self._wanted = wanted
-        self._calibration = calibration
-        self.left_out: Counter[Message] = Counter()
+    Raises
+    ------
+    FileError
+        It cannot be removed.
+    """
+    if request.out is not None:
+        Keeper(unfinished_path(request.out), {}).remove()
 
-    def __iter__(self) -> Iterator[tuple[int, Float32Array, UInt8Array]]:
-        """Yield time (nanoseconds), corrected depth (metres) and colour picture."""
-        self.left_out.clear()
-        last_ns = None
-        for index in self._wanted:
-            frame = self._recording.read(index)
-            if frame.depth_raw is None or frame.color is None:
-                self.left_out[INCOMPLETE] += 1
-                continue
-            if last_ns is not None and frame.timestamp_ns <= last_ns:
-                self.left_out[BACKWARD] += 1
-                continue
-            color_rgb = decode_color(frame.color, frame.sequence)
-            depth_m = depth_in_metres(frame.depth_raw, self._recording.info.depth_unit_m)
-            if last_ns is None:
-                check_fits(self._calibration, color_rgb.shape[:2], depth_m.shape)
-            last_ns = frame.timestamp_ns
-            depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
-            yield frame.timestamp_ns, depth_m, color_rgb
+
+def _keeper(request: MapRequest, frames: MapFrames) -> Keeper | None:
+    if request.out is None:
+        return None
+    sha256 = request.access.sha256(request.recording)
+    settings = settings_of(
+        sha256, frames.calibration, request.frames, request.tracking, is_body=request.is_body
+    )
+    return Keeper(unfinished_path(request.out), settings)
+
+
+class _Fusing:
+    """Goes through the frames that were placed, again."""
+
+    def __init__(self, frames: MapFrames, followed: Followed, params: SurfelParams) -> None:
+        self._frames = frames
+        self._params = params
+        self._poses = {
+            int(index): pose
+            for index, pose in zip(followed.indices, followed.track.world_from, strict=True)
+            if pose is not None
+        }
+
+    def fuse(self, progress: Progress, watch: MapWatch | None) -> SurfelMap:
+        """Return all frames as one surface."""
+        surfels = SurfelMap(self._params)
+        total, poses = len(self._frames), list(self._poses.values())
+        with in_order(self._prepare, self._read(list(self._poses)), N_THREADS) as prepared:
+            for number, (shown, view) in enumerate(prepared, 1):
+                surfels.add(
+                    view, shown.color_rgb, self._frames.calibration, self._poses[shown.index]
+                )
+                if watch is not None and number % FRAMES_A_PICTURE == 0:
+                    watch(picture_of(surfels.surface(), poses))
+                progress(total + shown.index + 1 - self._frames.wanted.start, 2 * total)
+        if watch is not None:
+            watch(picture_of(surfels.surface(), poses))
+        return surfels
+
+    def motion(self, surfels: SurfelMap) -> BodyMotion | None:
+        """Return how frames differ from the surface."""
+        if self._frames.floor is None:
+            return None
+        indices = list(self._poses)[:: 1 + len(self._poses) // MOTION_FRAMES]
+        with in_order(self._prepare, self._read(indices), N_THREADS) as prepared:
+            distances = [
+                surfels.distances_m(view, self._poses[shown.index]) for shown, view in prepared
+            ]
+        return body_motion(distances, [self._poses[i] for i in indices], self._frames.floor)
+
+    def _read(self, indices: list[int]) -> Iterator[tuple[int, SensorFrame]]:
+        for index in indices:
+            yield self._frames.read(index)
+
+    def _prepare(self, numbered: tuple[int, SensorFrame]) -> tuple[Shown, View]:
+        shown, _ = self._frames.show(numbered)
+        return shown, prepare_view(shown.depth_m, self._frames.depth_camera, FINEST)
 
 
 def _notices(
-    recording: RecordingReader, frames: _Frames, track: Track, total: int
+    recording: RecordingReader, followed: Followed, frames: MapFrames
 ) -> tuple[Sentence, ...]:
     """Return what was left out, and why."""
-    said = Counter(frames.left_out)
-    said.update(TEXTS[problem] for problem in track.problems.values())
-    notices = (
-        [Sentence(message("{notice}"), {"notice": recording.notice})] if recording.notice else []
-    )
-    notices += counted(said.most_common(), total)
+    track = followed.track
+    notices = list(followed.notices)
+    if recording.notice:
+        notices.append(Sentence(message("{notice}"), {"notice": recording.notice}))
+    notices += counted(_reasons(followed).most_common(), len(frames))
+    if followed.n_jumps:
+        notices.append(Sentence(JUMPS, {"n": followed.n_jumps}))
+    if track.n_moving and not frames.is_body:
+        notices += counted([(MOVING, track.n_moving)], len(frames))
     if track.n_wrong_loops:
-        notices.append(
-            Sentence(
-                message("Loops that did not fit the rest and count nothing: {n}."),
-                {"n": track.n_wrong_loops},
-            )
-        )
+        notices.append(Sentence(WRONG_LOOPS, {"n": track.n_wrong_loops}))
     return tuple(notices)
 
 
-def _first_reason(frames: _Frames, track: Track) -> Message | str:
-    """Return why frames were not placed, the most frequent one."""
-    reasons = Counter(frames.left_out)
-    reasons.update(TEXTS[problem] for problem in track.problems.values())
+def _reasons(followed: Followed) -> Counter[Message]:
+    """Count why frames were not placed."""
+    said = Counter(followed.left_out)
+    said.update(TEXTS[problem] for problem in followed.track.problems.values())
+    return said
+
+
+def _first_reason(followed: Followed) -> Message | str:
+    """Return why frames were not placed, the most frequent reason."""
+    reasons = _reasons(followed)
     return reasons.most_common(1)[0][0] if reasons else ""

@@ -188,9 +188,10 @@ def map_a_room() -> None:
     size = (calibration.color.height // 8, calibration.color.width // 8, 3)
     coarse = np.random.default_rng(0).integers(0, 255, size, np.uint8)
     color_rgb = np.ascontiguousarray(coarse.repeat(8, 0).repeat(8, 1))
-    tracker = Tracker()
+    moment = Moment(see(depth_m, color_rgb, calibration), FeatureParams())
+    tracker = Tracker(lambda _number: moment)
     for _ in range(2):
-        tracker.add(Moment(see(depth_m, color_rgb, calibration), FeatureParams()))
+        tracker.add(moment)
     view = prepare_view(depth_m, calibration.depth)
     surfels = SurfelMap()
     for _ in range(2):

@@ -8,8 +8,11 @@ from scipy.spatial.transform import Rotation
 
 from adibas.alignment.surfels import Surface
 from adibas.clock import NS_PER_S
+from adibas.data.sentence import Sentence
 from adibas.files import written_whole
+from adibas.pipeline.map_body import BodyMotion
 from adibas.pipeline.mapping import MappedRecording
+from adibas.texts import message
 
 DIGITS = 4
 ROW = np.dtype(
@@ -79,5 +82,31 @@ def map_to_json(mapped: MappedRecording) -> dict[str, Any]:
         "loops": mapped.n_loops,
         "wrong_loops": mapped.n_wrong_loops,
         "surfels": len(mapped.surface.points_m),
+        "body": None if mapped.motion is None else _motion_to_json(mapped.motion),
         "notices": [notice.text for notice in mapped.notices],
+    }
+
+
+def motion_sentence(motion: BodyMotion) -> Sentence:
+    """Say how a person was not rigid."""
+    return Sentence(
+        message(
+            "Single frames lie {residual} mm from the joined surface (root mean square, noise "
+            "included; the worst {largest} mm); the middle of the body moved {wandered} mm over "
+            "the floor."
+        ),
+        {
+            "residual": motion.residual_mm,
+            "largest": motion.largest_mm,
+            "wandered": motion.wandered_mm,
+        },
+    )
+
+
+def _motion_to_json(motion: BodyMotion) -> dict[str, Any]:
+    return {
+        "residual_mm": round(motion.residual_mm, DIGITS),
+        "largest_mm": round(motion.largest_mm, DIGITS),
+        "bands_mm": {name: round(value, DIGITS) for name, value in motion.bands_mm.items()},
+        "wandered_mm": round(motion.wandered_mm, DIGITS),
     }

@@ -7,50 +7,21 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from adibas.alignment.camera_track import KeyFrameParams
 from adibas.alignment.surfels import SurfelParams
 from adibas.cli.command_line import main
-from adibas.data.calibration import CameraCalibration, RgbdCalibration
-from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import RecordingError
-from adibas.geometry.pinhole import Intrinsics
-from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.mapping import MapRequest, map_recording
-from adibas.recordings import create_recording
 from adibas.reports.map_files import ROW
 from adibas.simulation.furnished_room import FurnishedRoom
-
-CAMERA = CameraCalibration(320, 240, Intrinsics(290.0, 290.0, 159.5, 119.5))
-CALIBRATION = RgbdCalibration(
-    depth=CAMERA, color=CAMERA, color_from_depth=RigidTransform(np.eye(3), np.zeros(3))
-)
-YAWS_DEG = (0.0, 10.0, 20.0, 30.0, 40.0, 28.0, 14.0, 1.0)
-INFO = SourceInfo(calibration=CALIBRATION)
-
-
-def pose(yaw_deg, k):
-    turn = Rotation.from_euler("y", yaw_deg, degrees=True).as_matrix()
-    return RigidTransform(turn, turn @ np.array([0.1 + 0.02 * k, 1.4, 1.1]))
-
-
-def frame(room, camera_from_world, k):
-    seen = room.look(CAMERA, camera_from_world)
-    return SensorFrame(
-        sequence=k,
-        timestamp_ns=1_000_000_000 + k * 33_000_000,
-        depth_raw=np.round(1000.0 / seen.inverse_depth).astype(np.uint16),
-        color=np.round(255 * seen.rgb).astype(np.uint8),
-        color_timestamp_ns=1_000_000_000 + k * 33_000_000,
-    )
+from tests.unit.room_recordings import CAMERA, YAWS_DEG, frame, pose, room_frames, written
 
 
 @pytest.fixture(scope="module")
 def taken(tmp_path_factory):
-    path = tmp_path_factory.mktemp("map") / "room.mcap"
-    room, poses = FurnishedRoom(5), [pose(yaw, k) for k, yaw in enumerate(YAWS_DEG)]
-    with create_recording(path, INFO) as recording:
-        for k, one in enumerate(poses):
-            recording.write(frame(room, one, k))
-    return path, poses, room
+    room = FurnishedRoom(5)
+    frames, poses = room_frames(room)
+    return written(tmp_path_factory.mktemp("map") / "room.mcap", frames), poses, room
 
 
 @pytest.fixture(scope="module")
@@ -105,10 +76,8 @@ def test_the_surface_is_that_of_the_room(taken, mapped):
 
 
 def test_frames_of_different_rooms_are_not_put_together(tmp_path):
-    path = tmp_path / "two.mcap"
-    with create_recording(path, INFO) as recording:
-        recording.write(frame(FurnishedRoom(5), pose(0.0, 0), 0))
-        recording.write(frame(FurnishedRoom(9), pose(0.0, 0), 1))
+    two = [frame(FurnishedRoom(seed), pose(0.0, k), k) for k, seed in enumerate((5, 9))]
+    path = written(tmp_path / "two.mcap", two)
     with pytest.raises(RecordingError, match="No two frames could be put together"):
         map_recording(MapRequest(path), lambda _done, _total: None)
 
@@ -118,3 +87,27 @@ def test_a_surface_that_does_not_fit_in_says_so(taken):
     mapped = map_recording(request, lambda _done, _total: None)
     assert len(mapped.surface.points_m) <= 1000
     assert [notice.text for notice in mapped.notices if "left out" in notice.text]
+
+
+def test_key_frames_that_are_read_again_give_the_same_path(taken):
+    paths = [
+        map_recording(
+            MapRequest(taken[0], tracking=KeyFrameParams(n_kept=n_kept)), lambda _done, _total: None
+        )
+        for n_kept in (1, 16)
+    ]
+    assert paths[0].n_key_frames > 3
+    for one, other in zip(*(path.world_from_camera for path in paths), strict=True):
+        np.testing.assert_array_equal(one.translation_m, other.translation_m)
+        np.testing.assert_array_equal(one.rotation, other.rotation)
+
+
+def test_a_watcher_sees_the_map_grow_where_it_is_at_last(taken):
+    seen = []
+    mapped = map_recording(MapRequest(taken[0]), lambda _done, _total: None, seen.append)
+    assert [len(one.path_m) for one in seen[:-1]] == list(range(1, mapped.n_key_frames + 1))
+    surface = mapped.surface.points_m
+    assert len(seen[-1].points_m) == len(seen[-1].colors_rgb) == len(surface)
+    early = seen[-2].points_m[::50]
+    apart_m = np.linalg.norm(early[:, None] - surface[None, ::5], axis=2).min(axis=1)
+    assert np.median(apart_m) < 0.03
