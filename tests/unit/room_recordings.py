@@ -34,10 +34,10 @@ def frame(room, camera_from_world, k):
     )
 
 
-def room_frames(room=None):
+def room_frames(room=None, yaws_deg=YAWS_DEG):
     """Return frames of a camera that turns there and back, and its poses."""
     room = room or FurnishedRoom(5)
-    poses = [pose(yaw, k) for k, yaw in enumerate(YAWS_DEG)]
+    poses = [pose(yaw, k) for k, yaw in enumerate(yaws_deg)]
     return [frame(room, one, k) for k, one in enumerate(poses)], poses
 
 

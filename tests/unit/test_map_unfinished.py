@@ -10,8 +10,10 @@ import pytest
 from adibas.cli.command_line import main
 from adibas.pipeline.map_state import Keeper, Unfinished, unfinished_path
 from adibas.pipeline.mapping import MapRequest, map_recording
-from tests.unit.room_recordings import YAWS_DEG, room_frames, written
+from tests.unit.room_recordings import room_frames, written
 
+YAWS_DEG = (0.0, 2.5, 5.0, 7.5, 10.0, 12.5, 11.0, 8.0)
+"""So slow that the step before tells where the next frame lies."""
 KILLED_AT = 5
 VICTIM = f"""
 import os, signal, sys
@@ -35,7 +37,7 @@ class StoppedError(Exception):
 
 @pytest.fixture(scope="module")
 def taken(tmp_path_factory):
-    return written(tmp_path_factory.mktemp("map") / "room.mcap", room_frames()[0])
+    return written(tmp_path_factory.mktemp("map") / "room.mcap", room_frames(yaws_deg=YAWS_DEG)[0])
 
 
 @pytest.fixture(scope="module")
