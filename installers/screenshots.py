@@ -20,7 +20,6 @@ from PySide6.QtGui import QPixmap
 
 from adibas.texts import LANGUAGES
 from installers.manual.pictures import save_picture
-from installers.manual.words import LANGUAGES as WRITTEN
 from installers.studio import SIZE, Studio, opened_studio
 
 PROJECT = Path(__file__).parents[1]
@@ -62,7 +61,7 @@ def _draw_docs(studio: Studio) -> Iterator[Path]:
 
 def _draw_manual(studio: Studio, only: str) -> Iterator[Path]:
     studio.unlock()
-    for language in WRITTEN:
+    for language in LANGUAGES:
         studio.wear(language)
         for name, picture in studio.pictures():
             if re.search(only, name):

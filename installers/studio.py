@@ -26,6 +26,7 @@ from adibas.pipeline.demo_session import take_demo_session
 from adibas.pipeline.learning import read_target
 from adibas.sessions import open_store
 from adibas.sessions.key_wrapping import Argon2Params
+from adibas.texts import LANGUAGES, spoken_language
 from adibas.texts import translate as _
 from installers.screenshot_sessions import add_sessions_to_compare
 from ui.application import Application
@@ -190,11 +191,14 @@ class Studio:
             self._open_recording()
 
     def _open_recording(self) -> None:
-        """Open the first recording of the session, with the example of a scheme in the language."""
+        """Open a recording of the session, with the example of a scheme in the language.
+
+        Each language has a recording of its own: a scheme stays with what it was opened for.
+        """
         screen = self._window.screen_named("behaviour")
         boxes = (box for box in screen.findChildren(QComboBox) if box.isVisible())
         chooser = next(box for box in boxes if box.itemText(0) == _("Recordings of the session"))
-        chooser.activated.emit(1)
+        chooser.activated.emit(1 + list(LANGUAGES).index(spoken_language()))
         self._settle()
 
     def _settle(self) -> None:

@@ -20,7 +20,7 @@ PAGES = {
 
 
 def manual_page(screen: str, language: str) -> Path | None:
-    """Return the page of a screen, in English where it was not written in `language`.
+    """Return the page of a screen, in English where it is missing in `language`.
 
     None: the manual was not built, as in a source tree that nobody has set up.
     """

@@ -17,9 +17,9 @@ from mkdocs.structure.pages import Page
 
 from adibas import __version__
 from adibas.resources import resource_path
-from adibas.texts import speaking
+from adibas.texts import LANGUAGES, speaking
 from installers.manual.protocol_pages import protocol_part
-from installers.manual.words import LANGUAGES, WORDS
+from installers.manual.words import WORDS
 
 DEVELOPERS, REFERENCE = "developers", "reference"
 SECTION_OF = {"manual/developers/": DEVELOPERS} | {f"manual/{one}/": one for one in LANGUAGES}

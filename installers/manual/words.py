@@ -1,8 +1,5 @@
 """The few words that the pages of the manual have around their text, in each language."""
 
-LANGUAGES = {"en": "English", "es": "Español", "ca": "Català"}
-"""What the user's part is written in; the window shows the English one in other languages."""
-
 WORDS = {
     "en": {
         "en": "Manual",
@@ -16,8 +13,6 @@ WORDS = {
         "before": "Before",
         "after": "Next",
         "use": "For research, education and documentation. Not for diagnosis.",
-        "marked": "What is marked",
-        "measured": "What is measured",
         "number": "No.",
         "landmark": "Landmark",
         "measure": "Measure",
@@ -36,15 +31,13 @@ WORDS = {
         "before": "Anterior",
         "after": "Siguiente",
         "use": "Para investigación, docencia y documentación. No sirve para el diagnóstico.",
-        "marked": "Qué se marca",
-        "measured": "Qué se mide",
         "number": "N.º",
-        "landmark": "Punto de referencia",
+        "landmark": "Punto anatómico",
         "measure": "Medida",
         "positive": "Un valor positivo significa",
         "others": "Valores de otros",
         "convention": "fijado por el protocolo, no es un valor normal",
-        "figure": "{title}, {view}: puntos de referencia con sus números",
+        "figure": "{title}, {view}: puntos anatómicos con sus números",
         "unsigned": "no tiene signo",
     },
     "ca": {
@@ -56,15 +49,31 @@ WORDS = {
         "before": "Anterior",
         "after": "Següent",
         "use": "Per a recerca, docència i documentació. No serveix per al diagnòstic.",
-        "marked": "Què es marca",
-        "measured": "Què es mesura",
         "number": "Núm.",
-        "landmark": "Punt de referència",
+        "landmark": "Punt anatòmic",
         "measure": "Mesura",
         "positive": "Un valor positiu vol dir",
         "others": "Valors d'altres",
         "convention": "fixat pel protocol, no és un valor normal",
-        "figure": "{title}, {view}: punts de referència amb els seus números",
+        "figure": "{title}, {view}: punts anatòmics amb els seus números",
         "unsigned": "no té signe",
+    },
+    "pt": {
+        "pt": "Manual",
+        "skip": "Ir para o texto",
+        "search": "Buscar",
+        "nothing": "Nada foi encontrado.",
+        "contents": "Conteúdo",
+        "before": "Anterior",
+        "after": "Próxima",
+        "use": "Para pesquisa, ensino e documentação. Não serve para diagnóstico.",
+        "number": "N.º",
+        "landmark": "Ponto anatômico",
+        "measure": "Medida",
+        "positive": "Um valor positivo significa",
+        "others": "Valores de outros",
+        "convention": "fixado pelo protocolo, não é um valor normal",
+        "figure": "{title}, {view}: pontos anatômicos com os seus números",
+        "unsigned": "não tem sinal",
     },
 }

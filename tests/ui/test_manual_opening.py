@@ -6,7 +6,7 @@ from PySide6.QtGui import QDesktopServices
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QPushButton
 
-from adibas.texts import use_language
+from adibas.texts import LANGUAGES, use_language
 from tests.ui import window_user
 from ui import manual
 from ui.widgets import help_page
@@ -19,8 +19,8 @@ SHIFT = Qt.KeyboardModifier.ShiftModifier
 
 @pytest.fixture
 def built(tmp_path, monkeypatch):
-    """A manual of two languages with empty pages."""
-    for language in ("en", "es"):
+    """A manual of all languages with empty pages."""
+    for language in LANGUAGES:
         folder = tmp_path / "manual" / language
         folder.mkdir(parents=True)
         for page in manual.PAGES.values():
@@ -42,25 +42,28 @@ def opened(monkeypatch):
     return urls
 
 
-def test_a_page_that_nobody_wrote_in_a_language_is_english(built):
-    assert manual.manual_page("capture", "es") == built / "es" / "sensor.html"
-    assert manual.manual_page("capture", "pt") == built / "en" / "sensor.html"
+def test_a_page_is_in_the_windows_language_and_english_where_it_is_missing(built):
+    for language in LANGUAGES:
+        assert manual.manual_page("capture", language) == built / language / "sensor.html"
     (built / "es" / "sensor.html").unlink()
     assert manual.manual_page("capture", "es") == built / "en" / "sensor.html"
 
 
-@pytest.mark.parametrize("name", ["patients", "calibration", "behaviour"])
+@pytest.mark.parametrize(
+    ("name", "language"),
+    [("patients", "es"), ("calibration", "ca"), ("behaviour", "pt"), ("capture", "pt")],
+)
 def test_shift_f1_opens_the_page_of_the_screen_in_the_windows_language(
-    open_window, built, opened, name
+    open_window, built, opened, name, language
 ):
-    user = open_window(language="es")
+    user = open_window(language=language)
     user.give_new_passphrase()
     user.go_to(name)
     user.settle()
     user.key(Key.Key_F1, SHIFT)
     (url,) = opened
     assert url.isLocalFile()
-    assert url.toLocalFile() == str(built / "es" / f"{manual.PAGES[name]}.html")
+    assert url.toLocalFile() == str(built / language / f"{manual.PAGES[name]}.html")
 
 
 def test_the_manual_can_be_had_before_the_store_is_open(open_window, built, opened):

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +13,25 @@ from PIL import Image
 
 from adibas.measures.protocol_store import find_protocol
 from adibas.resources import resource_path
+from adibas.texts import LANGUAGES
 from installers.bundle import ROOT
 from installers.manual.figures import FOLDER, all_figures, spread
 from installers.manual.hooks import help_part, section_of, with_list_breaks
 from installers.manual.landmarks import PROTOCOLS, figure_views, numbered
 from installers.manual.pictures import MANUAL, PICTURES, picture_path
-from installers.manual.words import LANGUAGES, WORDS
+from installers.manual.words import WORDS
 from installers.studio import SIZE
 from ui.manual import PAGES
 
 PAGE_NAMES = sorted(path.name for path in (MANUAL / "en").glob("*.md"))
 BOLD = re.compile(r"\*\*(.+?)\*\*", re.DOTALL)
+ANCHOR = re.compile(r"\{: #([\w-]+) \}")
+LINK = re.compile(r"\]\(([^)]+)\)")
 PICTURE = re.compile(r"\((?:\.\./\w+/)?pictures/([\w-]+)\.webp\)")
+OTHERS = [one for one in LANGUAGES if one != "en"]
 FENCE = re.compile(r"```\n(.*?)```", re.DOTALL)
+PART = re.compile(r"<(?:h[1-6]|p|li|tr|pre|img)\b")
+SHOWN = re.compile(r"<img[^>]* src=\"([^\"]+)\"|<pre[^>]*>(.*?)</pre>", re.DOTALL)
 OUTLINE = re.compile(r"(#+ |\d+\. |- |\||```|!\[|\{\{ .*)")
 FROM_ELSEWHERE = re.compile(r"(?:src|href)=\"(?:\w+:)?//|@import|url\(")
 COLOR = re.compile(r"--([\w-]+): (#[0-9A-F]{6})")
@@ -38,10 +45,19 @@ def text_of(language, name):
 
 def catalogue(language):
     """Return the window's texts as a reader sees them, without underlined letters and dots."""
+    return {seen(to) for pairs in translations(language).values() for to in pairs}
+
+
+@cache
+def translations(language):
+    """Return what each English text of the window is in a language; one may be several."""
     path = resource_path("translations", "es" if language == "en" else language)
     with (path / "LC_MESSAGES" / "adibas.po").open("rb") as file:
         entries = [one for one in read_po(file) if one.id and isinstance(one.id, str)]
-    return {seen(one.id if language == "en" else one.string) for one in entries}
+    found = {}
+    for one in entries:
+        found.setdefault(seen(one.id), set()).add(seen(one.id if language == "en" else one.string))
+    return found
 
 
 def size_of(path):
@@ -69,13 +85,15 @@ def test_every_language_has_every_page(language):
 
 
 @pytest.mark.parametrize("name", PAGE_NAMES)
-@pytest.mark.parametrize("language", ["es", "ca"])
+@pytest.mark.parametrize("language", OTHERS)
 def test_a_page_says_as_much_in_every_language(language, name):
     english, translated = text_of("en", name), text_of(language, name)
     assert outline(translated) == outline(english)
     assert FENCE.findall(translated) == FENCE.findall(english)
     assert PICTURE.findall(translated) == PICTURE.findall(english)
     assert translated.count("**") == english.count("**")
+    assert ANCHOR.findall(translated) == ANCHOR.findall(english)
+    assert LINK.findall(translated) == LINK.findall(english)
     assert translated != english
 
 
@@ -85,6 +103,17 @@ def test_every_bold_name_is_one_that_the_window_shows(language):
     for name in PAGE_NAMES:
         unknown = {one for one in BOLD.findall(text_of(language, name)) if seen(one) not in known}
         assert not unknown, f"{language}/{name}"
+
+
+@pytest.mark.parametrize("name", PAGE_NAMES)
+@pytest.mark.parametrize("language", OTHERS)
+def test_a_page_names_the_same_buttons_in_every_language(language, name):
+    """A name of the window that is another button's would lead somewhere else."""
+    english = {seen(one) for one in BOLD.findall(text_of("en", name))}
+    translated = {seen(one) for one in BOLD.findall(text_of(language, name))}
+    known = translations(language)
+    assert {one for one in english if not known[one] & translated} == set()
+    assert translated <= {to for one in english for to in known[one]}
 
 
 def test_a_bold_name_in_the_developers_part_is_one_that_the_window_shows():
@@ -190,7 +219,7 @@ def test_no_page_fetches_anything_from_elsewhere(site):
         found = FROM_ELSEWHERE.findall(path.read_text(encoding="utf-8"))
         assert path.suffix == ".js" or not found, path.name
     scripts = {path.name for path in site.glob("*.js")}
-    assert scripts >= {"search.js", "search-en.js", "search-es.js", "search-ca.js"}
+    assert scripts >= {"search.js", *(f"search-{language}.js" for language in LANGUAGES)}
     assert "fetch(" not in (site / "search.js").read_text(encoding="utf-8")
 
 
@@ -204,6 +233,25 @@ def test_every_page_is_built_in_its_language_and_nothing_is_left_to_fill_in(site
         assert not re.findall(r"<img(?![^>]*alt=\"[^\"]+\")", page), name
     found = (site / f"search-{language}.js").read_text(encoding="utf-8")
     assert found.startswith("manualIndex=[")
+
+
+@pytest.mark.parametrize("name", PAGE_NAMES)
+@pytest.mark.parametrize("language", OTHERS)
+def test_a_built_page_shows_as_much_in_every_language(site, language, name):
+    """With what is filled in from the window's help and from protocols."""
+    english, translated = (article(site, one, name) for one in ("en", language))
+    assert PART.findall(translated) == PART.findall(english)
+    assert SHOWN.findall(translated) == SHOWN.findall(english)
+
+
+def article(site, language, name):
+    page = (site / "manual" / language / name).with_suffix(".html").read_text(encoding="utf-8")
+    return page[page.index("<article>") : page.index("</article>")]
+
+
+def test_the_manual_is_written_in_every_language_of_the_window():
+    assert {path.parent.name for path in MANUAL.glob("*/index.md")} == {*LANGUAGES, "developers"}
+    assert set(WORDS) == set(LANGUAGES)
 
 
 def test_a_protocols_page_has_the_numbers_and_names_of_its_file(site):
