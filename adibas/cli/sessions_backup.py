@@ -16,6 +16,7 @@ from adibas.cli.store_options import (
     read_passphrase,
 )
 from adibas.errors import FileError
+from adibas.files import cannot_write
 from adibas.sessions.defaults import DAYS_BETWEEN_BACKUPS, N_BACKUPS_KEPT
 from adibas.sessions.merge_words import merge_texts
 from adibas.texts import translate as _
@@ -87,7 +88,7 @@ def add_backup_arguments(add: Add) -> None:
         "--temporary",
         type=Path,
         metavar=_("DIR"),
-        help=_("folder with room for it; the system's one for temporary files if not given"),
+        help=_("folder with room for it; beside this user's patient store if not given"),
     )
     add_json(verifying)
 
@@ -197,17 +198,29 @@ def _new(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _verify_backup(arguments: argparse.Namespace, console: Console) -> int:
-    from adibas.sessions.restoring import verify_backup
+    from adibas.sessions.trial_restore import verify_backup
 
     with console.progress(arguments.backup.name) as progress:
         header, report = verify_backup(
             arguments.backup,
             _passphrase_of_backup(arguments),
             progress,
-            temporary=arguments.temporary,
+            room=arguments.temporary or _beside_own_store(),
         )
     console.give({**tell_report(report, console), "created_utc": header.created_utc})
     return 0 if report.is_sound else SOMETHING_FOUND
+
+
+def _beside_own_store() -> Path:
+    """Return this user's folder of data, into which no other user looks."""
+    from adibas.sessions import default_store_folder
+
+    folder = default_store_folder().parent
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(folder, error) from error
+    return folder
 
 
 def tell_report(report: "VerifyReport", console: Console) -> dict[str, object]:

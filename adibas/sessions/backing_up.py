@@ -240,11 +240,14 @@ class Backups:
     def verify(
         self, path: Path, passphrase: str | None = None, progress: Progress | None = None
     ) -> "tuple[BackupHeader, VerifyReport]":
-        """Check a backup; one of this very store needs no passphrase. See `verify_backup`."""
-        from adibas.sessions.restoring import verify_backup
+        """Check a backup in the store's folder; one of this very store needs no passphrase.
+
+        See `verify_backup`.
+        """
+        from adibas.sessions.trial_restore import verify_backup
 
         self._audit.require(Permission.BACK_UP)
-        return verify_backup(path, passphrase, progress, key=self._key)
+        return verify_backup(path, passphrase, progress, room=self._folder, key=self._key)
 
     def _own_key_file(self) -> KeyFile:
         file = read_key_file(self._folder)

@@ -1,4 +1,4 @@
-"""Backups become stores again: in a new folder, to be checked, or to be merged into a used store.
+"""Backups become stores again: in a new folder, to be tried out, or to be merged into a used one.
 
 Nothing of a backup is seen under its own name before all of it is on the disk.
 """
@@ -7,32 +7,24 @@ import errno
 import os
 import re
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from adibas.clock import utc_now
 from adibas.errors import StoreError
 from adibas.files import flush_folder
 from adibas.progress import Progress
-from adibas.sessions.audit import AuditLog
 from adibas.sessions.backup_format import DATA, FILE, BackupHeader, BackupReader
 from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.key_file import write_key_file
 from adibas.sessions.lock import LOCK_FILE, StoreLock, cannot_use
 from adibas.sessions.migrating import bring_up_to_date
-from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
-from adibas.sessions.sealed_files import SealedFiles
+from adibas.sessions.places import IN_THE_MAKING, PICTURES_FOLDER, RECORDINGS_FOLDER
 from adibas.sessions.sealed_folder import SealedFolder, cannot_save
-from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.sessions.sqlite_file import SqliteFile
-from adibas.sessions.stored_recordings import Recordings
-from adibas.sessions.verification import Verification, VerifyReport
 
 _NAME = re.compile(r"(pictures|recordings|codings)/([0-9a-f]{2}[0-9a-f-]{6,62})")
-IN_THE_MAKING = ".restoring-"
 UNFINISHED = ".part"
 
 Wanted = Callable[[str], bool]
@@ -63,50 +55,13 @@ def restore_into(
     with BackupReader(path) as backup:
         key = backup.key(passphrase)
         _check_empty(folder)
-        with _making_of(folder.resolve()) as making:
+        with making_of(folder.resolve()) as making:
             check_room(making, backup.header.n_bytes)
             extract(backup, key, making, progress=progress)
             write_key_file(making, backup.header.key_file)
             make_present(making, key)
             _give_name(making, folder.resolve())
         return backup.header
-
-
-def verify_backup(
-    path: Path,
-    passphrase: str | None,
-    progress: Progress | None = None,
-    *,
-    key: bytes | None = None,
-    temporary: Path | None = None,
-) -> tuple[BackupHeader, VerifyReport]:
-    """Restore a backup into a temporary folder, check that store, and remove it.
-
-    Parameters
-    ----------
-    key : bytes, optional
-        Of the store; in place of the passphrase.
-    temporary : Path, optional
-        Where there is room for it; the system's folder for such things if not given. What lies
-        there for a while is sealed as in the store.
-
-    Raises
-    ------
-    PassphraseError
-        The passphrase is missing or wrong.
-    StoreError
-        The backup is damaged, or there is no room.
-    """
-    with ExitStack() as at_the_end, BackupReader(path) as backup:
-        key = key if key is not None and backup.is_of(key) else backup.key(passphrase)
-        try:
-            named = at_the_end.enter_context(tempfile.TemporaryDirectory(dir=temporary))
-        except OSError as error:
-            raise cannot_save(error) from error
-        folder = Path(named)
-        check_room(folder, backup.header.n_bytes)
-        extract(backup, key, folder, progress=progress)
-        return backup.header, _verified(folder, key, progress)
 
 
 def extract(
@@ -194,24 +149,6 @@ def _saved(path: Path) -> Iterator[BinaryIO]:
         raise cannot_save(error) from error
 
 
-def _verified(folder: Path, key: bytes, progress: Progress | None) -> VerifyReport:
-    """Check a restored store as `verify` checks one in use."""
-    make_present(folder, key)
-    database = Database(SqliteFile(folder, key), is_read_only=True)
-    try:
-        audit = AuditLog(database, utc_now, "")
-        recordings = Recordings(
-            database,
-            audit,
-            SealedRecordings(folder / RECORDINGS_FOLDER),
-            SealedFiles(folder / CODINGS_FOLDER),
-        )
-        pictures = SealedFiles(folder / PICTURES_FOLDER)
-        return Verification(database, audit, pictures, recordings).run(progress)
-    finally:
-        database.close()
-
-
 def make_present(folder: Path, key: bytes) -> None:
     """See that a restored database opens; one of an older version becomes a present one.
 
@@ -241,8 +178,10 @@ def _check_empty(folder: Path) -> None:
 
 
 @contextmanager
-def _making_of(folder: Path) -> Iterator[Path]:
-    """Give an empty folder, after what a killed restore left is gone; nothing of it stays.
+def making_of(folder: Path) -> Iterator[Path]:
+    """Give an empty folder in the place of `folder`, and remove it in the end, if it is there.
+
+    What a restore left that was killed is removed before.
 
     The lock lies beside it: who waits for the lock finds it free only when all is over, and a
     folder with an open file cannot be renamed everywhere.

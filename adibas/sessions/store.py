@@ -36,6 +36,7 @@ from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealing import AesSeal, key_for
 from adibas.sessions.server_address import read_server_file
 from adibas.sessions.sqlite_file import SqliteFile
+from adibas.sessions.trial_restore import remove_trial
 
 if TYPE_CHECKING:
     from adibas.sessions.backing_up import Backups
@@ -210,6 +211,7 @@ class SessionStore:
             self._files.finish,
             SealedFiles(self.folder / CODINGS_FOLDER).remove_unfinished,
             partial(finish_merge, self._database),
+            partial(remove_trial, self.folder),
             partial(remove_leftovers, self._database, self._sealed_folders),
         ):
             try:

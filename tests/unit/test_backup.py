@@ -21,8 +21,9 @@ from adibas.sessions.backup_schedule import BackupPlan
 from adibas.sessions.database import Database
 from adibas.sessions.key_file import read_key_file
 from adibas.sessions.keys import load_key
-from adibas.sessions.restoring import restore_into, verify_backup
+from adibas.sessions.restoring import restore_into
 from adibas.sessions.sqlite_file import SqliteFile
+from adibas.sessions.trial_restore import verify_backup
 from tests.unit.recorded_frames import assert_same_frame, make_frames
 from tests.unit.store_samples import (
     CHEAP,
@@ -114,13 +115,13 @@ def test_a_backup_tells_nothing_of_anybody(backup, session):
 
 
 def test_a_backup_is_checked_by_a_restore_that_leaves_nothing(backup, tmp_path):
-    temporary = tmp_path / "room"
-    temporary.mkdir()
-    header, report = verify_backup(backup, PASSPHRASE, temporary=temporary)
+    room = tmp_path / "room"
+    room.mkdir()
+    header, report = verify_backup(backup, PASSPHRASE, room=room)
     assert report.is_sound
     assert (report.n_files, report.n_recordings) == (2, 1)
     assert header.created_utc.startswith("2026-11-21")
-    assert names_in(temporary) == []
+    assert names_in(room) == []
 
 
 def test_a_wrong_or_missing_passphrase_is_told(backup, tmp_path):
@@ -313,14 +314,14 @@ def test_a_kill_while_a_used_store_is_restored_harms_nothing(folder, backup, tmp
         assert store.backups.restore(backup, PASSPHRASE).n_captures == 1
 
 
-def test_a_damaged_file_of_the_store_is_told_and_the_rest_is_kept(folder, backup):
+def test_a_damaged_file_of_the_store_is_told_and_the_rest_is_kept(folder, backup, tmp_path):
     changed, missing, *_ = sorted((folder / "pictures").rglob("*.sealed"))
     changed.write_bytes(b"x" + changed.read_bytes())
     missing.unlink()
     with open_sample(folder) as store:
         summary = store.backups.write(backup)
     assert set(summary.damaged) == {f"pictures/{changed.stem}", f"pictures/{missing.stem}"}
-    _, report = verify_backup(backup, PASSPHRASE)
+    _, report = verify_backup(backup, PASSPHRASE, room=tmp_path)
     assert {(f.kind, f.subject) for f in report.findings} == {
         ("changed", changed.stem),
         ("missing", missing.stem),

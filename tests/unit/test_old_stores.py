@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from adibas.sessions.migrating import KNOWN
-from adibas.sessions.restoring import restore_into, verify_backup
+from adibas.sessions.restoring import restore_into
+from adibas.sessions.trial_restore import verify_backup
 from tests.unit.recorded_frames import assert_same_frame, make_frames
 from tests.unit.store_samples import IDENTITY, PASSPHRASE, open_sample, surface
 
@@ -49,4 +50,4 @@ def test_an_old_store_is_merged_and_checked(backup, tmp_path):
         summary = store.backups.restore(backup, PASSPHRASE)
         assert (summary.n_patients, summary.n_captures, summary.n_recordings) == (1, 1, 1)
         assert store.verify().is_sound
-    assert verify_backup(backup, PASSPHRASE)[1].is_sound
+    assert verify_backup(backup, PASSPHRASE, room=tmp_path)[1].is_sound

@@ -8,8 +8,9 @@ import pytest
 from adibas.errors import FileError, NotAllowedError, PassphraseError, StoreError
 from adibas.sessions import KeyState, key_file, key_state, key_wrapping, open_store
 from adibas.sessions.keys import change_passphrase, load_key, open_key
-from adibas.sessions.restoring import restore_into, verify_backup
+from adibas.sessions.restoring import restore_into
 from adibas.sessions.roles import Role
+from adibas.sessions.trial_restore import verify_backup
 from tests.unit.store_samples import (
     CHEAP,
     IDENTITY,
@@ -396,7 +397,7 @@ def test_a_backup_opens_for_its_people_and_gives_them_their_roles(folder, tmp_pa
         with opened(tmp_path / "new", passphrase) as store:
             assert (store.person.name, store.role) == (name, role)
             assert store.patients.get(pseudonym).identity == IDENTITY
-    assert verify_backup(backup, BORIS)[1].is_sound
+    assert verify_backup(backup, BORIS, room=tmp_path)[1].is_sound
     with pytest.raises(PassphraseError):
         open_key(folder, BORIS)
 

@@ -75,7 +75,7 @@ class BackupPresenter:
         self._workspace.jobs.start(_("Backing the patient store up"), work, done)
 
     def check(self, path: Path, passphrase: str) -> None:
-        """Restore a backup into a temporary folder, and check it there."""
+        """Restore a backup for a moment beside what it is of, and check it there."""
         store = self._workspace.store
 
         def work(control: JobControl) -> "tuple[BackupHeader, VerifyReport]":
