@@ -128,6 +128,14 @@ def find_persons(
     return list(_candidates(surfaces, params, is_seated))
 
 
+def is_solid_and_long(moments: FloatArray, params: BodyParams) -> bool:
+    """Say whether a surface of (10,) moments could be a person's, or a part of one."""
+    if not params.min_area_m2 < moments[0] < params.max_area_m2:
+        return False
+    shape = _Shape(moments)
+    return shape.length_m >= params.min_length_m and shape.is_solid(params)
+
+
 def _candidates(
     surfaces: Surfaces, params: BodyParams, is_seated: Callable[[int], bool]
 ) -> Iterator[int]:

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array
 from adibas.data.limbs import LimbParts
 from adibas.data.sentence import Sentence
+from adibas.geometry.picture_edges import cut_px, seen_box
 from adibas.texts import message
 
 NOBODY = message("Nobody is seen. Let the person step in front of the camera.")
@@ -22,11 +24,42 @@ HALF = message(
 HOLES = message(
     "{percent} % of the person has no depth. Avoid sunlight, and dark or shiny clothes."
 )
+BLIND = message(
+    "Hardly any depth is measured. Keep 0.8 m away or more, and see that nothing covers the "
+    "camera and no sunlight falls on it."
+)
+TORN = message(
+    "Too much of the picture has no depth to find anybody. Avoid sunlight, mirrors and glass, and "
+    "step nearer."
+)
+SOMETHING_NEAR = message(
+    "Something is too near to the camera. Step back to 1.5 m or more, and clear the view."
+)
+SOMETHING_CUT = message(
+    "Nobody is seen whole: what stands there is cut off by the edge of the picture. Step back, or "
+    "turn the camera, until the whole person is seen."
+)
+SOMETHING_LOW = message(
+    "Nobody is seen: what stands there is too low or too flat for a person. Clear the view, or "
+    "step in front of the camera."
+)
 UNLIKE = message(
     "What is seen is more like furniture or an animal than like a person. Clear the view, or step "
     "forward."
 )
-FEW_LIMBS = message("Only {n} of {total} limbs are seen: what is seen may be no person.")
+FEW_LIMBS = message(
+    "Only {n} of {total} limbs are seen: what is seen may be no person. Step forward, and clear "
+    "the view."
+)
+ABSENCES = {
+    "blind": BLIND,
+    "holes": TORN,
+    "near": SOMETHING_NEAR,
+    "cut": SOMETHING_CUT,
+    "thing": SOMETHING_LOW,
+    "nobody": NOBODY,
+}
+"""What is said of each answer of `adibas.body.absence.why_nobody`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +74,8 @@ class JudgingParams:
         Shares of the mask.
     most_border : float
         Share of the border of the picture that the person covers.
+    hole_share : float
+        Of the picture's width: twice so wide a gap between measured pixels is a hole.
     least_limbs : float
         Share of the labels that must be seen.
     least_limb : float
@@ -49,8 +84,9 @@ class JudgingParams:
 
     nearest_m: float = 0.8
     most_clutter: float = 0.4
-    most_holes: float = 0.35
+    most_holes: float = 0.3
     most_border: float = 0.02
+    hole_share: float = 0.01
     least_limbs: float = 0.4
     least_limb: float = 0.004
 
@@ -87,15 +123,15 @@ def judge_mask(
     params = params or JudgingParams()
     if mask is None or not mask.any():
         return Judgement(False, (Sentence(NOBODY),))
-    inside_m = depth_m[mask]
-    measured_m = inside_m[np.isfinite(inside_m)]
-    holes = 1.0 - len(measured_m) / len(inside_m)
+    measured = np.asarray(np.isfinite(depth_m))
+    holes = _hole_share(measured, mask, params)
     if holes > params.most_holes:
         return Judgement(False, (Sentence(HOLES, {"percent": round(100 * holes)}),))
-    distance_m = float(np.median(measured_m))
+    distance_m = float(np.median(depth_m[mask & measured]))
     if distance_m < params.nearest_m:
         return Judgement(False, (Sentence(TOO_NEAR, {"distance": distance_m}),))
-    if _border_share(mask) > params.most_border:
+    border_px = cut_px(mask, seen_box(measured)).sum()
+    if border_px > params.most_border * 2 * sum(mask.shape):
         return Judgement(True, (Sentence(HALF),))
     return Judgement(True, ())
 
@@ -124,7 +160,23 @@ def judge_likeness(score: float, threshold: float) -> Judgement:
     return Judgement(True, ())
 
 
-def _border_share(mask: BoolArray) -> float:
-    """Return the share of the picture's border that a mask covers."""
-    border = np.concatenate([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]])
-    return float(border.mean())
+def judge_absence(absence: str) -> Judgement:
+    """Say why nobody was found, in words; see `adibas.body.absence.why_nobody`."""
+    return Judgement(False, (Sentence(ABSENCES[absence]),))
+
+
+def _hole_share(measured: BoolArray, mask: BoolArray, params: JudgingParams) -> float:
+    """Return the share of a mask without depth, or of all around it where that is more.
+
+    Where the depth falls to pieces, a mask is one of the pieces and has few holes of its own.
+    """
+    left, top, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    box = np.s_[top : top + height, left : left + width]
+    radius_px = max(1, round(params.hole_share * mask.shape[1]))
+    around = np.pad(measured[box].astype(np.uint8), radius_px)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius_px + 1,) * 2)
+    closed = cv2.morphologyEx(around, cv2.MORPH_CLOSE, disc)[
+        radius_px:-radius_px, radius_px:-radius_px
+    ]
+    shares = [float(measured[box][where].mean()) for where in (mask[box], closed > 0)]
+    return 1.0 - min(shares)

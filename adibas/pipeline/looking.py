@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from adibas.alignment.registration import register_pixels
 from adibas.arrays import Float32Array, FloatArray, UInt8Array
+from adibas.body.absence import why_nobody
 from adibas.body.floor import find_floor
 from adibas.calibration.files import check_fits
 from adibas.calibration.finder import as_gray, search_board
@@ -102,8 +103,7 @@ def _seen(
     registration = register_pixels(depth_m, calibration) if sight is None else sight.registration
     detections, told = _markers(color_rgb, sight, calibration, look)
     up = _up(floor, calibration)
-    body = None if sight is None else sight.body.pixels
-    stance = hints.stance_hints(depth_m, body, look.params.up if up is None else up)
+    stance = _stance(depth_m, sight, floor, calibration, look.params.up if up is None else up)
     plumb = None
     if up is not None and calibration.color is not None:
         plumb = plumb_line(calibration.color_from_depth.rotation @ up, calibration.color)
@@ -117,6 +117,20 @@ def _seen(
         plumb=plumb,
         hints=stance + told,
     )
+
+
+def _stance(
+    depth_m: Float32Array,
+    sight: Sight | None,
+    floor: Plane | None,
+    calibration: RgbdCalibration,
+    up: FloatArray,
+) -> tuple[Message, ...]:
+    if sight is not None:
+        return hints.stance_hints(depth_m, sight.body.pixels, up)
+    if calibration.depth is None:
+        return (hints.NOBODY,)
+    return (hints.absence_hint(why_nobody(depth_m, calibration.depth, floor)),)
 
 
 def _markers(

@@ -19,6 +19,7 @@ from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, RecordingError
+from adibas.limbs.judging import HALF
 from adibas.limbs.model import LimbModel, load_model
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.calibration_age import check_age
@@ -37,6 +38,10 @@ from adibas.texts import Message, message
 from adibas.timeseries.lowpass import even_times, resample
 
 MOST_NOTICES = 4
+SELDOM = message(
+    "What was seen had too few joints, or was there for too short a time. Let the whole person "
+    "be in view for a second or longer."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +164,7 @@ def pose_recording(
         raise LimbError(
             "Nobody was found in {file}. {reason}",
             file=request.recording.name,
-            reason=notices[0].text if notices else "",
+            reason=found.reason(len(wanted)).text,
         )
     vertical = vertical_of(calibration)
     up = None
@@ -259,10 +264,17 @@ class _Found:
 
     def notices(self, n_frames: int) -> tuple[Sentence, ...]:
         """Return what was said most often."""
-        return counted(
-            ((self._sentences[said].text, n) for said, n in self._said.most_common(MOST_NOTICES)),
-            n_frames,
-        )
+        return self._counted(self._said.most_common(MOST_NOTICES), n_frames)
+
+    def reason(self, n_frames: int) -> Sentence:
+        """Return why nobody was found: what was said most often of all that refuses somebody."""
+        refusals = [one for one in self._said.most_common() if one[0] != HALF]
+        if refusals:
+            return self._counted(refusals[:1], n_frames)[0]
+        return Sentence(HALF if self._said else SELDOM)
+
+    def _counted(self, said: list[tuple[Message, int]], n_frames: int) -> tuple[Sentence, ...]:
+        return counted(((self._sentences[one].text, n) for one, n in said), n_frames)
 
 
 def smooth_track(

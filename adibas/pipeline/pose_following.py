@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.body.absence import why_nobody
 from adibas.body.floor import find_floor
 from adibas.body.people import PeopleParams, find_people
 from adibas.body.rays import viewing_rays
@@ -13,9 +14,10 @@ from adibas.body.staying import Moment
 from adibas.data.calibration import CameraCalibration
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.sentence import Sentence
+from adibas.geometry.picture_edges import cut_px, seen_box
 from adibas.geometry.planes import Plane
 from adibas.limbs.facing import FacingParams, front_evidence
-from adibas.limbs.judging import judge_mask, judge_parts
+from adibas.limbs.judging import judge_absence, judge_mask, judge_parts
 from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
 from adibas.limbs.segmentation import LimbParams, segment
@@ -23,6 +25,7 @@ from adibas.pipeline.person_judge import Judge
 from adibas.pipeline.pose_model import JointModel, shipped_joint_model
 from adibas.skeleton.following import ChosenJoints, FollowParams, PersonFollower
 from adibas.skeleton.identities import Identities, IdentityParams
+from adibas.skeleton.picture import Picture
 
 Segmenter = Callable[[Float32Array, BoolArray], LimbParts]
 
@@ -41,6 +44,8 @@ SOON_S = 0.2
 """Who was there so long ago has hardly moved: five frames a second are looked at at least."""
 LONGEST_APART_S = 10.0
 """So long somebody whose outline fell apart is put together: two who part are not one for ever."""
+LEAST_CUT = 0.03
+"""Share of the picture's height: so much of an edge is touched by somebody whom it cuts off."""
 FLOOR_TRIALS = 30
 """Frames in which a floor is looked for where the calibration has none."""
 
@@ -194,7 +199,7 @@ class PoseEstimator:
 
     def look_at(self, depth_m: Float32Array, masks: Sequence[BoolArray], time_s: float) -> PoseNow:
         """Return the people whose (H, W) masks are known; as `look`, for the rest."""
-        notices: tuple[Sentence, ...] = () if masks else judge_mask(depth_m, None).notices
+        notices: tuple[Sentence, ...] = () if masks else self._absence(depth_m)
         seen = []
         for pixels in masks:
             parts, said = self._parts(depth_m, pixels, time_s)
@@ -202,6 +207,11 @@ class PoseEstimator:
             if parts is not None:
                 seen.append((pixels, parts))
         return PoseNow(tuple(self._named(depth_m, seen, time_s)), notices)
+
+    def _absence(self, depth_m: Float32Array) -> tuple[Sentence, ...]:
+        return judge_absence(
+            why_nobody(depth_m, self.camera, self.floor, self._params.people.body)
+        ).notices
 
     def _parts(
         self, depth_m: Float32Array, pixels: BoolArray, time_s: float
@@ -244,9 +254,18 @@ class PoseEstimator:
                     self._joints.proportions, self._params.view, self._params.follow
                 )
             facing = front_evidence(points, self._params.facing)
-            chosen = self._followers[person].follow(proposals, time_s, facing, points.cloud())
+            chosen = self._followers[person].follow(
+                *(proposals, time_s, facing, points.cloud()), self._picture(depth_m, pixels)
+            )
             people.append(PersonNow(person, pixels, parts, chosen))
         return people
+
+    def _picture(self, depth_m: Float32Array, pixels: BoolArray) -> Picture:
+        """Return what the picture shows of somebody."""
+        box = seen_box(np.asarray(np.isfinite(depth_m)))
+        least_px = LEAST_CUT * self.camera.height
+        top, bottom, left, right = (cut_px(pixels, box) > least_px).tolist()
+        return Picture(self.camera, box, (top, bottom, left, right))
 
     def _place(
         self, depth_m: Float32Array, rays: Float32Array, pixels: BoolArray

@@ -12,6 +12,7 @@ from adibas.data.part_cloud import PartCloud
 from adibas.skeleton.choice_kernels import FAR, choose
 from adibas.skeleton.limb_fit import LimbFitParams, fit_limbs
 from adibas.skeleton.person_size import PersonSize, SizeParams
+from adibas.skeleton.picture import Picture
 from adibas.skeleton.proportions import ORDER, PARENTS, Proportions
 from adibas.skeleton.sides import SideKeeper, SideParams
 
@@ -117,6 +118,7 @@ class PersonFollower:
         time_s: float,
         front_evidence: float = 0.0,
         cloud: PartCloud | None = None,
+        picture: Picture | None = None,
     ) -> ChosenJoints:
         """Return the joints of the next frame.
 
@@ -126,6 +128,8 @@ class PersonFollower:
             Log odds of front against back that the shape tells.
         cloud : PartCloud or None
             Surface that arms and legs are laid into; None: places stay as proposed.
+        picture : Picture or None
+            Joints that it cannot show are not seen; None: it is without end.
         """
         if self.sides.is_exchanged(proposals, time_s, front_evidence):
             proposals = proposals.with_sides_swapped()
@@ -148,6 +152,8 @@ class PersonFollower:
         self._drop_unreachable(joints_m, lengths_m)
         if cloud is not None:
             joints_m, confidence = self._laid(cloud, joints_m, confidence, lengths_m, time_s)
+        if picture is not None:
+            joints_m[~picture.shows(joints_m)] = np.nan
         confidence[~np.isfinite(joints_m[:, 0])] = np.nan
         self._learn(joints_m, time_s)
         return ChosenJoints(joints_m, confidence, self.sides.front_probability)

@@ -1,14 +1,20 @@
 """What the clinician is told about where the patient stands."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
+from adibas.body.absence import Absence
 from adibas.pipeline.hints import (
     FEET_CUT_OFF,
     HEAD_CUT_OFF,
+    HOLES,
     NOBODY,
+    SIDE_CUT_OFF,
     TOO_FAR,
     TOO_NEAR,
+    absence_hint,
     stance_hints,
 )
 
@@ -55,10 +61,26 @@ def test_the_head_is_where_up_is(up, at_upper_side):
     assert stance_hints(depth_m, body, np.array(up, float)) == (HEAD_CUT_OFF,)
 
 
-def test_nobody_is_told_from_somebody_too_near():
-    depth_m, _ = standing((40, 440), distance_m=0.6)
-    assert stance_hints(depth_m, None, UP) == (TOO_NEAR,)
-    depth_m[:] = 3.0
-    assert stance_hints(depth_m, None, UP) == (NOBODY,)
-    depth_m[:] = np.nan
-    assert stance_hints(depth_m, None, UP) == (NOBODY,)
+def test_a_side_that_is_cut_off_is_told_and_a_hand_is_not():
+    assert stance_hints(*standing((40, 440), columns=(0, 80)), UP) == (SIDE_CUT_OFF,)
+    assert stance_hints(*standing((40, 440), columns=(560, 640)), UP) == (SIDE_CUT_OFF,)
+    depth_m, body = standing((40, 440))
+    body[200:230, 360:640] = True
+    assert stance_hints(depth_m, body, UP) == ()
+
+
+def test_a_patient_full_of_holes_is_told():
+    depth_m, body = standing((40, 440))
+    depth_m[::2, ::2] = np.nan
+    assert stance_hints(depth_m, body, UP) == ()
+    depth_m[::2] = np.nan
+    assert stance_hints(depth_m, body, UP) == (HOLES,)
+
+
+@pytest.mark.parametrize("absence", get_args(Absence))
+def test_each_reason_why_nobody_is_seen_has_its_own_word(absence):
+    told = absence_hint(absence)
+    others = {absence_hint(other) for other in get_args(Absence) if other != absence}
+    assert told not in others
+    assert (told == TOO_NEAR) == (absence == "near")
+    assert (told == NOBODY) == (absence == "nobody")

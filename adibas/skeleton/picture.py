@@ -1,0 +1,43 @@
+"""Joints that the picture does not show: beyond its edge, or where the edge cuts the person off."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import BoolArray, FloatArray
+from adibas.data.calibration import CameraCalibration
+from adibas.geometry.distortion import project_distorted
+from adibas.geometry.picture_edges import Box
+
+CUT_MARGIN_M = 0.05
+"""Before an edge that cuts somebody off: the middle of what is left of a limb is no joint of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What a depth picture shows of somebody.
+
+    Attributes
+    ----------
+    camera : CameraCalibration
+        Of the depth images.
+    box : (first row, one past the last, first column, one past the last)
+        Where there can be depth.
+    is_cut : (top, bottom, left, right)
+        Whether the person is cut off there.
+    """
+
+    camera: CameraCalibration
+    box: Box
+    is_cut: tuple[bool, bool, bool, bool]
+
+    def shows(self, joints_m: FloatArray) -> BoolArray:
+        """Say of (N, 3) joints, metres, whether the picture can show them; not of NaN."""
+        camera = self.camera
+        u, v = project_distorted(joints_m, camera.intrinsics, camera.distortion).T
+        margin_px = CUT_MARGIN_M * camera.intrinsics.fx / np.maximum(joints_m[:, 2], CUT_MARGIN_M)
+        top, bottom, left, right = (margin_px * is_cut for is_cut in self.is_cut)
+        first_row, past_row, first_column, past_column = self.box
+        shown: BoolArray = (v >= first_row + top) & (v < past_row - bottom)
+        shown &= (u >= first_column + left) & (u < past_column - right)
+        return shown

@@ -1,0 +1,75 @@
+"""Why nobody is found in a picture, and where a picture cuts somebody off."""
+
+import numpy as np
+import pytest
+
+from adibas.body.absence import hole_share, why_nobody
+from adibas.data.frames import depth_in_metres
+from adibas.geometry.picture_edges import cut_px, seen_box
+from adibas.simulation.crowd_sensors import CrowdSensor
+from adibas.simulation.crowds import CrowdScene
+from adibas.simulation.odd_plans import ODD_PLANS
+from adibas.skeleton.picture import CUT_MARGIN_M, Picture
+
+
+def absence_in(name, holes=0.0, seed=3):
+    scene = CrowdScene(ODD_PLANS[name], seed, CrowdSensor(None, holes))
+    raw = scene.frame(0).sensor_frame.depth_raw
+    depth_m = depth_in_metres(raw, scene.info.depth_unit_m)
+    calibration = scene.info.calibration
+    return why_nobody(depth_m, calibration.depth, calibration.floor)
+
+
+@pytest.mark.parametrize(
+    ("name", "holes", "expected"),
+    [
+        ("empty", 0.0, "nobody"),
+        ("near", 0.0, "near"),
+        ("empty", 0.5, "holes"),
+        ("person", 0.95, "blind"),
+        ("legs", 0.0, "cut"),
+        ("sitting_dog", 0.0, "thing"),
+        ("office_chair", 0.0, "thing"),
+    ],
+)
+def test_the_reason_is_what_the_scene_was_made_of(name, holes, expected):
+    assert absence_in(name, holes) == expected
+
+
+def test_holes_are_counted_where_measured_pixels_surround_them():
+    measured = np.zeros((100, 200), np.bool_)
+    measured[10:90, 20:120] = True
+    assert hole_share(measured) == 0
+    measured[20:80:2, 30:110] = False
+    assert hole_share(measured) == pytest.approx(30 * 80 / (80 * 100))
+
+
+def test_the_columns_that_never_have_depth_are_no_part_of_the_picture():
+    measured = np.ones((100, 200), np.bool_)
+    measured[:, :4] = False
+    assert seen_box(measured) == (0, 100, 4, 200)
+    measured[:, :60] = False
+    assert seen_box(measured) == (0, 100, 5, 200), "a wide dark stretch is not the edge"
+
+
+def test_what_touches_an_edge_is_counted_there():
+    mask = np.zeros((100, 200), np.bool_)
+    mask[30:80, 4:50] = True
+    assert cut_px(mask, (0, 100, 4, 200)).tolist() == [0, 0, 50, 0]
+    mask[80:, 20:30] = True
+    assert cut_px(mask, (0, 100, 4, 200)).tolist() == [0, 10, 50, 0]
+
+
+def test_joints_beyond_the_picture_or_beside_its_cut_are_not_shown():
+    scene = CrowdScene(ODD_PLANS["empty"], 0)
+    camera = scene.info.calibration.depth
+    k = camera.intrinsics
+    edge_m = 2.0 * (0 - k.cx) / k.fx
+    joints_m = np.array(
+        [[edge_m + 0.02, 0, 2.0], [edge_m - 0.02, 0, 2.0], [0, 0, 2.0], [np.nan] * 3]
+    )
+    whole = Picture(camera, (0, 480, 0, 640), (False, False, False, False))
+    assert whole.shows(joints_m).tolist() == [True, False, True, False]
+    cut = Picture(camera, (0, 480, 0, 640), (False, False, True, False))
+    assert CUT_MARGIN_M > 0.02
+    assert cut.shows(joints_m).tolist() == [False, False, True, False]
