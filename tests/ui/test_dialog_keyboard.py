@@ -32,6 +32,9 @@ from ui.capture.wand_presenter import WandPresenter
 from ui.disputes import Dispute
 from ui.export.dialog import ExportDialog, open_export
 from ui.limbs.dialog import LimbsDialog, open_limb_editor
+from ui.mapping.content import Standing
+from ui.mapping.dialog import MapDialog
+from ui.mapping.presenter import MapPresenter
 from ui.patients.orders_dialog import OrdersDialog
 from ui.patients.orders_presenter import OrderLine, OrdersPresenter
 from ui.settings.protocol_forms import LandmarkForm, MeasureForm
@@ -69,6 +72,13 @@ def open_wand(user):
     dialog = WandDialog(user.window)
     dialog.bind(create_autospec(WandPresenter, instance=True))
     dialog.show_readiness("", is_ready=True)
+    return dialog
+
+
+def open_map(user):
+    dialog = MapDialog("session-7.mcap", user.window)
+    dialog.bind(create_autospec(MapPresenter, instance=True))
+    dialog.show_standing(Standing(has_map=True))
     return dialog
 
 
@@ -115,6 +125,7 @@ OPENERS = {
     LearnDialog: open_learning,
     WandDialog: open_wand,
     LimbsDialog: open_limbs,
+    MapDialog: open_map,
     LandmarkForm: open_landmark,
     MeasureForm: open_measure,
     TypedConsent: open_consent,

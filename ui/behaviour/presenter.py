@@ -329,7 +329,17 @@ class BehaviourPresenter:
         self._source, self._times_ms, self._asked = None, (), None
         self._view.show_source("", "")
 
-    def _note_export(self) -> None:
+    def note_map(self) -> None:
+        """Log that a map leaves the store.
+
+        Raises
+        ------
+        StoreError
+            It cannot be logged, and nothing may leave then.
+        """
+        self._note_export("map")
+
+    def _note_export(self, kind: str = "coding") -> None:
         """Log that something of a patient leaves the store.
 
         Raises
@@ -342,7 +352,7 @@ class BehaviourPresenter:
             return
         store.require(Permission.EXPORT, source.session_id)
         if not store.is_read_only:
-            store.note_export("coding", source.session_id)
+            store.note_export(kind, source.session_id)
 
     def _show_stored(self) -> None:
         choices: tuple[StoredChoice, ...] = ()

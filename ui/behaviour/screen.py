@@ -5,6 +5,7 @@ from pathlib import Path
 from PySide6.QtWidgets import QWidget
 
 from adibas.errors import AdibasError
+from adibas.texts import translate as _
 from ui.behaviour.frame_feed import QtFrameFeed
 from ui.behaviour.keeping import DraftKeeper
 from ui.behaviour.presenter import BehaviourPresenter
@@ -13,6 +14,8 @@ from ui.behaviour.view import BehaviourScreen
 from ui.frame_bridge import CallBridge
 from ui.limbs.dialog import open_limb_editor
 from ui.limbs.ports import StoredRecording
+from ui.mapping.content import RecordingToMap
+from ui.mapping.dialog import MapDialog, open_map
 from ui.theme import Theme
 from ui.workspace import Workspace
 
@@ -32,7 +35,23 @@ def build_behaviour_screen(
     presenter = BehaviourPresenter(view, workspace, feed, keeper, title_of=stored_title)
     view.bind(presenter)
     view.offer_labelling(lambda: open_limb_editor(workspace, view, _to_label(workspace, presenter)))
+    view.offer_map(lambda: _map(workspace, view, presenter))
     return view
+
+
+def _map(
+    workspace: Workspace, view: BehaviourScreen, presenter: BehaviourPresenter
+) -> MapDialog | None:
+    """Show the map dialog for what is looked at; where that is nothing, say so."""
+    source = presenter.source
+    if source is None:
+        workspace.tell("warning", _("Open a recording of a moving camera first."))
+        return None
+    return open_map(
+        workspace,
+        view,
+        RecordingToMap(source.title, source.name, source.path, source.access, presenter.note_map),
+    )
 
 
 def _to_label(workspace: Workspace, presenter: BehaviourPresenter) -> Path | StoredRecording | None:

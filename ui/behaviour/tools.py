@@ -37,6 +37,8 @@ class BehaviourTools(QWidget):
     learning_asked = Signal()
     labelling_asked = Signal()
     """Limbs are to be labelled, for a model of one's own."""
+    map_asked = Signal()
+    """The recording is to become a surface in 3-D."""
     coding_opened = Signal(object)
     coding_saved = Signal(object)
     scheme_edited = Signal()
@@ -57,7 +59,7 @@ class BehaviourTools(QWidget):
         self.stored = QComboBox(self)
         self.buttons = {name: QPushButton(self) for name in BUTTONS}
         self._actions: dict[str, QAction] = {}
-        self._menu("find", "shipped", "own", "model", "plain", "learn", "label")
+        self._menu("find", "shipped", "own", "model", "plain", "learn", "label", "map")
         self._menu("file", "open_coding", "save_coding", "section")
         self._menu("scheme", "edit", "open_scheme", "save_scheme")
         column = QVBoxLayout(self)
@@ -92,6 +94,7 @@ class BehaviourTools(QWidget):
             "model": self._ask_model,
             "learn": self.learning_asked.emit,
             "label": self.labelling_asked.emit,
+            "map": self.map_asked.emit,
             "open_coding": self._ask_coding,
             "save_coding": self._ask_place,
             "section": self.section_asked.emit,
@@ -226,6 +229,7 @@ def _action_texts() -> dict[str, str]:
         "plain": _("Changes of posture and times out of view alone"),
         "learn": _("Learn a gesture from what is coded..."),
         "label": _("Label limbs for a model of your own..."),
+        "map": _("Map in 3-D what the camera saw..."),
         "open_coding": _("Open a coding..."),
         "save_coding": _("Save a copy..."),
         "section": _("Mark a section..."),

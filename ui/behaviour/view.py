@@ -167,6 +167,10 @@ class BehaviourScreen(Screen):
         """Call this when limbs are to be labelled."""
         self._tools.labelling_asked.connect(label)
 
+    def offer_map(self, show: Callable[[], object]) -> None:
+        """Call this when the recording is to become a surface."""
+        self._tools.map_asked.connect(show)
+
     def _bind_pages(self, counts: CountsPresenter) -> None:
         self._tabs.currentChanged.connect(
             lambda _index: counts.set_seen(is_seen=self._tabs.currentWidget() is self._counts)

@@ -60,6 +60,7 @@ class SpaceView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._space: Space | None = None
+        self._empty_text = ""
         self._middle_m = np.zeros(3)
         self._size_m, self._pitch_m = 1.0, 0.0
         self._packed = np.zeros(0, np.uint32)
@@ -73,8 +74,22 @@ class SpaceView(QWidget):
     def sizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
         return QSize(640, 480)
 
+    def set_empty_text(self, text: str) -> None:
+        """Say so where there is no surface; the usual sentence is on captures without depth."""
+        self._empty_text = text
+        self.update()
+
     def show_space(self, space: Space | None) -> None:
         """Show another surface, from ahead."""
+        self._take(space)
+        self.fit()
+
+    def renew_space(self, space: Space) -> None:
+        """Show the surface as it is now, from where it was looked at."""
+        self._take(space)
+        self.update()
+
+    def _take(self, space: Space | None) -> None:
         self._space = space
         if space is not None and len(space.points_m):
             low, self._middle_m, high = np.percentile(space.points_m, (5, 50, 95), axis=0)
@@ -84,7 +99,6 @@ class SpaceView(QWidget):
             self._points_m = space.points_m.astype(np.float32)
             red, green, blue = space.colors_rgb.astype(np.uint32).T
             self._packed = 0xFF000000 | red << 16 | green << 8 | blue
-        self.fit()
 
     def show_landmarks(self, landmarks_m: Mapping[str, FloatArray]) -> None:
         """Show the landmarks where they are now."""
@@ -120,7 +134,8 @@ class SpaceView(QWidget):
         if self._space is None:
             painter.setPen(QColor("#B3C0CB"))
             wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            text = _("No depth was kept with this capture, so there is nothing to turn.")
+            usual = _("No depth was kept with this capture, so there is nothing to turn.")
+            text = self._empty_text or usual
             painter.drawText(self.rect().adjusted(16, 16, -16, -16), wrapped, text)
         else:
             painter.drawImage(0, 0, self._surface_image())
