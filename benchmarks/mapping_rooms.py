@@ -6,7 +6,7 @@ import numpy as np
 
 from adibas.alignment.pairing import Moment
 from adibas.alignment.sights import see
-from adibas.arrays import FloatArray
+from adibas.arrays import FloatArray, UInt8Array, UInt16Array
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
@@ -52,12 +52,12 @@ def room_pair(seed: int, turn_rad: float, shift_m: float) -> RoomPair | None:
         motion = RigidTransform(rotation_from_vector(axis * turn_rad), way * shift_m)
         other = motion @ first
         if room.is_free(other.inverse().translation_m, 0.3):
-            eye = _Eye(room, device, seed)
+            eye = Eye(room, device, seed)
             return RoomPair(eye.look(other, FRAMES_APART), eye.look(first, 0), motion)
     return None
 
 
-class _Eye:
+class Eye:
     """A device in a room."""
 
     def __init__(self, room: FurnishedRoom, device: Device, seed: int) -> None:
@@ -71,15 +71,26 @@ class _Eye:
         light = draw_illumination(np.random.default_rng(seed))
         self._color = ColorSensor(color, ColorNoise(), light, seed)
 
-    def look(self, camera_from_world: RigidTransform, moment: int) -> Moment:
-        """Return what the device measures."""
+    @property
+    def calibration(self) -> RgbdCalibration:
+        """Of the device."""
+        return self._calibration
+
+    def measure(
+        self, camera_from_world: RigidTransform, moment: int
+    ) -> tuple[UInt16Array, UInt8Array]:
+        """Return raw depth and the colour picture."""
         depth_camera, color_camera = self._cameras
         view = self._room.look(depth_camera, camera_from_world)
         raw = self._depth.measure(view.inverse_depth, view.reflectance, moment)
-        depth_m = self._calibration.corrected_depth(depth_in_metres(raw, DEPTH_UNIT_M))
         color_from_world = self._calibration.color_from_depth @ camera_from_world
         srgb = 255.0 * self._room.look(color_camera, color_from_world).rgb.astype(float)
-        color_rgb = self._color.take(linear_from_srgb(srgb).astype(np.float32), moment)
+        return raw, self._color.take(linear_from_srgb(srgb).astype(np.float32), moment)
+
+    def look(self, camera_from_world: RigidTransform, moment: int) -> Moment:
+        """Return what the device measures, ready for alignment."""
+        raw, color_rgb = self.measure(camera_from_world, moment)
+        depth_m = self._calibration.corrected_depth(depth_in_metres(raw, DEPTH_UNIT_M))
         return Moment(see(np.ascontiguousarray(depth_m, np.float32), color_rgb, self._calibration))
 
 

@@ -146,9 +146,15 @@ def _shares(total: FloatArray) -> tuple[float, float]:
 
 
 def moved(motion: RigidTransform, twist: FloatArray) -> RigidTransform:
-    """Return the motion with a small turn (first three) and a shift after it."""
+    """Return the motion with a small turn (first three) and a shift after it.
+
+    Its rotation is one to the last digit: where each frame's guess comes from the two before,
+    rounding would double with every frame. Source: Higham (1986), one step of Newton's iteration.
+    """
     turn = rotation_from_vector(twist[:3])
-    return RigidTransform(turn @ motion.rotation, turn @ motion.translation_m + twist[3:])
+    rotation = turn @ motion.rotation
+    rotation = rotation @ (1.5 * np.eye(3) - 0.5 * rotation.T @ rotation)
+    return RigidTransform(rotation, turn @ motion.translation_m + twist[3:])
 
 
 def cross_matrices(points: FloatArray) -> FloatArray:

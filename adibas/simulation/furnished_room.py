@@ -5,10 +5,11 @@ x = z = 0.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from adibas.arrays import Float32Array, FloatArray, IntArray
+from adibas.arrays import Float32Array, FloatArray, IntArray, read_only
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.distortion import pixel_rays
 from adibas.geometry.rigid import RigidTransform
@@ -75,10 +76,7 @@ class FurnishedRoom:
     def look(self, camera: CameraCalibration, camera_from_world: RigidTransform) -> RoomView:
         """Return what a camera sees from inside the room."""
         world_from_camera = camera_from_world.inverse()
-        rays = np.ones((camera.height, camera.width, 3))
-        rays[..., :2] = pixel_rays(
-            (camera.height, camera.width), camera.intrinsics, camera.distortion
-        )
+        rays = _rays(camera)
         ways = (rays @ world_from_camera.rotation.T).reshape(-1, 3)
         origin = world_from_camera.translation_m
         depths, owner = cast_rays(origin, ways, self._boxes, self._spheres)
@@ -106,6 +104,15 @@ class FurnishedRoom:
             color = color + share * (_hashed(cells, self._salt)[:, None] - 0.5)
         shown: FloatArray = np.clip(color, 0.02, 0.98)
         return shown
+
+
+@lru_cache(maxsize=4)
+def _rays(camera: CameraCalibration) -> FloatArray:
+    """Return the (H, W, 3) rays of one metre of depth."""
+    rays = np.ones((camera.height, camera.width, 3))
+    rays[..., :2] = pixel_rays((camera.height, camera.width), camera.intrinsics, camera.distortion)
+    read_only(rays)
+    return rays
 
 
 def _turn(c: float, s: float) -> FloatArray:

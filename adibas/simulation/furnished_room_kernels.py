@@ -32,18 +32,47 @@ def cast_rays(
     """
     depths = np.empty(len(ways))
     owners = np.zeros(len(ways), np.int64)
+    around = _surround(boxes)
     for i in range(len(ways)):
         nearest = _through(origin, ways[i], boxes[0])[1]
         for number in range(1, len(boxes)):
+            if not _may_meet(origin, ways[i], around[number]):
+                continue
             near, far = _through(origin, ways[i], boxes[number])
             if near < far and 0.0 < near < nearest:
                 nearest, owners[i] = near, number
         for number in range(len(spheres)):
+            if not _may_meet(origin, ways[i], spheres[number]):
+                continue
             near = _onto(origin, ways[i], spheres[number])
             if 0.0 < near < nearest:  # false for NaN
                 nearest, owners[i] = near, len(boxes) + number
         depths[i] = nearest
     return depths, owners
+
+
+@compiled
+def _surround(boxes: FloatArray) -> FloatArray:
+    """Return the (B, 4) spheres around boxes, a little too large."""
+    around = np.empty((len(boxes), 4))
+    around[:, :3] = boxes[:, :3]
+    for number in range(len(boxes)):
+        x, y, z = boxes[number, 3], boxes[number, 4], boxes[number, 5]
+        around[number, 3] = 1.001 * np.sqrt(x * x + y * y + z * z)
+    return around
+
+
+@compiled
+def _may_meet(origin: FloatArray, way: FloatArray, sphere: FloatArray) -> bool:
+    """Return whether the line along a ray comes near a sphere; false only where it does not."""
+    along, squared, apart = 0.0, 0.0, 0.0
+    for k in range(3):
+        off = sphere[k] - origin[k]
+        along += off * way[k]
+        squared += way[k] * way[k]
+        apart += off * off
+    beside = apart - 1.001 * sphere[3] * sphere[3]
+    return beside <= 0.0 or (along > 0.0 and along * along >= beside * squared)
 
 
 @compiled

@@ -126,6 +126,15 @@ def test_the_equations_of_pairs_are_the_slope_of_their_squares(first):
     np.testing.assert_allclose(right, -np.array(slopes), rtol=0.06, atol=20.0)
 
 
+def test_rounding_does_not_grow_where_each_motion_is_guessed_from_the_two_before():
+    last, step = IDENTITY, posed((0.3, -0.2, 0.1), (0.01, 0.0, 0.02))
+    for _ in range(500):
+        now = moved(last @ step, np.array([1e-4, -2e-4, 1e-4, 0.0, 1e-4, 0.0]))
+        last, step = now, last.inverse() @ now
+    off = last.rotation @ last.rotation.T - np.eye(3)
+    assert np.abs(off).max() < 1e-12
+
+
 def test_planes_in_inverse_depth_are_exact_on_a_plane_and_absent_across_an_edge():
     rays = np.stack(np.meshgrid(np.linspace(-0.3, 0.3, 30), np.linspace(-0.2, 0.2, 20)), axis=-1)
     plane = np.array([0.2, -0.1, 0.5])
