@@ -62,9 +62,14 @@ class HandoverWish:
     @property
     def shown(self) -> PictureChoice:
         """Return how much pictures show."""
-        if self.pictures is not None:
-            return self.pictures
-        return PictureChoice.AS_IS if self.tells_who else PictureChoice.BLURRED
+        return shown_pictures(self.pictures, tells_who=self.tells_who)
+
+
+def shown_pictures(wished: PictureChoice | None, *, tells_who: bool) -> PictureChoice:
+    """Return how much pictures show: what is wished, else as fits whether the person is told."""
+    if wished is not None:
+        return wished
+    return PictureChoice.AS_IS if tells_who else PictureChoice.BLURRED
 
 
 def prepare(store: SessionStore, wish: HandoverWish) -> Handover:

@@ -35,8 +35,8 @@ from ui.limbs.dialog import LimbsDialog, open_limb_editor
 from ui.mapping.content import Standing
 from ui.mapping.dialog import MapDialog
 from ui.mapping.presenter import MapPresenter
-from ui.patients.orders_dialog import OrdersDialog
-from ui.patients.orders_presenter import OrderLine, OrdersPresenter
+from ui.orders.dialog import OrdersDialog
+from ui.orders.presenter import OrderLine, OrdersPresenter
 from ui.settings.protocol_forms import LandmarkForm, MeasureForm
 from ui.theme import Theme
 from ui.widgets.dispute_dialog import DisputeDialog

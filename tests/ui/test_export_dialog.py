@@ -18,7 +18,8 @@ from PySide6.QtWidgets import (
     QRadioButton,
 )
 
-from adibas.exchange import dicom_pictures
+from adibas.exchange import dicom_network, dicom_pictures
+from adibas.exchange.orders import Order
 from adibas.exchange.servers import DicomServer, write_servers
 from adibas.reports import pdf
 from adibas.sessions import open_store
@@ -31,8 +32,13 @@ from tests.unit.exchange_samples import add_clinic_session, secrets_in
 from tests.unit.orthanc_server import TITLE
 from ui.export import presenter as export_presenter
 from ui.export.dialog import ExportDialog
+from ui.orders.dialog import OrdersDialog
 from ui.patients.history_list import HistoryList
 
+ORDER = Order(
+    *("A-1", "1.2.826.0.1.3680043.2.1", "HC-004711", "Quetzal^Ximena", "20140327", "F"),
+    *("R-1", "Posture", "20261121090000"),
+)
 open_window, named_servers = window_user.open_window, export_scene.named_servers
 
 
@@ -143,6 +149,55 @@ def test_the_identity_is_never_ticked_at_first_and_a_place_is_not_remembered(use
         user.settle()
     written = (tmp_path / "preferences.json").read_text("utf-8")
     assert "out.json" not in written
+
+
+def test_an_order_is_looked_up_for_the_files_and_let_go_again(
+    user, tmp_path, named_servers, monkeypatch
+):
+    write_servers(named_servers, {"pacs": DicomServer("pacs.clinic", 104, TITLE)})
+    monkeypatch.setattr(dicom_network, "orders", lambda *_question: (ORDER,))
+    user.click("Export...")
+    dialog = dialog_of(user)
+    assert "For an order of the work list..." not in buttons(dialog)
+    user.key(Key.Key_Down)  # DICOM files
+    user.click("For an order of the work list...", dialog)
+    user.until(lambda: visible_dialogs(OrdersDialog))
+    (orders,) = visible_dialogs(OrdersDialog)
+    user.until(lambda: orders.findChild(QListWidget).count())
+    user.click("Take over", orders)
+    user.until(lambda: not visible_dialogs(OrdersDialog))
+    assert dialog_of(user) is dialog
+    assert "answer the order A-1" in seen(dialog)
+    user.tab_to_button("For no order")
+    user.key(Key.Key_Space)
+    assert user.focus.text() == "For an &order of the work list..."
+    assert "answer the order" not in seen(dialog)
+    assert "For no order" not in buttons(dialog)
+    assert exports(user.store) == []
+    user.key(Key.Key_Escape)
+    user.until(lambda: not visible_dialogs())
+    assert not any(tmp_path.rglob("*.dcm"))
+
+
+def buttons(dialog):
+    return [one.text().replace("&", "") for one in visible(dialog, QPushButton)]
+
+
+def test_another_protocol_is_chosen_with_keys_and_measured(user, tmp_path):
+    user.click("Export...")
+    dialog = dialog_of(user)
+    choose_as_is(dialog)
+    protocols = visible(dialog, QComboBox)[-3]
+    assert protocols.currentText() == "As the session says"
+    while protocols.currentText() != "Upper quadrant":
+        QTest.keyClick(protocols, Key.Key_Down)
+    user.click("Export...", dialog)
+    user.answer_file_dialog(tmp_path / "out.json")
+    user.until(lambda: not visible_dialogs(ExportDialog))
+    told(user)
+    text = (tmp_path / "out.json").read_text("utf-8")
+    assert "CVA" in text
+    assert "ANT.ACR.H" not in text
 
 
 def test_escape_exports_nothing(user):

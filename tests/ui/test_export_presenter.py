@@ -10,6 +10,7 @@ import pytest
 from adibas.cli import main
 from adibas.data.patients import Consent
 from adibas.data.report import PictureChoice
+from adibas.exchange.orders import Order
 from adibas.exchange.servers import DicomServer, write_servers
 from tests.ui import export_scene
 from tests.ui.conftest import PASSPHRASE
@@ -22,6 +23,10 @@ from ui.export.presenter import ExportPresenter, ExportView
 named_servers, clinic_session = export_scene.named_servers, export_scene.clinic_session
 AS_IS = PictureChoice.AS_IS
 PACS = DicomServer("pacs.clinic", 104, "PACS")
+ORDER = Order(
+    *("A-1", "1.2.826.0.1.3680043.2.1", "HC-004711", "Quetzal^Ximena", "20140327", "F"),
+    *("R-1", "Posture", "20261121090000"),
+)
 
 
 @pytest.fixture
@@ -182,3 +187,68 @@ def test_a_session_that_is_gone_asks_nothing(view, workspace, named_servers, tol
     assert not ExportPresenter(view, workspace).open("nothing")
     assert told[-1][0] == "bad"
     view.show_choice.assert_not_called()
+
+
+@pytest.mark.usefixtures("presenter")
+def test_at_first_it_is_measured_by_what_the_session_says(view):
+    (titles,) = view.show_protocols.call_args.args
+    assert dict(titles)["upper-quadrant"] == "Upper quadrant"
+    assert shown(view).choice.protocol == ""
+
+
+def test_another_protocol_is_measured_as_the_command_does(
+    presenter, store, clinic_session, tmp_path, monkeypatch
+):
+    presenter.choose(pictures=AS_IS)
+    presenter.export_to(tmp_path / "usual.json")
+    presenter.choose(protocol="upper-quadrant")
+    presenter.export_to(tmp_path / "window.json")
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
+    command = ["export", "fhir", clinic_session.session_id, "--store", str(store.folder)]
+    options = ["--pictures", "as-is", "--language", "en", "--protocol", "upper-quadrant"]
+    assert main([*command, *options, "--out", str(tmp_path / "command.json")]) == 0
+    assert without_pdf(tmp_path / "window.json") == without_pdf(tmp_path / "command.json")
+    assert without_pdf(tmp_path / "window.json") != without_pdf(tmp_path / "usual.json")
+
+
+def test_a_protocol_that_is_gone_is_told_and_nothing_leaves(presenter, store, tmp_path, told):
+    presenter.choose(protocol="removed", pictures=AS_IS)
+    presenter.export_to(tmp_path / "out.json")
+    assert "removed" in told[-1][1]
+    assert not (tmp_path / "out.json").exists()
+    assert exports(store) == []
+
+
+def test_files_answer_an_order_and_carry_its_patient(presenter, view, store, tmp_path):
+    presenter.choose(kind="dicom")
+    presenter.take_order(ORDER)
+    assert shown(view).pictures is AS_IS
+    assert any("answer the order A-1" in one for one in shown(view).warnings)
+    assert not any("no name" in one for one in shown(view).content)
+    presenter.export_to(tmp_path / "out")
+    for path in (tmp_path / "out").rglob("*.dcm"):
+        dataset = pydicom.dcmread(path)
+        assert (dataset.AccessionNumber, dataset.StudyInstanceUID) == ("A-1", ORDER.study_uid)
+        assert str(dataset.PatientName) == ORDER.patient_name
+    assert exports(store) == ["dicom, with identity"]
+
+
+def test_a_bundle_answers_no_order_and_tells_nobody(presenter, view, store, tmp_path):
+    presenter.choose(kind="dicom")
+    presenter.take_order(ORDER)
+    presenter.choose(kind="fhir", pictures=AS_IS)
+    assert any("pseudonym" in one for one in shown(view).content)
+    presenter.export_to(tmp_path / "out.json")
+    assert not secrets_in((tmp_path / "out.json").read_bytes())
+    assert exports(store) == ["fhir"]
+
+
+def test_an_order_of_somebody_else_is_told_and_not_taken(presenter, view):
+    presenter.choose(kind="dicom")
+    presenter.take_order(replace(ORDER, patient_id="HC-1"))
+    assert any("of another patient" in one for one in shown(view).warnings)
+    assert shown(view).choice.order is None
+    presenter.take_order(ORDER)
+    assert not any("of another patient" in one for one in shown(view).warnings)
+    presenter.choose(order=None)
+    assert any("pseudonym" in one for one in shown(view).content)

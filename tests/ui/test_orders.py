@@ -1,4 +1,4 @@
-"""A new patient is taken over from the work list of a server that somebody named."""
+"""An order is chosen from the work list of a server that somebody named."""
 
 from datetime import date, datetime
 from unittest.mock import create_autospec
@@ -6,7 +6,7 @@ from unittest.mock import create_autospec
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QComboBox, QLabel, QListWidget, QPushButton
+from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit, QListWidget, QPushButton
 
 from adibas.errors import ExchangeError
 from adibas.exchange import dicom_network
@@ -16,9 +16,8 @@ from tests.ui import export_scene, window_user
 from tests.ui.window_user import Key, visible, visible_dialogs
 from tests.unit import orthanc_server
 from tests.unit.orthanc_server import TITLE, add_order
-from ui.patients.content import PatientEntry
-from ui.patients.orders_dialog import OrdersDialog
-from ui.patients.orders_presenter import OrderLine, OrdersPresenter, OrdersView
+from ui.orders.dialog import OrdersDialog
+from ui.orders.presenter import OrderLine, OrdersPresenter, OrdersView
 
 named_servers, open_window = export_scene.named_servers, window_user.open_window
 PACS = DicomServer("pacs.clinic", 104, "PACS")
@@ -72,10 +71,10 @@ def test_todays_orders_are_looked_up_at_first_and_all_when_wanted(presenter, vie
     assert "Ana" not in repr(line)
 
 
-def test_the_chosen_patient_is_given_to_the_form(presenter, taken):
+def test_the_chosen_order_is_given_to_who_asked(presenter, taken):
     presenter.open()
     presenter.take(0)
-    assert taken == [PatientEntry("Ana Uno", "27/03/2014", "HC-9", "female")]
+    assert taken == [ORDER]
 
 
 def test_a_server_that_fails_is_told_where_one_looks(presenter, view, lists):
@@ -126,6 +125,16 @@ def test_a_patient_is_taken_over_with_keys_alone_and_saved(user, lists):
     assert user.workspace.patient.identity.record_number == "HC-7"
     assert user.workspace.patient.sex == "male"
     assert dialog is not None
+
+
+def test_the_birth_date_of_an_order_is_in_the_form_as_it_is_typed(user, lists):
+    assert lists.answer == (ORDER,)
+    user.click("New patient")
+    user.click("From the work list...")
+    QTest.keyClick(dialog_of(user).findChild(QListWidget), Key.Key_Return)
+    user.until(lambda: not dialog_is_open())
+    user.window.activateWindow()
+    assert "27/03/2014" in [one.text() for one in visible(user.window, QLineEdit)]
 
 
 def dialog_is_open():

@@ -4,7 +4,7 @@ from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
 
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import (
     QButtonGroup,
     QCheckBox,
@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QFileDialog,
     QFormLayout,
     QLabel,
+    QPushButton,
     QRadioButton,
     QVBoxLayout,
     QWidget,
@@ -22,8 +23,11 @@ from PySide6.QtWidgets import (
 from adibas.data.report import PictureChoice
 from adibas.texts import LANGUAGES, message, translate_plural
 from adibas.texts import translate as _
-from ui.export.presenter import ExportPresenter, Kind, Shown
+from ui.export.content import Kind, Shown
+from ui.export.presenter import ExportPresenter
+from ui.orders.dialog import open_orders
 from ui.widgets.dates import moment_text
+from ui.widgets.flow import in_a_flow
 from ui.widgets.scrolled import Scrolled
 from ui.workspace import Workspace
 
@@ -45,6 +49,8 @@ Ok, Cancel = QDialogButtonBox.StandardButton.Ok, QDialogButtonBox.StandardButton
 class ExportDialog(QDialog):
     """Three ways out, one tick for the identity, and what follows from both in words."""
 
+    order_asked = Signal()
+
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -59,10 +65,12 @@ class ExportDialog(QDialog):
         self._warning.setProperty("kind", "warning")
         self._kinds = QButtonGroup(self)
         self._server = QComboBox(self)
-        self._pictures, self._language = QComboBox(self), QComboBox(self)
+        self._order, self._no_order = QPushButton(self), QPushButton(self)
+        self._protocol, self._pictures, self._language = (QComboBox(self) for _box in range(3))
         self._identity = QCheckBox(self)
         self._box = QDialogButtonBox(Ok | Cancel, self)
         self._kind: Kind = "fhir"
+        self._has_work_list = False
         self._lay_out()
 
     def _lay_out(self) -> None:
@@ -73,10 +81,13 @@ class ExportDialog(QDialog):
             button = QRadioButton(_(text), self)
             self._kinds.addButton(button, number)
             inside.column.addWidget(button)
-        for widget in (self._server, self._no_server, self._identity):
+        for widget in (self._server, self._no_server):
             inside.column.addWidget(widget)
+        inside.column.addLayout(in_a_flow(self._order, self._no_order))
+        inside.column.addWidget(self._identity)
         form = QFormLayout()
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
+        form.addRow(_("P&rotocol"), self._protocol)
         form.addRow(_("&Pictures"), self._pictures)
         form.addRow(_("&Language"), self._language)
         inside.column.addLayout(form)
@@ -90,7 +101,10 @@ class ExportDialog(QDialog):
         column.addWidget(self._box)
         self._inside, self._column = inside, column
         self._word()
-        fields = (self._server, self._identity, self._pictures, self._language, self._box)
+        fields = (
+            *(self._server, self._order, self._no_order, self._identity),
+            *(self._protocol, self._pictures, self._language, self._box),
+        )
         for before, after in pairwise((*self._kinds.buttons(), *fields)):
             self.setTabOrder(before, after)
         self._kinds.button(0).setFocus()
@@ -99,7 +113,10 @@ class ExportDialog(QDialog):
         self.setWindowTitle(_("Export a session"))
         self._server.setAccessibleName(_("DICOM server"))
         self._no_server.setText(_("No DICOM server is set up. One is named in Settings, General."))
+        self._order.setText(_("For an &order of the work list..."))
+        self._no_order.setText(_("For &no order"))
         self._identity.setText(_("&With the identity of the patient"))
+        self._protocol.addItem(_("As the session says"), "")
         for choice, text in PICTURES.items():
             self._pictures.addItem(_(text), choice)
         for language, own_name in LANGUAGES.items():
@@ -116,6 +133,11 @@ class ExportDialog(QDialog):
             lambda _index: presenter.choose(server=self._server.currentText())
         )
         self._identity.toggled.connect(lambda is_on: presenter.choose(with_identity=is_on))
+        self._order.clicked.connect(self.order_asked)
+        self._no_order.clicked.connect(lambda: presenter.choose(order=None))
+        self._protocol.activated.connect(
+            lambda _index: presenter.choose(protocol=self._protocol.currentData())
+        )
         self._pictures.activated.connect(
             lambda _index: presenter.choose(pictures=PictureChoice(self._pictures.currentData()))
         )
@@ -133,6 +155,11 @@ class ExportDialog(QDialog):
         self._server.addItems(list(names))
         self._no_server.setVisible(not names)
         self._kinds.button(list(KINDS).index("server")).setEnabled(bool(names))
+        self._has_work_list = bool(names)
+
+    def show_protocols(self, titles: tuple[tuple[str, str], ...]) -> None:
+        for name, title in titles:
+            self._protocol.addItem(title, name)
 
     def show_choice(self, shown: Shown) -> None:
         choice = shown.choice
@@ -140,6 +167,10 @@ class ExportDialog(QDialog):
         self._kinds.button(list(KINDS).index(choice.kind)).setChecked(True)
         self._server.setVisible(choice.kind == "server")
         self._server.setCurrentIndex(self._server.findText(choice.server))
+        self._order.setVisible(self._has_work_list and choice.kind != "fhir")
+        if choice.answered is None and self._no_order.hasFocus():
+            self._order.setFocus()  # the next one is the tick of the identity
+        self._no_order.setVisible(choice.answered is not None)
         with QSignalBlocker(self._identity):
             self._identity.setChecked(choice.with_identity)
         self._pictures.setCurrentIndex(list(PICTURES).index(shown.pictures))
@@ -195,6 +226,7 @@ def open_export(workspace: Workspace, parent: QWidget, session_id: str) -> Expor
     dialog = ExportDialog(parent)
     presenter = ExportPresenter(dialog, workspace)
     dialog.bind(presenter)
+    dialog.order_asked.connect(lambda: open_orders(workspace, dialog, presenter.take_order))
     if not presenter.open(session_id):
         dialog.deleteLater()
         return None

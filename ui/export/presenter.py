@@ -4,25 +4,28 @@ Whatever is chosen, `ExportPresenter._start` is where it leaves.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from adibas.data.report import PictureChoice
 from adibas.errors import AdibasError
-from adibas.texts import message, translate_plural
+from adibas.texts import describe, message, translate_plural
 from adibas.texts import translate as _
+from ui.export.content import ExportChoice, Kind, Shown
 from ui.ports import JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
+    from adibas.data.patients import Identity
     from adibas.exchange.handing_over import HandoverWish
+    from adibas.exchange.orders import Order
     from adibas.exchange.servers import DicomServer
+    from adibas.pipeline.protocol_measuring import ProtocolWish
     from adibas.sessions import SessionStore
 
-Kind = Literal["fhir", "dicom", "server"]
-CONTENTS = {
+CONTENTS: dict[Kind, str] = {
     "fhir": message(
         "One file: every measure with its unit and its 95 % interval, the sensor and its "
         "calibration, and the report as a PDF."
@@ -42,43 +45,12 @@ PSEUDONYM_ALONE = message(
 NAMED = message(
     "Name, birth date, record number, sex and your notes go along: whoever gets it knows who it is."
 )
+ORDERED = message(
+    "The files answer the order {order}: they belong to its study and carry its patient's name and "
+    "birth date."
+)
 FACE_SEEN = message("The pictures show the face: who knows the patient knows who it is.")
 NO_CONSENT = message("There is no consent of this patient on record.")
-
-
-@dataclass(frozen=True, slots=True)
-class ExportChoice:
-    """What was chosen so far.
-
-    Attributes
-    ----------
-    kind : Kind
-        What is made, and where it goes.
-    with_identity : bool
-        Never so before somebody ticks it.
-    pictures : PictureChoice or None
-        None: as fits whether the person is told.
-    language : str
-        Two letters.
-    server : str
-        Name of the server that is sent to; empty where none is set up.
-    """
-
-    language: str
-    kind: Kind = "fhir"
-    with_identity: bool = False
-    pictures: PictureChoice | None = None
-    server: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """What the dialog shows of a choice: the pictures in use, what leaves, what to mind."""
-
-    choice: ExportChoice
-    pictures: PictureChoice
-    content: tuple[str, ...]
-    warnings: tuple[str, ...]
 
 
 class ExportView(Protocol):
@@ -89,6 +61,9 @@ class ExportView(Protocol):
 
     def show_servers(self, names: tuple[str, ...]) -> None:
         """Offer these; none is set up where there are none."""
+
+    def show_protocols(self, titles: tuple[tuple[str, str], ...]) -> None:
+        """Offer protocols by name and title, and the one that the session names."""
 
     def show_choice(self, shown: Shown) -> None:
         """Show what is chosen, and what follows from it."""
@@ -108,6 +83,8 @@ class ExportPresenter:
         self._session_id = ""
         self._stem = ""
         self._has_consent = True
+        self._identity: Identity | None = None
+        self._problem = ""
 
     def open(self, session_id: str) -> bool:
         """Show a session and what can be done with it; return whether it is there."""
@@ -121,10 +98,28 @@ class ExportPresenter:
     def choose(self, **changes: object) -> None:
         """Take what the user changed of the choice."""
         self._choice = replace(self._choice, **changes)  # type: ignore[arg-type]
+        self._problem = ""
         self._show()
+
+    def take_order(self, order: "Order") -> None:
+        """Let the files answer an order, if it is of this patient."""
+        from adibas.exchange.orders import check_same_patient
+
+        if self._identity is None:
+            return
+        try:
+            check_same_patient(order, self._identity)
+        except AdibasError as error:
+            self._problem = describe(error)
+            self._show()
+        else:
+            self.choose(order=order)
 
     def export_to(self, path: Path) -> None:
         """Write the bundle to a file, or the DICOM files into a new folder in this one."""
+        self._workspace.attempt(lambda: self._export_to(path))
+
+    def _export_to(self, path: Path) -> None:
         store, wish, stem = self._workspace.store, self._wish(), self._stem
         if self._choice.kind == "fhir":
             self._start(lambda control: _write_fhir(store, wish, path, control))
@@ -133,6 +128,9 @@ class ExportPresenter:
 
     def send(self) -> None:
         """Send the DICOM files to the chosen server."""
+        self._workspace.attempt(self._send)
+
+    def _send(self) -> None:
         from adibas.exchange.handing_over import export_to_server
 
         name = self._choice.server
@@ -157,16 +155,23 @@ class ExportPresenter:
 
         choice = self._choice
         return HandoverWish(
-            self._session_id, choice.language, choice.with_identity, choice.pictures
+            self._session_id,
+            choice.language,
+            choice.with_identity,
+            choice.pictures,
+            _wished_protocol(choice.protocol),
+            choice.answered,
         )
 
     def _read(self, session_id: str) -> None:
         from adibas.exchange.servers import read_servers, servers_file
+        from adibas.measures.protocol_store import protocol_titles
 
         store = self._workspace.store
         session = store.sessions.get(session_id)
         patient = store.patients.get(session.patient)
         self._session_id = session_id
+        self._identity = patient.identity
         self._stem = f"{session.patient}_{session.started_utc:%Y-%m-%d}"
         self._has_consent = any(one.withdrawn_utc is None for one in patient.consents)
         self._view.show_session(
@@ -179,22 +184,32 @@ class ExportPresenter:
         names = tuple(sorted(self._servers))
         self._choice = replace(self._choice, server=names[0] if names else "")
         self._view.show_servers(names)
+        titles = tuple((name, title.text) for name, title in protocol_titles())
+        self._view.show_protocols(titles)
         self._show()
 
     def _show(self) -> None:
-        choice, pictures = self._choice, self._wish().shown
+        from adibas.exchange.handing_over import shown_pictures
+
+        choice, order = self._choice, self._choice.answered
+        tells_who = choice.with_identity or order is not None
+        pictures = shown_pictures(choice.pictures, tells_who=tells_who)
         content = [_(CONTENTS[choice.kind])]
-        if not choice.with_identity:
+        if not tells_who:
             content.append(_(PSEUDONYM_ALONE))
         warnings = tuple(self._warnings(pictures))
         self._view.show_choice(Shown(choice, pictures, tuple(content), warnings))
 
     def _warnings(self, pictures: PictureChoice) -> Iterator[str]:
         """Yield what the user should know before it leaves."""
-        choice = self._choice
+        if self._problem:
+            yield self._problem
+        choice, order = self._choice, self._choice.answered
         if choice.with_identity:
             yield _(NAMED)
-        elif pictures is PictureChoice.AS_IS:
+        if order is not None:
+            yield _(ORDERED).format(order=order.accession_number)
+        elif not choice.with_identity and pictures is PictureChoice.AS_IS:
             yield _(FACE_SEEN)
         if not self._has_consent:
             yield _(NO_CONSENT)
@@ -203,6 +218,22 @@ class ExportPresenter:
             from adibas.exchange.servers import LISTENERS
 
             yield _(LISTENERS).format(server=choice.server)
+
+
+def _wished_protocol(name: str) -> "ProtocolWish | None":
+    """Return what to measure by; None: as the session says.
+
+    Raises
+    ------
+    ProtocolError
+        It is gone meanwhile, or has a mistake.
+    """
+    if not name:
+        return None
+    from adibas.measures.protocol_store import find_protocol
+    from adibas.pipeline.protocol_measuring import ProtocolWish
+
+    return ProtocolWish(find_protocol(name))
 
 
 def _write_fhir(

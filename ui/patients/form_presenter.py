@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from adibas.data.patients import Consent, Identity, Patient
 from adibas.texts import translate as _
+from ui.orders.presenter import has_work_list
 from ui.patients.content import (
     CHILD_BELOW_YEARS,
     ConsentEntry,
@@ -15,10 +16,10 @@ from ui.patients.content import (
     PatientEntry,
     read_birth_date,
 )
-from ui.patients.orders_presenter import has_work_list
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
+    from adibas.exchange.orders import Order
     from adibas.sessions.conflicts import Decision
 
 MOST_ALIKE = 50
@@ -93,9 +94,10 @@ class FormPresenter:
         if patient is not None and not self._workspace.store.is_read_only:
             self._open(patient, None)
 
-    def take_over(self, entry: PatientEntry) -> None:
-        """Fill the form of a new patient with what is known elsewhere; it is saved as typed."""
+    def take_over(self, order: "Order") -> None:
+        """Fill the form of a new patient with whom an order is of; it is saved as typed."""
         if self._edited is None and self._is_new:
+            entry = _ordered_entry(order)
             self._open(None, entry, is_new=True)
             self.note_birth_date(entry.birth_date)
 
@@ -272,6 +274,15 @@ def _entry_of(patient: Patient) -> PatientEntry:
         patient.sex,
         patient.notes,
     )
+
+
+def _ordered_entry(order: "Order") -> PatientEntry:
+    """Return whom an order is of, as the form shows her."""
+    from adibas.exchange.orders import ordered_person
+
+    person = ordered_person(order)
+    born = "" if person.birth_date is None else f"{person.birth_date:%d/%m/%Y}"
+    return PatientEntry(person.name, born, person.record_number, person.sex)
 
 
 def _is_alike(one: Identity, other: Identity) -> bool:

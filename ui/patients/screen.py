@@ -6,7 +6,6 @@ from PySide6.QtWidgets import QWidget
 
 from ui.patients.form_presenter import FormPresenter
 from ui.patients.history_presenter import HistoryPresenter
-from ui.patients.orders_presenter import OrdersPresenter
 from ui.patients.presenter import PatientsPresenter
 from ui.patients.undo import Undo
 from ui.patients.view import PatientsScreen
@@ -38,12 +37,6 @@ def _export(workspace: Workspace, view: PatientsScreen, session_id: str) -> None
 
 def _take_over(workspace: Workspace, view: PatientsScreen, form: FormPresenter) -> None:
     """Ask which order a new patient is taken from."""
-    from ui.patients.orders_dialog import OrdersDialog
+    from ui.orders.dialog import open_orders
 
-    dialog = OrdersDialog(view)
-    presenter = OrdersPresenter(dialog, workspace, form.take_over)
-    dialog.bind(presenter)
-    if presenter.open():
-        dialog.open()
-    else:
-        dialog.deleteLater()
+    open_orders(workspace, view, form.take_over)

@@ -1,4 +1,4 @@
-"""Orders of a work list, from which a new patient is taken over. Knows nothing of Qt."""
+"""Orders of a work list, one of which is taken. Knows nothing of Qt."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Protocol
 from adibas.errors import AdibasError
 from adibas.texts import describe
 from adibas.texts import translate as _
-from ui.patients.content import PatientEntry
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
 
@@ -44,13 +43,13 @@ class OrdersView(Protocol):
 
 
 class OrdersPresenter:
-    """Asks one server at a time; `take_over` is given the chosen patient as the form has one."""
+    """Asks one server at a time; `take_over` is given the chosen order."""
 
     def __init__(
         self,
         view: OrdersView,
         workspace: Workspace,
-        take_over: Callable[[PatientEntry], None],
+        take_over: "Callable[[Order], None]",
         today: Callable[[], date] = date.today,
     ) -> None:
         self._view = view
@@ -91,19 +90,8 @@ class OrdersPresenter:
         )
 
     def take(self, index: int) -> None:
-        """Fill the form with the patient of an order."""
-        from adibas.exchange.orders import ordered_person
-
-        person = ordered_person(self._orders[index])
-        born = person.birth_date
-        self._take_over(
-            PatientEntry(
-                person.name,
-                "" if born is None else f"{born:%d/%m/%Y}",
-                person.record_number,
-                person.sex,
-            )
-        )
+        """Give the chosen order to who asked for one."""
+        self._take_over(self._orders[index])
 
     def close(self) -> None:
         """Wait for no answer any more."""

@@ -1,4 +1,7 @@
-"""The dialog that takes a new patient over from a work list. No decisions."""
+"""The dialog in which an order is chosen from a work list. No decisions."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
@@ -12,9 +15,13 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.texts import translate as _
-from ui.patients.orders_presenter import OrderLine, OrdersPresenter
+from ui.orders.presenter import OrderLine, OrdersPresenter
 from ui.widgets.dates import moment_text
 from ui.widgets.flow import in_a_flow
+from ui.workspace import Workspace
+
+if TYPE_CHECKING:
+    from adibas.exchange.orders import Order
 
 USUAL_LETTERS, USUAL_LINES = 70, 24
 Ok, Cancel = QDialogButtonBox.StandardButton.Ok, QDialogButtonBox.StandardButton.Cancel
@@ -102,3 +109,17 @@ class OrdersDialog(QDialog):
         if row >= 0:
             self._presenter.take(row)
             self.accept()
+
+
+def open_orders(
+    workspace: Workspace, parent: QWidget, take_over: "Callable[[Order], None]"
+) -> OrdersDialog | None:
+    """Ask which order is meant; nothing is asked where no server is named."""
+    dialog = OrdersDialog(parent)
+    presenter = OrdersPresenter(dialog, workspace, take_over)
+    dialog.bind(presenter)
+    if not presenter.open():
+        dialog.deleteLater()
+        return None
+    dialog.open()
+    return dialog
