@@ -17,18 +17,22 @@ from adibas.alignment.key_frames import Tracker
 from adibas.alignment.pairing import Moment, align, align_anywhere
 from adibas.alignment.sights import see
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
+from adibas.clock import NS_PER_S
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import IDENTITY, RigidTransform
+from adibas.pipeline.mapping import MapRequest, map_recording
 from benchmarks.mapping_far import SEEDS as FAR_SEEDS
-from benchmarks.mapping_far import far_rows, motion_error
+from benchmarks.mapping_far import WRONG_M, far_rows, motion_error
 from benchmarks.mapping_rooms import room_pair
+from benchmarks.mapping_walk import PERIOD_NS, walk
 from benchmarks.table import Row
 
 REAL_DATA = "ADIBAS_REAL_DATA"
 NEAR_SEEDS = range(1000, 1040)
 NEAR_TURN_RAD, NEAR_SHIFT_M = np.radians(1.5), 0.03
+FAST_FRAMES = 60
 MIDDLE_M = np.array([0.0, 0.0, 2.0])
 
 
@@ -47,6 +51,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
         yield from _turntable(Path(folder) / "person_turntable", quick=quick)
         yield from _open3d(Path(folder) / "open3d_rgbd")
     yield from _near(NEAR_SEEDS[:6] if quick else NEAR_SEEDS)
+    yield from _fast_walk()
     yield from far_rows(FAR_SEEDS[:10] if quick else FAR_SEEDS, keeps=not quick)
 
 
@@ -165,6 +170,26 @@ def _near(seeds: range) -> Iterator[Row]:
         "same: error of the shift over its stated deviation, median", float(np.median(ratios)), ""
     )
     yield Row("same: refused", float(n_refused), "pairs")
+
+
+def _fast_walk() -> Iterator[Row]:
+    """Follow a camera that turns by 6 degrees from frame to frame, past walls and corners."""
+    walked = walk(FAST_FRAMES, FAST_FRAMES)
+    mapped = map_recording(MapRequest(walked.path), lambda _done, _total: None)
+    first = walked.camera_from_world[0]
+    truths = {NS_PER_S + k * PERIOD_NS: first @ pose.inverse()
+              for k, pose in enumerate(walked.camera_from_world)}  # fmt: skip
+    placed = zip(mapped.timestamps_ns.tolist(), mapped.world_from_camera, strict=True)
+    off_mm = [1e3 * motion_error(pose, truths[time_ns])[0] for time_ns, pose in placed]
+    told = f"fast walk, {FAST_FRAMES} frames 6 deg apart"
+    yield Row(f"{told}: placed", 100.0 * len(off_mm) / FAST_FRAMES, "%")
+    yield Row(
+        "same: path, root mean square error", float(np.sqrt(np.mean(np.square(off_mm)))), "mm"
+    )
+    n_wrong = sum(one > 1e3 * WRONG_M for one in off_mm)
+    yield Row("same: placed wrong by more than 2 cm", n_wrong, "frames", 0.0, "goal")
+    yield Row("same: loops closed", float(mapped.n_loops), "")
+    yield Row("same: loops that count nothing", float(mapped.n_wrong_loops), "")
 
 
 def _moment(

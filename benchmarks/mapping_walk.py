@@ -42,10 +42,18 @@ class Walk:
     camera_from_world: tuple[RigidTransform, ...]
 
 
-def walk(n_frames: int) -> Walk:
-    """Return the recording of so many frames, drawn where it is not kept yet."""
-    poses = tuple(_pose(share) for share in np.linspace(0.0, 1.0, n_frames))
-    path = FOLDER / f"walk-{SEED}-{n_frames}.mcap"
+def walk(n_frames: int, n_of_turn: int) -> Walk:
+    """Return a recording, drawn where it is not kept yet.
+
+    Parameters
+    ----------
+    n_frames : int
+        The first so many.
+    n_of_turn : int
+        Frames that the whole way takes: the fewer, the faster it goes.
+    """
+    poses = tuple(_pose(share) for share in np.linspace(0.0, 1.0, n_of_turn)[:n_frames])
+    path = FOLDER / f"walk-{SEED}-{n_frames}-of-{n_of_turn}.mcap"
     if not path.exists():
         _draw(path, poses)
     return Walk(path, poses)

@@ -7,6 +7,7 @@ import numpy as np
 
 from adibas.alignment.pairing import PairingParams, Unaligned
 from adibas.alignment.pose_graph import Edge, GraphParams
+from adibas.arrays import FloatArray
 from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
 
 
@@ -28,6 +29,8 @@ class KeyFrameParams:
         Tried for each key-frame, the nearest first: 3.
     n_recovered : int
         Key-frames that are tried where the camera was lost, the latest first: 6.
+    n_revisited : int
+        Earlier ones that are tried then, in turn: 3; the camera may have come back.
     drift_m, drift_rad : float
         A loop that shows less drift changes no pose before the end: 0.002 and 0.001.
     least_weight : float
@@ -48,6 +51,7 @@ class KeyFrameParams:
     loop_turn_rad: float = 0.8
     n_loops: int = 3
     n_recovered: int = 6
+    n_revisited: int = 3
     drift_m: float = 0.002
     drift_rad: float = 0.001
     least_weight: float = 0.2
@@ -95,10 +99,12 @@ class Following:
     places : tuple of ((int, RigidTransform) or None)
         Of each moment: in which key-frame, and where in it; None where it was lost.
     problems : dict of int to Unaligned
-    last : RigidTransform or None
-        World from the latest moment; None where it was lost.
+    last : RigidTransform
+        World from the latest moment that was placed.
     step : RigidTransform
         From the moment before to the latest one.
+    information : (6, 6) array or None
+        Of the latest moment's place in its key-frame; None where it is one, or was lost.
     n_moving : int
     """
 
@@ -107,8 +113,9 @@ class Following:
     edges: tuple[Edge, ...] = ()
     places: tuple[tuple[int, RigidTransform] | None, ...] = ()
     problems: dict[int, Unaligned] = field(default_factory=dict)
-    last: RigidTransform | None = None
+    last: RigidTransform = IDENTITY
     step: RigidTransform = IDENTITY
+    information: FloatArray | None = None
     n_moving: int = 0
 
 

@@ -41,6 +41,9 @@ class Tracker:
         self._places = list(before.places)
         self._problems = dict(before.problems)
         self._last, self._step = before.last, before.step
+        self._is_lost = bool(self._places) and self._places[-1] is None
+        self._information = before.information
+        self._previous: Moment | None = None
         self._n_moving = before.n_moving
 
     @property
@@ -54,6 +57,7 @@ class Tracker:
             dict(self._problems),
             self._last,
             self._step,
+            self._information,
             self._n_moving,
         )
 
@@ -79,13 +83,14 @@ class Tracker:
         number, fit = found
         motion = fit.target_from_source
         self._places.append((number, motion))
+        self._information, self._previous = fit.information, moment
         self._n_moving += fit.before > self._params.most_still_before
         world_from_moment = self._world_from_key[number] @ motion
-        if self._last is not None:
+        if not self._is_lost:
             self._step = self._last.inverse() @ world_from_moment
-        self._last = world_from_moment
+        self._last, self._is_lost = world_from_moment, False
         if self._is_far(fit):
-            self._add_key(moment, number, fit)
+            self._make_key(moment)
         return None
 
     def track(self) -> Track:
@@ -113,14 +118,15 @@ class Tracker:
         self._keep(0, moment)
         self._world_from_key = [IDENTITY]
         self._places.append((0, IDENTITY))
-        self._last, self._step = IDENTITY, IDENTITY
+        self._last, self._step, self._is_lost = IDENTITY, IDENTITY, False
+        self._information = None
 
     def _lose(self, moment: Moment, why: Unaligned) -> None:
         """Note that a moment was not placed; where nothing was yet, begin anew from it."""
         if sum(place is not None for place in self._places) > 1:
             self._problems[len(self._places)] = why
             self._places.append(None)
-            self._last, self._step = None, IDENTITY
+            self._step, self._is_lost, self._information = IDENTITY, True, None
             return
         self._problems[self._keys[0]] = why
         self._places[self._keys[0]] = None
@@ -142,21 +148,33 @@ class Tracker:
         return moment
 
     def _place(self, moment: Moment) -> tuple[int, JointFit] | Unaligned:
-        """Align with the latest key-frame, else with others."""
-        latest = len(self._keys) - 1
-        pairing = self._params.pairing
-        problem = Unaligned.TOO_LITTLE_OVERLAP
-        if self._last is not None:
-            guess = self._world_from_key[latest].inverse() @ self._last @ self._step
-            fit = align(self._key(latest), moment, guess, pairing)
-            if isinstance(fit, JointFit):
-                return latest, fit
-            problem = fit
-        for number in range(latest, max(latest - self._params.n_recovered, -1), -1):
-            fit = align_anywhere(self._key(number), moment, pairing)
+        """Align with the key-frame in use, else with the moment before, else with any other."""
+        problem = self._follow(moment)
+        if isinstance(problem, Unaligned) and self._information is not None:
+            self._make_key(self._previous or self._recall(len(self._places) - 1))
+            problem = self._follow(moment)
+        if not isinstance(problem, Unaligned):
+            return problem
+        for number in self._to_recover():
+            fit = align_anywhere(self._key(number), moment, self._params.pairing)
             if isinstance(fit, JointFit):
                 return number, fit
         return problem
+
+    def _to_recover(self) -> list[int]:
+        """Return key-frames in which a lost camera may be found again."""
+        params, n = self._params, len(self._keys)
+        first = max(n - params.n_recovered, 0)
+        begin = params.n_revisited * len(self._places)
+        earlier = {(begin + step) % first for step in range(params.n_revisited)} if first else set()
+        return [*range(n - 1, first - 1, -1), *sorted(earlier)]
+
+    def _follow(self, moment: Moment) -> tuple[int, JointFit] | Unaligned:
+        """Align with the key-frame of the latest moment that was placed, from where it was."""
+        number = next(place[0] for place in reversed(self._places) if place is not None)
+        guess = self._world_from_key[number].inverse() @ self._last @ self._step
+        fit = align(self._key(number), moment, guess, self._params.pairing)
+        return fit if isinstance(fit, Unaligned) else (number, fit)
 
     def _is_far(self, fit: JointFit) -> bool:
         shift_m, turn_rad = size_of(fit.target_from_source)
@@ -167,13 +185,17 @@ class Tracker:
             or turn_rad > params.largest_turn_rad
         )
 
-    def _add_key(self, moment: Moment, number: int, fit: JointFit) -> None:
-        own = len(self._keys)
+    def _make_key(self, moment: Moment) -> None:
+        """Make a key-frame of the latest moment, which was placed in another one."""
+        place, information = self._places[-1], self._information
+        if place is None or information is None:
+            raise ValueError("the latest moment is no other than a key-frame")
+        own, (number, motion) = len(self._keys), place
         self._keys.append(len(self._places) - 1)
         self._keep(own, moment)
-        self._world_from_key.append(self._world_from_key[number] @ fit.target_from_source)
-        self._edges.append(Edge(number, own, fit.target_from_source, fit.information))
-        self._places[-1] = (own, IDENTITY)
+        self._world_from_key.append(self._world_from_key[number] @ motion)
+        self._edges.append(Edge(number, own, motion, information))
+        self._places[-1], self._information = (own, IDENTITY), None
         loops = self._loops(own, number)
         self._edges += loops
         if any(self._shows_drift(loop) for loop in loops):

@@ -34,6 +34,7 @@ class Unaligned(Enum):
     TOO_FEW_FEATURES = "too few features"
     TOO_LITTLE_OVERLAP = "too little overlap"
     CONTRADICTION = "contradiction"
+    DISAGREEMENT = "disagreement"
     UNDETERMINED = "undetermined"
 
 
@@ -43,6 +44,9 @@ TEXTS = {
     ),
     Unaligned.TOO_LITTLE_OVERLAP: message("The frames show too little of the same surface."),
     Unaligned.CONTRADICTION: message("What one frame shows cannot be where the other saw through."),
+    Unaligned.DISAGREEMENT: message(
+        "The surfaces fit where the picture says otherwise, such as along a wall."
+    ),
     Unaligned.UNDETERMINED: message(
         "The surfaces leave the motion open, such as along a bare wall."
     ),
@@ -62,7 +66,10 @@ class PairingParams:
     most_turn_sd_rad, most_shift_sd_m : float
         Of the motion in its least known direction: 0.002 and 0.004.
     least_pairs : int
-        Features that must agree where there was no guess: 8.
+        Features that must agree, be there a guess or not: 8. Surfaces alone slide along walls into
+        a wrong fit that looks right.
+    least_agreement : float
+        And their share of all features: 0.1; right fits have 0.2 and more, wrong ones none.
     least_followed : int
         Patches that must be found there and back to be worth more than those: 40.
     """
@@ -72,6 +79,7 @@ class PairingParams:
     most_turn_sd_rad: float = 0.002
     most_shift_sd_m: float = 0.004
     least_pairs: int = 8
+    least_agreement: float = 0.1
     least_followed: int = 40
     features: FeatureParams = field(default_factory=FeatureParams)
     start: StartParams = field(default_factory=StartParams)
@@ -131,8 +139,6 @@ def align_anywhere(
     fit = _judged(target, source, start.target_from_source, found, params)
     if isinstance(fit, Unaligned):
         return fit
-    if fit.n_pairs_kept < params.least_pairs:
-        return Unaligned.TOO_FEW_FEATURES
     nearer = align(target, source, fit.target_from_source, params)
     is_finer = isinstance(nearer, JointFit) and nearer.n_pairs_kept >= params.least_followed
     return nearer if is_finer else fit
@@ -156,9 +162,16 @@ def _judged(
         return Unaligned.TOO_LITTLE_OVERLAP
     if max(fit.before, before) > params.most_before:
         return Unaligned.CONTRADICTION
-    if not _is_determined(fit.information, params):
-        return Unaligned.UNDETERMINED
-    return fit
+    return _doubt(fit, params) or fit
+
+
+def _doubt(fit: JointFit, params: PairingParams) -> Unaligned | None:
+    """Return why what the features and the surfaces say is not enough; None where it is."""
+    if fit.n_pairs < params.least_pairs:
+        return Unaligned.TOO_FEW_FEATURES
+    if fit.n_pairs_kept < max(params.least_pairs, params.least_agreement * fit.n_pairs):
+        return Unaligned.DISAGREEMENT
+    return None if _is_determined(fit.information, params) else Unaligned.UNDETERMINED
 
 
 def _is_determined(information: FloatArray, params: PairingParams) -> bool:

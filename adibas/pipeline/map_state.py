@@ -176,7 +176,6 @@ class Keeper:
 def _packed(state: Unfinished) -> dict[str, Any]:
     now = state.following
     placed = [place or (-1, IDENTITY) for place in now.places]
-    lost = now.last is None
     whys = list(Unaligned)
     return {
         "indices": np.array(state.indices, np.int64),
@@ -194,8 +193,10 @@ def _packed(state: Unfinished) -> dict[str, Any]:
         "problems": np.array(
             [(number, whys.index(why)) for number, why in now.problems.items()], np.int64
         ).reshape(-1, 2),
-        "last": _rows([] if lost or now.last is None else [now.last]),
-        "step": _rows([now.step]),
+        "last_and_step": _rows([now.last, now.step]),
+        "last_information": np.array(
+            [] if now.information is None else [now.information], float
+        ).reshape(-1, 6, 6),
     }
 
 
@@ -204,7 +205,8 @@ def _unpacked(header: dict[str, Any], arrays: Any) -> Unfinished:
     ends = arrays["edge_ends"].tolist()
     motions, information = _motions(arrays["edge_motions"]), arrays["edge_information"]
     places = zip(arrays["place_keys"].tolist(), _motions(arrays["place_motions"]), strict=True)
-    last = _motions(arrays["last"])
+    last, step = _motions(arrays["last_and_step"])
+    last_information = arrays["last_information"]
     if max(arrays["place_keys"], default=-1) >= len(arrays["keys"]):
         raise ValueError("a moment lies in a key-frame that is not there")
     following = Following(
@@ -218,8 +220,9 @@ def _unpacked(header: dict[str, Any], arrays: Any) -> Unfinished:
         ),
         tuple(None if key < 0 else (key, motion) for key, motion in places),
         {number: whys[why] for number, why in arrays["problems"].tolist()},
-        last[0] if last else None,
-        _motions(arrays["step"])[0],
+        last,
+        step,
+        last_information[0].copy() if len(last_information) else None,
         int(header["n_moving"]),
     )
     return Unfinished(

@@ -90,6 +90,17 @@ def test_bare_walls_leave_the_motion_open():
     assert align_anywhere(other, one) is Unaligned.TOO_FEW_FEATURES
 
 
+def test_a_fit_of_the_surfaces_that_the_pictures_deny_is_refused(room, first):
+    depth_m = 1.0 / room.look(CALIBRATION.depth, FIRST).inverse_depth
+    elsewhere = FurnishedRoom(8).look(CALIBRATION.color, CALIBRATION.color_from_depth @ FIRST)
+    other = Moment(see(depth_m, np.round(255 * elsewhere.rgb).astype(np.uint8), CALIBRATION))
+    surfaces = fit_joint(other.sight, first.sight, IDENTITY)
+    assert surfaces is not None
+    assert surfaces.overlap > 0.9
+    refused = (Unaligned.DISAGREEMENT, Unaligned.TOO_FEW_FEATURES)
+    assert align(other, first, IDENTITY) in refused
+
+
 def test_without_features_the_surfaces_align_alone(room, first):
     motion = posed((0.5, 0.7, -0.4), (0.01, 0.0, -0.015))
     fit = fit_joint(moment(room, motion @ FIRST).sight, first.sight, IDENTITY)
