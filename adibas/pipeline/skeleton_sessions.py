@@ -25,6 +25,7 @@ from adibas.pipeline.skeleton_labelling import shipped_knows, shipped_namer
 from adibas.pipeline.skeleton_training import LEAST_NAMES, learn_sets
 from adibas.progress import Progress
 from adibas.sessions import SessionStore
+from adibas.sessions.roles import Permission
 from adibas.shapes.point_distribution import LEAST_SHAPES
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.namer import Namer
@@ -109,7 +110,10 @@ def train_from_sessions(
     FileError
         There are too few corrected captures, or they name too few points; or there are several
         sets, and none is chosen.
+    NotAllowedError
+        Who has the store open is no administrator.
     """
+    store.require(Permission.CHANGE_PROTOCOLS)
     begun_utc = clock()
     found = corrected_sets(store)
     which = _only_one(found) if which is None else which

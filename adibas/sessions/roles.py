@@ -75,7 +75,7 @@ WORDS = {
     Permission.READ_LOG: message("Looking into the audit log"),
     Permission.MANAGE_PEOPLE: message("Saying who may open the store"),
     Permission.PROTECT: message("Changing how the store is protected"),
-    Permission.CHANGE_PROTOCOLS: message("Changing protocols"),
+    Permission.CHANGE_PROTOCOLS: message("Changing protocols and who names the markers"),
 }
 TITLES = {
     Role.OPERATOR: message("Operator"),

@@ -15,6 +15,7 @@ from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline.clinic_repeats import reliability_in_clinic
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.session_comparison import compare_by_protocol, patient_trends
+from adibas.pipeline.skeleton_sessions import train_from_sessions
 from adibas.pipeline.stored_report import ReportWish, stored_report
 from adibas.sessions import open_store, roles
 from adibas.sessions.backup_schedule import BackupPlan
@@ -129,6 +130,7 @@ OPERATIONS = {
     ),
     "restore": (HEADS, lambda x: x.store.backups.restore(x.tmp_path / "none")),
     "check a backup": (HEADS, lambda x: x.store.backups.verify(x.tmp_path / "none")),
+    "learn names": (HEADS, lambda x: train_from_sessions(x.store, lambda _done, _total: None)),
     "log": (HEADS, lambda x: x.store.audit.entries()),
     "people": (HEADS, lambda x: x.store.people.all()),
     "add a person": (
