@@ -95,6 +95,8 @@ class Tracker:
 
     def track(self) -> Track:
         """Return where the camera was, all loops considered."""
+        if not self._keys:
+            return Track((), {}, 0, 0, 0, 0)
         graph = self._graph()
         places = [
             None if place is None else graph.world_from[place[0]] @ place[1]

@@ -43,7 +43,10 @@ TEXTS = {
         "Too little that can be recognised is seen in both frames."
     ),
     Unaligned.TOO_LITTLE_OVERLAP: message("The frames show too little of the same surface."),
-    Unaligned.CONTRADICTION: message("What one frame shows cannot be where the other saw through."),
+    Unaligned.CONTRADICTION: message(
+        "What one frame shows cannot be where the other saw through: something large moved, or the "
+        "frames are of different places."
+    ),
     Unaligned.DISAGREEMENT: message(
         "The surfaces fit where the picture says otherwise, such as along a wall."
     ),

@@ -35,6 +35,8 @@ MOVING = message(
     "later was removed."
 )
 FEWEST_PLACED = 2
+MOST_WRONG_LOOPS = 2
+"""So few may be wrong even where none is right; more, and the path is taken for wrong."""
 FRAMES_A_PICTURE = 25
 """While the surface grows, it is shown every so many frames."""
 MOTION_FRAMES = 60
@@ -132,14 +134,8 @@ def map_recording(
         frames.look_for_floor()
         keeper = _keeper(request, frames)
         followed = Follower(frames, request.tracking, keeper, watch).follow(progress)
+        _check(request, followed)
         placed = tuple(pose for pose in followed.track.world_from if pose is not None)
-        if len(placed) < FEWEST_PLACED:
-            forget_unfinished(request)
-            raise RecordingError(
-                "No two frames could be put together in {file}. {reason}",
-                file=request.recording.name,
-                reason=_first_reason(followed),
-            )
         fusing = _Fusing(frames, followed, request.surfels)
         surfels = fusing.fuse(progress, watch)
         motion = fusing.motion(surfels) if request.is_body else None
@@ -180,6 +176,28 @@ def _keeper(request: MapRequest, frames: MapFrames) -> Keeper | None:
         sha256, frames.calibration, request.frames, request.tracking, is_body=request.is_body
     )
     return Keeper(unfinished_path(request.out), settings)
+
+
+def _check(request: MapRequest, followed: Followed) -> None:
+    """Refuse a path that is none, or that contradicts itself: no map is better than a wrong one."""
+    track, name = followed.track, request.recording.name
+    if sum(pose is not None for pose in track.world_from) < FEWEST_PLACED:
+        forget_unfinished(request)
+        raise RecordingError(
+            "No two frames could be put together in {file}. {reason}",
+            file=name,
+            reason=_first_reason(followed),
+        )
+    if track.n_wrong_loops > max(track.n_loops, MOST_WRONG_LOOPS):
+        forget_unfinished(request)
+        raise RecordingError(
+            "The path of the camera in {file} contradicts itself: of {n} views of places that were "
+            "seen before, {wrong} do not fit. Move the camera more slowly, past things that can be "
+            "recognised.",
+            file=name,
+            n=track.n_loops + track.n_wrong_loops,
+            wrong=track.n_wrong_loops,
+        )
 
 
 class _Fusing:
