@@ -145,7 +145,7 @@ def _all_words(
             )
     if request.frames_per_s is None:
         for one in sets:
-            yield one, namer.label(one.positions_m, one.view or request.view)
+            yield one, namer.label(one.positions_m, one.view or request.view, one.diameters_m)
         return
     if len({one.positions_m.shape[1] for one in sets}) > 1:
         raise FileError(

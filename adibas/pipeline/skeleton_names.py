@@ -53,11 +53,13 @@ def with_names(
         return markers
     turn = upright_turn(vertical_of(calibration).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
-    alone = namer.label(positions_m @ turn.T, view)
+    diameters_m = _diameters_m(placed, calibration)
+    alone = namer.label(positions_m @ turn.T, view, diameters_m)
     found, sure = alone.names, alone.confidences
     flat, flat_m = _as_far_away(markers, positions_m, calibration)
     if flat:
-        together = namer.label(np.vstack([positions_m, flat_m]) @ turn.T, view)
+        known_m = np.append(diameters_m, np.full(len(flat), np.nan))
+        together = namer.label(np.vstack([positions_m, flat_m]) @ turn.T, view, known_m)
         agreed, more = _agreed(found, together.names)
         found = (*agreed, *more)
         sure = np.concatenate([sure, together.confidences[len(placed) :]])
@@ -96,6 +98,15 @@ def _agreed(alone: Names, together: Names) -> tuple[Names, Names]:
         one if other in (None, one) else None for one, other in zip(alone, again, strict=True)
     )
     return agreed, more if agreed == alone else (None,) * len(more)
+
+
+def _diameters_m(placed: Sequence[Marker], calibration: RgbdCalibration) -> FloatArray:
+    """Return the (N,) diameters of markers with a position; NaN without a colour camera."""
+    if calibration.color is None:
+        return np.full(len(placed), np.nan)
+    radii_px = np.array([one.radius_px for one in placed])
+    depths_m = np.array([one.position_m[2] for one in placed if one.position_m is not None])
+    return np.asarray(2.0 * radii_px * depths_m / calibration.color.intrinsics.fx)
 
 
 def _as_far_away(

@@ -10,7 +10,8 @@ from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.parts_naming import MOST_POINTS, PartsOdds, label_parts
 from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
-from adibas.skeleton.second_opinion import combined, is_in_doubt
+from adibas.skeleton.second_opinion import combined, is_in_doubt, named_by
+from adibas.skeleton.sizes import size_log_odds, with_sizes
 
 SPACE = 3
 
@@ -56,8 +57,16 @@ class Namer:
         found = [nearest_posture(part.model, points_m, heading_rad) for part in parts]
         return min(found, key=lambda one: one.distance)
 
-    def label(self, points_m: FloatArray, view: str = "") -> Labelling:
+    def label(
+        self, points_m: FloatArray, view: str = "", diameters_m: FloatArray | None = None
+    ) -> Labelling:
         """Name (M, D) points in metres, y down; see `label_points`.
+
+        Parameters
+        ----------
+        diameters_m : (M,) array or None
+            Of the markers, as measured; NaN where one is not known. One that is unlike all others
+            is hardly a marker.
 
         Raises
         ------
@@ -68,22 +77,32 @@ class Namer:
         points_m = np.ascontiguousarray(points_m, float)
         if not np.isfinite(points_m).all():
             raise ValueError("points are named by places that are known")
-        by_parts = self._by_parts(points_m, view)
+        odds = np.zeros(len(points_m)) if diameters_m is None else size_log_odds(diameters_m)
+        by_parts = self._by_parts(points_m, view, odds)
         if by_parts is not None and not is_in_doubt(by_parts):
             return by_parts
-        parts = self._parts(points_m.shape[1], view)
-        found = label_points(parts, points_m, view, self._params, self._model.temperature)
+        found = self._by_prototypes(points_m, view, odds)
         if by_parts is None:
             return found
         return combined(by_parts, found, self.names, self._odds.sure, self._odds.side_sure)
 
-    def _by_parts(self, points_m: FloatArray, view: str) -> Labelling | None:
+    def _by_parts(self, points_m: FloatArray, view: str, size_odds: FloatArray) -> Labelling | None:
         """Return names by core and limbs; None where they are not known or none are found."""
         parts = self._model.parts
         is_some = LEAST_POINTS <= len(points_m) <= MOST_POINTS
         if parts is None or points_m.shape[1] != SPACE or not is_some:
             return None
-        return label_parts(parts, self._part("space"), points_m, view, self._odds)
+        return label_parts(parts, self._part("space"), points_m, view, size_odds, self._odds)
+
+    def _by_prototypes(self, points_m: FloatArray, view: str, size_odds: FloatArray) -> Labelling:
+        """Return names by prototypes and neighbours, which know nothing of sizes themselves."""
+        parts = self._parts(points_m.shape[1], view)
+        found = label_points(parts, points_m, view, self._params, self._model.temperature)
+        if not size_odds.any():
+            return found
+        masses = with_sizes(found.masses, size_odds)
+        sure = self._params.sure
+        return named_by(masses, self.names, found.heading_rad, sure, 1.0 - sure)
 
     def _parts(self, n_dimensions: int, view: str) -> tuple[PreparedModel, ...]:
         if n_dimensions == SPACE:

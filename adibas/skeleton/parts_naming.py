@@ -120,7 +120,12 @@ class PartsFound:
 
 
 def find_by_parts(
-    model: PartsModel, prepared: PreparedModel, points_m: FloatArray, view: str, odds: PartsOdds
+    model: PartsModel,
+    prepared: PreparedModel,
+    points_m: FloatArray,
+    view: str,
+    size_odds: FloatArray,
+    odds: PartsOdds,
 ) -> PartsFound | None:
     """List what (M, 3) points could be; None where no core is found.
 
@@ -130,6 +135,8 @@ def find_by_parts(
         Of the same names: its tree of neighbours is where the search begins.
     view : str
         As declared; empty: unknown.
+    size_odds : (M,) array
+        See `adibas.skeleton.sizes.size_log_odds`. Places alone decide what is listed.
     """
     points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
     expected = _expected(model, len(points), view, odds, QUICK)
@@ -138,7 +145,7 @@ def find_by_parts(
     is_whole = len(points) == len(model.names)
     pool = _searched(model, points, starts, expected) if is_whole else None
     if pool is not None and len(pool.energies):
-        found = _weighed(model, len(points), pool, expected, odds)
+        found = _weighed(model, size_odds, pool, expected, odds)
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
@@ -148,7 +155,7 @@ def find_by_parts(
     pool = _searched(model, points, np.concatenate([starts, laid]), expected)
     if not len(pool.energies):
         return None
-    return _weighed(model, len(points), pool, expected, odds)
+    return _weighed(model, size_odds, pool, expected, odds)
 
 
 def _is_settled(found: PartsFound, n_names: int) -> bool:
@@ -217,21 +224,24 @@ def _searched(model: PartsModel, points: FloatArray, starts: IntArray, expected:
 
 
 def _weighed(
-    model: PartsModel, n_points: int, pool: Pool, expected: Odds, odds: PartsOdds
+    model: PartsModel, size_odds: FloatArray, pool: Pool, expected: Odds, odds: PartsOdds
 ) -> PartsFound:
     """Return the most probable names, and the share of each name in all ways.
 
     One way more is that all points are chance ones and all labels hidden: no person. It is the only
     one where the best way is not plausible, or leaves most points without a name.
     """
-    best = int(np.argmin(pool.energies))
-    weights = np.exp((pool.energies[best] - pool.energies) / odds.temperature)
+    n_points = len(size_odds)
+    of_sizes = np.append(size_odds, 0.0)[pool.partners].sum(axis=1)
+    energies = pool.energies - of_sizes
+    best = int(np.argmin(energies))
+    weights = np.exp((energies[best] - energies) / odds.temperature)
     if math.isnan(expected.heading_rad):
         faces_away = np.cos(pool.headings - pool.headings[best]) < 0
         weights[faces_away] *= side_factor(
             float(weights[~faces_away].sum()), float(weights[faces_away].sum()), odds.side_divisor
         )
-    lead = (expected.counts[-1] - pool.energies[best]) / odds.temperature
+    lead = (expected.counts[-1] - energies[best]) / odds.temperature
     weights /= weights.sum() + math.exp(-max(lead, -MOST_NATS))
     n_named = np.count_nonzero(pool.partners[best] >= 0)
     is_likely = pool.energies[best] <= -odds.plausible * n_named
@@ -254,6 +264,7 @@ def label_parts(
     prepared: PreparedModel,
     points_m: FloatArray,
     view: str = "",
+    size_odds: FloatArray | None = None,
     odds: PartsOdds | None = None,
 ) -> Labelling | None:
     """Name (M, 3) points in metres, y down; None where no core is found.
@@ -261,7 +272,8 @@ def label_parts(
     See `find_by_parts` for the parameters.
     """
     odds = odds or PartsOdds()
-    found = find_by_parts(model, prepared, points_m, view, odds)
+    size_odds = np.zeros(len(points_m)) if size_odds is None else size_odds
+    found = find_by_parts(model, prepared, points_m, view, size_odds, odds)
     if found is None:
         return None
     n_points, n_names = len(points_m), len(model.names)

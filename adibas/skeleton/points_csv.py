@@ -1,4 +1,4 @@
-"""Point sets as CSV: ``shape,point,label,x_m,y_m[,z_m]``, a row each point."""
+"""Point sets as CSV: ``shape,point,label,x_m,y_m[,z_m][,view][,diameter_m]``, a row each point."""
 
 import csv
 import math
@@ -14,7 +14,7 @@ from adibas.errors import FileError
 from adibas.files import cannot_read, written_whole
 
 COLUMNS = ("shape", "point", "label", "x_m", "y_m")
-Z, VIEW = "z_m", "view"
+Z, VIEW, DIAMETER = "z_m", "view", "diameter_m"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +33,8 @@ class PointSet:
         D of 2 or 3, y down.
     view : str
         One of `VIEWS`, or empty where it is not told.
+    diameters_m : (M,) array or None
+        Of the markers, as measured; NaN where one is not known, None where none is.
     """
 
     shape: str
@@ -40,10 +42,14 @@ class PointSet:
     labels: tuple[str, ...]
     positions_m: FloatArray
     view: str = ""
+    diameters_m: FloatArray | None = None
 
     def __post_init__(self) -> None:
         check_shape("positions_m", self.positions_m, (len(self.points), None))
         read_only(self.positions_m)
+        if self.diameters_m is not None:
+            check_shape("diameters_m", self.diameters_m, (len(self.points),))
+            read_only(self.diameters_m)
 
 
 @dataclass(slots=True)
@@ -52,6 +58,7 @@ class _Rows:
     labels: list[str] = field(default_factory=list)
     positions_m: list[list[float]] = field(default_factory=list)
     views: list[str] = field(default_factory=list)
+    diameters_m: list[float] = field(default_factory=list)
 
 
 def read_points(path: Path) -> tuple[PointSet, ...]:
@@ -97,7 +104,9 @@ def write_points(
     sets = tuple(sets)
     has_depth = any(one.positions_m.shape[1] == len("xyz") for one in sets)
     has_view = any(one.view for one in sets)
-    head = [*COLUMNS, *([Z] if has_depth else []), *([VIEW] if has_view else []), *extra]
+    has_size = any(one.diameters_m is not None for one in sets)
+    told = {Z: has_depth, VIEW: has_view, DIAMETER: has_size}
+    head = [*COLUMNS, *(name for name, is_told in told.items() if is_told), *extra]
     with written_whole(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as f:
         writer = csv.writer(f)
         writer.writerow(head)
@@ -105,8 +114,15 @@ def write_points(
             for i, point in enumerate(one.points):
                 position = [float(value) for value in one.positions_m[i]]
                 view = [one.view] if has_view else []
+                size = [_size_text(one.diameters_m, i)] if has_size else []
                 more = [values[number][i] for values in extra.values()]
-                writer.writerow([one.shape, point, one.labels[i], *position, *view, *more])
+                writer.writerow([one.shape, point, one.labels[i], *position, *view, *size, *more])
+
+
+def _size_text(diameters_m: FloatArray | None, i: int) -> str:
+    if diameters_m is None or math.isnan(diameters_m[i]):
+        return ""
+    return repr(float(diameters_m[i]))
 
 
 def _check_columns(path: Path, columns: tuple[str, ...]) -> None:
@@ -140,6 +156,22 @@ def _add_row(
     rows.labels.append((row["label"] or "").strip())
     rows.positions_m.append(position)
     rows.views.append(view)
+    rows.diameters_m.append(_diameter_m(path, line, row))
+
+
+def _diameter_m(path: Path, line: int, row: Mapping[str, str | None]) -> float:
+    text = (row.get(DIAMETER) or "").strip()
+    if not text:
+        return math.nan
+    diameter_m = _number(path, line, text)
+    if diameter_m <= 0.0:
+        raise FileError(
+            "{file}, line {line}: a marker's diameter is more than 0 metres, not {text}.",
+            file=path.name,
+            line=line,
+            text=text,
+        )
+    return diameter_m
 
 
 def _number(path: Path, line: int, text: str | None) -> float:
@@ -173,6 +205,12 @@ def _point_set(path: Path, name: str, rows: _Rows) -> PointSet:
             shape=name,
             label=twice[0],
         )
+    diameters_m = np.array(rows.diameters_m)
     return PointSet(
-        name, tuple(rows.points), tuple(rows.labels), np.array(rows.positions_m), rows.views[0]
+        name,
+        tuple(rows.points),
+        tuple(rows.labels),
+        np.array(rows.positions_m),
+        rows.views[0],
+        None if np.isnan(diameters_m).all() else diameters_m,
     )

@@ -38,11 +38,26 @@ def combined(
     both = np.maximum(first.masses, LEAST_MASS) ** FIRST_WEIGHT
     both = both * np.maximum(second.masses, LEAST_MASS) ** SECOND_WEIGHT
     masses = both / both.sum(axis=1, keepdims=True)
-    logs = np.log(masses)
+    return named_by(masses, names, first.heading_rad, sure, side_sure)
+
+
+def named_by(
+    masses: FloatArray, names: tuple[str, ...], heading_rad: float, sure: float, side_sure: float
+) -> Labelling:
+    """Return the most probable names of M points, none given twice.
+
+    Parameters
+    ----------
+    masses : (M, N + 1) array
+        See `Labelling`.
+    sure, side_sure : float
+        See `PartsOdds`.
+    """
+    logs = np.log(np.maximum(masses, np.finfo(float).tiny))
     chosen = assign(np.ascontiguousarray(logs[:, -1:] - logs[:, :-1]))
     index = np.where(chosen < 0, len(names), chosen)
     given, guesses, confidences = names_of(index, masses, names, sure, side_sure)
-    return Labelling(given, guesses, confidences, first.heading_rad, masses)
+    return Labelling(given, guesses, confidences, heading_rad, masses)
 
 
 def names_of(

@@ -20,7 +20,7 @@ from adibas.skeleton.labelling import LabelParams
 from adibas.skeleton.model import SkeletonModel, left_of
 from adibas.skeleton.model_files import read_model, write_model
 from adibas.skeleton.namer import Namer
-from adibas.skeleton.points_csv import read_points
+from adibas.skeleton.points_csv import PointSet, read_points, write_points
 from adibas.skeleton.starts import HEADINGS_RAD, heading_of_turn, list_turns, turn_back
 from adibas.skeleton.tracking import name_movement
 from adibas.skeleton.training import TrainingParams, learn_points
@@ -321,6 +321,25 @@ def test_a_name_that_is_given_stays(tmp_path):
     assert labels["neck_p"] == "neck"
 
 
+def test_the_diameters_of_markers_count_and_stay_in_the_file(tmp_path):
+    joints_m = load_body_model().shaped(BodyShape("male", 35, 1.78, 75)).posed(standing()).joints_m
+    hand = JOINT_NAMES.index("left_hand")
+    joints_m[hand] += [0.1, 0.1, -0.1]
+    points, out = tmp_path / "points.csv", tmp_path / "labelled.csv"
+    command = ["skeleton", "label", str(points), "--out", str(out), "--view", "anterior"]
+    labels = {}
+    for hand_m in (0.009, 0.027):
+        sizes_m = [0.009] * (len(joints_m) - 1) + [np.nan]
+        sizes_m[hand] = hand_m
+        sets = [PointSet("s", JOINT_NAMES, ("",) * len(joints_m), joints_m, "", np.array(sizes_m))]
+        write_points(sets, points, {})
+        assert main(command) == 0
+        (one,) = read_points(out)
+        labels[hand_m] = one.labels[hand]
+        np.testing.assert_array_equal(one.diameters_m, sizes_m)
+    assert labels == {0.009: "left_hand", 0.027: ""}
+
+
 @pytest.mark.parametrize(
     ("text", "match"),
     [
@@ -330,6 +349,8 @@ def test_a_name_that_is_given_stays(tmp_path):
         ("shape,point,label,x_m,y_m,z_m\n1,1,,1,2,3\n1,2,,1,2,\n", "with and without"),
         ("shape,point,label,x_m,y_m\n1,1,a,1,2\n1,2,a,1,2\n", "two points named a"),
         ("shape,point,label,x_m,y_m,view\n1,1,a,1,2,top\n", "no view"),
+        ("shape,point,label,x_m,y_m,diameter_m\n1,1,a,1,2,0\n", "more than 0 metres, not 0"),
+        ("shape,point,label,x_m,y_m,diameter_m\n1,1,a,1,2,large\n", "line 2: large"),
         ("shape,point,label,x_m,y_m\n", "holds no point"),
     ],
 )

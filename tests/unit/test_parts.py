@@ -103,7 +103,7 @@ def test_a_person_who_is_unlikely_for_one_is_searched_thoroughly(parts, model, m
     label_parts(parts, prepared, person, "anterior")
     assert len(searches) == 1
     hardly_ever = naming.PartsOdds(usual=1e6)
-    strange = label_parts(parts, prepared, person, "anterior", hardly_ever)
+    strange = label_parts(parts, prepared, person, "anterior", odds=hardly_ever)
     assert len(searches) == 3
     assert strange.names == JOINT_NAMES
 

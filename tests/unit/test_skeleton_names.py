@@ -25,6 +25,8 @@ from adibas.simulation.poses import standing
 from adibas.skeleton.side_odds import side_factor
 
 COVARIANCE = np.eye(3) * 1e-6
+CAMERA = CameraCalibration(1280, 1024, Intrinsics(1050.0, 1050.0, 639.5, 511.5))
+CALIBRATION = RgbdCalibration(color=CAMERA)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +63,7 @@ def test_markers_get_names_however_the_sensor_is_mounted(joints_m, tilted_by, an
         [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     )
     tilted_by(turn @ [0.0, -1.0, 0.0])
-    named = with_names(shipped_namer(), markers_at(joints_m @ turn.T), "anterior", None)
+    named = with_names(shipped_namer(), markers_at(joints_m @ turn.T), "anterior", CALIBRATION)
     assert tuple(marker.label for marker in named) == JOINT_NAMES
 
 
@@ -70,7 +72,9 @@ def test_a_name_tells_which_model_gave_it_and_how_sure_it_is(joints_m, tilted_by
     namer = shipped_namer()
     markers = list(markers_at(joints_m))
     markers[0] = replace(markers[0], label="neck")
-    by_hand, *others = with_names(namer, tuple(markers), "anterior", None, frozenset(["neck"]))
+    by_hand, *others = with_names(
+        namer, tuple(markers), "anterior", CALIBRATION, frozenset(["neck"])
+    )
     assert by_hand.named_by is None
     named = [one for one in others if one.label in JOINT_NAMES]
     assert len(named) >= 12
@@ -99,11 +103,27 @@ def test_a_name_that_a_hand_changes_is_the_model_s_no_more():
     assert (one.label, one.named_by) == ("head", None)
 
 
+def test_a_spot_of_another_size_does_not_take_the_name_of_a_hidden_marker(joints_m, tilted_by):
+    tilted_by([0.0, -1.0, 0.0])
+    hidden = JOINT_NAMES.index("left_hand")
+    markers = list(markers_at(joints_m))
+    markers[hidden] = replace(markers[hidden], position_m=joints_m[hidden] + [0.1, 0.1, -0.1])
+    as_large = with_names(shipped_namer(), tuple(markers), "anterior", CALIBRATION)
+    assert as_large[hidden].label == "left_hand"
+    markers[hidden] = replace(markers[hidden], radius_px=12.0)
+    larger = with_names(shipped_namer(), tuple(markers), "anterior", CALIBRATION)
+    assert larger[hidden].label == markers[hidden].label
+    others = [one.label for i, one in enumerate(larger) if i != hidden]
+    assert others == [name for name in JOINT_NAMES if name != "left_hand"]
+
+
 def test_names_by_hand_stay_and_are_not_given_twice(joints_m, tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     markers = list(markers_at(joints_m))
     markers[0] = Marker("neck", 0.0, 0.0, 4.0, np.eye(2), joints_m[0].copy(), COVARIANCE.copy())
-    named = with_names(shipped_namer(), tuple(markers), "anterior", None, frozenset(["neck"]))
+    named = with_names(
+        shipped_namer(), tuple(markers), "anterior", CALIBRATION, frozenset(["neck"])
+    )
     assert [marker.label for marker in named][:3] == ["neck", "m02", "left_shoulder"]
 
 
@@ -152,7 +172,7 @@ def test_markers_that_can_be_read_in_two_ways_get_no_name(seen_flat):
     says = {n_placed: alone, len(markers): together}
     namer = SimpleNamespace(
         identity="two ways",
-        label=lambda points_m, _view: SimpleNamespace(
+        label=lambda points_m, _view, _diameters_m: SimpleNamespace(
             names=says[len(points_m)], confidences=np.ones(len(points_m))
         ),
     )
@@ -189,7 +209,7 @@ def test_a_place_that_is_not_known_is_a_bug_and_no_endless_search(joints_m):
 def test_a_marker_without_a_position_keeps_its_label_where_no_other_has_one(tilted_by):
     tilted_by([0.0, -1.0, 0.0])
     flat = (Marker("m01", 3.0, 4.0, 4.0, np.eye(2)),)
-    assert with_names(shipped_namer(), flat, "anterior", None) == flat
+    assert with_names(shipped_namer(), flat, "anterior", CALIBRATION) == flat
 
 
 def test_a_view_that_the_shape_contradicts_is_told_and_the_right_one_is_not(
@@ -199,10 +219,10 @@ def test_a_view_that_the_shape_contradicts_is_told_and_the_right_one_is_not(
     monkeypatch.setattr(view_check, "vertical_of", skeleton_names.vertical_of)
     namer, markers = shipped_namer(), markers_at(joints_m)
     for view, told in (("anterior", ()), ("posterior", (LOOKS_OTHERWISE,)), ("", ())):
-        named = with_names(namer, markers, view, None)
-        assert doubts_about_view(namer, named, view, None) == told
+        named = with_names(namer, markers, view, CALIBRATION)
+        assert doubts_about_view(namer, named, view, CALIBRATION) == told
     nowhere = tuple(replace(one, position_m=None, covariance_m2=None) for one in markers)
-    assert doubts_about_view(namer, nowhere, "posterior", None) == ()
+    assert doubts_about_view(namer, nowhere, "posterior", CALIBRATION) == ()
 
 
 def test_the_log_odds_of_the_other_way_are_divided_however_many_names_share_them():
