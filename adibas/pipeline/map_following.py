@@ -83,7 +83,7 @@ class Follower:
 
         Raises
         ------
-        RecordingError, CalibrationError, BodyError
+        RecordingError, CalibrationError
             As frames raise them.
         FileError
             The state cannot be kept.

@@ -11,7 +11,7 @@ from adibas.body.mask import find_body
 from adibas.calibration.files import check_fits
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, depth_in_metres
-from adibas.errors import BodyError, CalibrationError
+from adibas.errors import CalibrationError
 from adibas.geometry.planes import Plane
 from adibas.recordings.decoding import decode_color
 from adibas.recordings.ports import RecordingReader
@@ -108,8 +108,6 @@ class MapFrames:
         ------
         CalibrationError
             It is for another resolution.
-        BodyError
-            The person is asked for, and no floor is known.
         """
         index, frame = numbered
         if frame.depth_raw is None or frame.color is None:
@@ -130,25 +128,26 @@ class MapFrames:
 
         Raises
         ------
-        BodyError
-            There is none.
+        CalibrationError
+            It is for another resolution.
         """
         calibration = self.calibration
         self.floor = calibration.floor
         if self.floor is not None or not self.is_body:
             return
-        up = None if calibration.gravity is None else -calibration.gravity
         raw = self._recording.read(self.wanted[0]).depth_raw
-        if raw is not None:
-            depth_m = depth_in_metres(raw, self._recording.info.depth_unit_m)
-            check_fits(calibration, None, depth_m.shape)
-            depth_m = np.ascontiguousarray(calibration.corrected_depth(depth_m), np.float32)
-            self.floor = find_floor(depth_m, self.depth_camera, up)
-        if self.floor is None:
-            raise BodyError(
-                "No floor is seen in the first frame, and the person is what stands on it. Turn "
-                "the sensor down, or give a calibration that knows the floor."
-            )
+        if raw is None:
+            return
+        depth_m = depth_in_metres(raw, self._recording.info.depth_unit_m)
+        check_fits(calibration, None, depth_m.shape)
+        depth_m = np.ascontiguousarray(calibration.corrected_depth(depth_m), np.float32)
+        up = None if calibration.gravity is None else -calibration.gravity
+        self.floor = find_floor(depth_m, self.depth_camera, up)
+
+    @property
+    def level(self) -> Plane:
+        """The floor; where none is known, a plane through an upright camera."""
+        return self.floor or Plane(np.array([0.0, -1.0, 0.0]), 0.0)
 
     def _person(self, depth_m: Float32Array) -> BoolArray | None:
         mask = find_body(depth_m, self.depth_camera, self.floor)

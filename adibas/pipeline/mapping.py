@@ -29,6 +29,7 @@ from adibas.texts import Message, message
 
 FULL = message("The surface is too large: parts of it were left out. Choose fewer frames.")
 WRONG_LOOPS = message("Loops that did not fit the rest and count nothing: {n}.")
+NO_FLOOR = message("No floor is seen in the first frame: the camera is taken to stand upright.")
 JUMPS = message("The recording jumps: places where more than a second is missing: {n}.")
 MOVING = message(
     "Something moved before the camera, which a map takes to stand still. What was seen through "
@@ -122,8 +123,6 @@ def map_recording(
         It is missing, broken, or has no such frames, or no two of them fit together.
     CalibrationError
         There is none of both cameras, or one for another resolution.
-    BodyError
-        The person is asked for, and no floor is seen.
     FileError
         What is unfinished cannot be kept.
     """
@@ -230,14 +229,12 @@ class _Fusing:
 
     def motion(self, surfels: SurfelMap) -> BodyMotion | None:
         """Return how frames differ from the surface."""
-        if self._frames.floor is None:
-            return None
         indices = list(self._poses)[:: 1 + len(self._poses) // MOTION_FRAMES]
         with in_order(self._prepare, self._read(indices), N_THREADS) as prepared:
             distances = [
                 surfels.distances_m(view, self._poses[shown.index]) for shown, view in prepared
             ]
-        return body_motion(distances, [self._poses[i] for i in indices], self._frames.floor)
+        return body_motion(distances, [self._poses[i] for i in indices], self._frames.level)
 
     def _read(self, indices: list[int]) -> Iterator[tuple[int, SensorFrame]]:
         for index in indices:
@@ -261,6 +258,8 @@ def _notices(
         notices.append(Sentence(JUMPS, {"n": followed.n_jumps}))
     if track.n_moving and not frames.is_body:
         notices += counted([(MOVING, track.n_moving)], len(frames))
+    if frames.is_body and frames.floor is None:
+        notices.append(Sentence(NO_FLOOR))
     if track.n_wrong_loops:
         notices.append(Sentence(WRONG_LOOPS, {"n": track.n_wrong_loops}))
     return tuple(notices)

@@ -1,0 +1,80 @@
+"""A person who is mapped alone: nothing else takes part, and it is told how rigid they were."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from adibas.alignment.surfels import Distances
+from adibas.cli.command_line import main
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
+from adibas.pipeline.map_body import body_motion
+from adibas.recordings import create_recording
+from adibas.simulation.scenes import open_scene
+
+FLOOR = Plane(np.array([0.0, -1.0, 0.0]), 1.2)
+"""The camera looks ahead from 1.2 m."""
+N_FRAMES = 6
+
+
+def turned(angle_deg, shift_m):
+    """Return the camera, from a body that turns about the vertical and moves."""
+    turn = Rotation.from_euler("y", angle_deg, degrees=True).as_matrix()
+    return RigidTransform(turn, np.asarray(shift_m, float)).inverse()
+
+
+def points_of_a_body(rng):
+    """Return points between the floor and 1.7 m, about an axis 2 m before the camera."""
+    high_m = rng.uniform(0.0, 1.7, 6000)
+    around = rng.uniform(0.0, 2 * np.pi, 6000)
+    return np.column_stack([0.15 * np.cos(around), 1.2 - high_m, 0.15 * np.sin(around)])
+
+
+def test_what_frames_differ_by_is_told_by_height():
+    rng = np.random.default_rng(1)
+    points_m = points_of_a_body(rng)
+    share = (1.2 - points_m[:, 1]) / 1.7
+    sd_m = np.where(share > 0.85, 0.006, np.where(share > 0.5, 0.003, 0.001))
+    poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in range(0, 60, 5)]
+    told = body_motion([Distances(points_m, rng.normal(0.0, sd_m)) for _ in poses], poses, FLOOR)
+    assert told.bands_mm["legs"] == pytest.approx(1.0, rel=0.1)
+    assert told.bands_mm["trunk"] == pytest.approx(3.0, rel=0.1)
+    assert told.bands_mm["head"] == pytest.approx(6.0, rel=0.1)
+    assert told.residual_mm == pytest.approx(1e3 * np.sqrt(np.mean(sd_m**2)), rel=0.05)
+    assert told.residual_mm <= told.largest_mm < 1.1 * told.residual_mm
+    assert told.wandered_mm == pytest.approx(0.0, abs=5.0)
+
+
+def test_steps_over_the_floor_are_told_and_a_bob_is_none():
+    points_m = points_of_a_body(np.random.default_rng(2))
+    still = Distances(points_m, np.zeros(len(points_m)))
+    steps_m = [(0.02 * sign, 0.05 * sign, 2.0) for sign in (-1, 1, -1, 1)]
+    told = body_motion([still] * 4, [turned(0.0, step) for step in steps_m], FLOOR)
+    assert told.wandered_mm == pytest.approx(20.0, rel=1e-6)
+    assert told.residual_mm == 0.0
+
+
+def test_where_hardly_anything_is_seen_nothing_is_told():
+    few = Distances(np.zeros((3, 3)), np.zeros(3))
+    assert body_motion([few], [turned(0.0, (0.0, 0.0, 2.0))], FLOOR) is None
+
+
+def test_the_person_alone_becomes_the_surface(tmp_path, capsys):
+    scene = open_scene("anterior", seed=3, color_size=(480, 640))
+    path, out = tmp_path / "standing.mcap", tmp_path / "body.ply"
+    frames = [scene.frame(index) for index in range(N_FRAMES)]
+    with create_recording(path, scene.info) as recording:
+        for one in frames:
+            recording.write(one.sensor_frame)
+    assert main(["map", str(path), "--out", str(out), "--body", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["placed"] == N_FRAMES
+    assert 0.3 < said["body"]["residual_mm"] < 6.0
+    assert said["body"]["wandered_mm"] < 3.0
+    assert set(said["body"]["bands_mm"]) == {"legs", "trunk", "head"}
+    assert main(["map", str(path), "--out", str(out), "--json"]) == 0
+    whole = json.loads(capsys.readouterr().out)
+    assert whole["body"] is None
+    assert said["surfels"] < 0.5 * whole["surfels"]
