@@ -12,6 +12,7 @@ from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.map_body import body_motion
 from adibas.recordings import create_recording
+from adibas.reports.map_files import ROW
 from adibas.simulation.scenes import open_scene
 
 FLOOR = Plane(np.array([0.0, -1.0, 0.0]), 1.2)
@@ -30,6 +31,12 @@ def points_of_a_body(rng):
     high_m = rng.uniform(0.0, 1.7, 6000)
     around = rng.uniform(0.0, 2 * np.pi, 6000)
     return np.column_stack([0.15 * np.cos(around), 1.2 - high_m, 0.15 * np.sin(around)])
+
+
+def deepest_m(path):
+    """Return how far from the camera a surface goes."""
+    _, body = path.read_bytes().split(b"end_header\n", 1)
+    return np.frombuffer(body, ROW)["z"].max()
 
 
 def test_what_frames_differ_by_is_told_by_height():
@@ -74,7 +81,8 @@ def test_the_person_alone_becomes_the_surface(tmp_path, capsys):
     assert 0.3 < said["body"]["residual_mm"] < 6.0
     assert said["body"]["wandered_mm"] < 3.0
     assert set(said["body"]["bands_mm"]) == {"legs", "trunk", "head"}
+    assert deepest_m(out) < 2.4
     assert main(["map", str(path), "--out", str(out), "--json"]) == 0
     whole = json.loads(capsys.readouterr().out)
     assert whole["body"] is None
-    assert said["surfels"] < 0.5 * whole["surfels"]
+    assert deepest_m(out) > 2.9, "the wall"
