@@ -1,7 +1,7 @@
 """A trained recogniser as a JSON file."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, get_args
 
@@ -81,6 +81,27 @@ def _check_kind(path: Path, document: Any) -> None:
             "measured here. Train it again from the examples.",
             file=path.name,
         )
+    if not _is_described_as_here(document):
+        raise GestureError(
+            "{file} was trained on another descriptor: its frames are described by other numbers "
+            "than here. Train it again from the examples.",
+            file=path.name,
+        )
+
+
+def _is_described_as_here(document: dict[str, Any]) -> bool:
+    """Say whether all examples have the length that a frame's descriptor has by its settings."""
+    settings, examples = document.get("descriptor"), document.get("examples")
+    if not isinstance(settings, dict) or not isinstance(examples, list):
+        return True  # a part is missing: damaged
+    if set(settings) != {field.name for field in fields(DescriptorParams)}:
+        return False
+    try:
+        n_numbers = DescriptorParams(**settings).n_numbers
+        lengths = {len(frame) for example in examples for frame in example["frames"]}
+    except (KeyError, TypeError, ValueError):
+        return True
+    return len(lengths) != 1 or lengths == {n_numbers}
 
 
 def _document(model: GestureModel) -> dict[str, object]:

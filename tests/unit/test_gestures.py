@@ -1,7 +1,7 @@
 """Gestures: described alike wherever and whoever, found in streams, counted honestly."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -222,7 +222,12 @@ def test_a_model_file_gives_the_same_model(tmp_path, watched, method):
         ({"joints": ["head"]}, "another descriptor"),
         ({"labels": []}, "damaged"),
         ({"thresholds": [1.0]}, "damaged"),
-        ({"descriptor": {"velocity_s": 0.0}}, "damaged"),
+        ({"descriptor": {"velocity_s": 0.0}}, "other numbers than here"),
+        ({"descriptor": asdict(DescriptorParams(velocity_s=0.0))}, "other numbers than here"),
+        ({"descriptor": asdict(DescriptorParams()) | {"bones": 3}}, "other numbers than here"),
+        ({"descriptor": asdict(DescriptorParams()) | {"rate_hz": -1.0}}, "damaged"),
+        ({"descriptor": None}, "damaged"),
+        ({"examples": [{"label": "wave", "frames": [[0.0], [0.0, 1.0]]}]}, "damaged"),
     ],
 )
 def test_a_model_that_does_not_fit_is_refused_in_words(tmp_path, trained, change, words):
