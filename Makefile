@@ -74,6 +74,7 @@ screenshots: setup
 
 ## Build the program for computers without Python, and its Debian package; both go to dist/.
 installer: setup manual
+	@installers/setup.sh installer
 	mkdir -p build
 	$(BIN)/python -m installers.freezing
 	$(BIN)/python -m installers.debian

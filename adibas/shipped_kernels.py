@@ -16,6 +16,9 @@ from typing import Any
 from adibas.resources import resource_path
 
 MARK_FILE = "sources.txt"
+PACKED = ".zst"
+"""Added to the names of numba's files of machine code, which are packed to two fifths."""
+
 X86_KIND = "x86-64-v2"
 X86_FEATURES = frozenset({"popcnt", "sse4.1", "sse4.2", "ssse3"})
 """What compilers call a kind of processor, and LLVM's names of what it has over the first of them.
@@ -101,11 +104,22 @@ def look_among_shipped(dispatcher: Any) -> None:
     own = dispatcher._cache  # noqa: SLF001  (numba offers no other place)
     shipped, load = copy(own), own.load_overload
     place = str(folder / dispatcher.py_func.__module__), own._impl.filename_base  # noqa: SLF001
-    files: Callable[..., object] = caching.IndexDataCacheFile
+    files: Any = caching.IndexDataCacheFile
     shipped._cache_file = files(*place, build_mark())  # noqa: SLF001
+    shipped._cache_file._load_data = lambda name: _unpacked(Path(place[0]) / name)  # noqa: SLF001
 
     def load_shipped_first(signature: object, context: object) -> object:
         found = shipped.load_overload(signature, context)
         return load(signature, context) if found is None else found
 
     own.load_overload = load_shipped_first
+
+
+def _unpacked(path: Path) -> object:
+    """Return what numba wrote to a file, which was packed afterwards."""
+    import pickle  # noqa: TID251  (numba's own form; the builder wrote the file)
+
+    import zstandard
+
+    packed = path.with_name(path.name + PACKED).read_bytes()
+    return pickle.loads(zstandard.decompress(packed))  # noqa: S301

@@ -14,11 +14,13 @@ Collected = tuple[str, str, str]
 
 EXCLUDED = (
     *("benchmarks", "tests", "anny", "dask", "distributed", "torch"),
-    *("IPython", "PySide6.QtNetwork", "PySide6.QtTest", "tkinter"),
+    *("IPython", "PySide6.QtNetwork", "PySide6.QtOpenGL", "PySide6.QtTest", "tkinter"),
     *("_pytest", "babel", "coverage", "dtaidistance", "hypothesis", "mcap", "mypy", "pip"),
     *("pygments", "pypdf", "pytest", "rich", "setuptools", "lz4", "charset_normalizer"),
     *("jinja2", "markdown", "mkdocs", "watchdog"),
-    *("matplotlib.tests", "numba.cuda", "numba.tests"),
+    *(f"sqlalchemy.dialects.{database}" for database in ("mssql", "mysql", "oracle")),
+    *("matplotlib.tests", "numba.cuda", "numba.tests", "pydoc_data"),
+    *("cffi", "pycparser", "zstandard.backend_cffi"),  # compilers of C; for other Pythons
 )
 """Modules that a library would use if they were there, and those that only developers have."""
 
@@ -26,7 +28,7 @@ WITH_DATA = ("highdicom",)
 """Libraries that read files of their own which PyInstaller does not know of."""
 
 UNSEEN = (
-    "PySide6.QtOpenGL",
+    "PySide6.QtOpenGLWidgets",
     "numba._devicearray",
     "numba.mviewbuf",
     "numba.np.ufunc._num_threads",
@@ -55,12 +57,20 @@ UNNEEDED = (
     "matplotlib/mpl-data/images/*",
     "matplotlib/mpl-data/fonts/afm/*",
     "matplotlib/mpl-data/fonts/pdfcorefonts/*",
+    "matplotlib/mpl-data/fonts/ttf/DejaVuSerif*",
+    "matplotlib/mpl-data/fonts/ttf/DejaVuSansMono-*",  # bold and slanted
     "numba/np/ufunc/tbbpool.*",  # of a library that is not there
     "PIL/_avif.*",
+    "PIL/_webp.*",
     "pillow.libs/libavif*",
+    "pillow.libs/libsharpyuv*",
+    "pillow.libs/libwebp*",
+    "zstandard/_cffi.*",
+    "resources/translations/*.po",  # what translators write; .mo is what is read
     "*/tests/*",
 )
-"""Files of no use here: screens without a window system, the network, tests."""
+"""Files of no use here: screens without a window system, the network, pictures of kinds that are
+neither read nor written, letters that no report has, tests."""
 
 SYSTEM_FOLDERS = ("/lib/", "/lib64/", "/usr/lib/")
 

@@ -1,7 +1,7 @@
 """Makes `dist/adibas` (macOS: `dist/ADiBAS.app`), which runs where no Python is installed.
 
-PyInstaller collects; then debug symbols go, and the program that was just built compiles its own
-hot loops, so that no user waits for that.
+PyInstaller collects; then parts that are of no use go, and debug symbols, and the program that was
+just built compiles its own hot loops, so that no user waits for that.
 """
 
 import os
@@ -11,8 +11,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from adibas.shipped_kernels import MARK_FILE, processor_kind
+import zstandard
+
+from adibas.shipped_kernels import MARK_FILE, PACKED, processor_kind
 from installers.bundle import ROOT, sources_mark
+from installers.lightening import is_for_this_machine, lighten
 from installers.start import COMPILE
 
 BUILT = ROOT / "dist" / ("ADiBAS.app/Contents" if sys.platform == "darwin" else "adibas")
@@ -22,13 +25,16 @@ RESOURCES = {"darwin": "Frameworks/resources"}
 
 WORK = ROOT / "build"
 SPEC = ROOT / "installers" / "adibas.spec"
-PATCHED = ".libs"
-"""Folders of libraries that were renamed within wheels: strip breaks some of these."""
+MOST_PACKED = 19
+STRIP = "llvm-strip-22"
+"""That of binutils breaks libraries that were renamed within wheels."""
 
 
 def freeze() -> Path:
     """Build the whole folder and return it."""
     collect()
+    if is_for_this_machine():
+        lighten(BUILT / "_internal", WORK)
     if sys.platform == "linux":
         strip_symbols(BUILT)
     add_kernels(BUILT)
@@ -44,13 +50,9 @@ def collect() -> None:
 
 def strip_symbols(folder: Path) -> None:
     """Take away what only a debugger reads: a tenth of the size."""
-    libraries = [path for path in folder.rglob("*.so*") if _can_be_stripped(path)]
-    for path in libraries:
-        subprocess.run(["strip", "--strip-unneeded", str(path)], check=True)  # noqa: S603, S607
-
-
-def _can_be_stripped(path: Path) -> bool:
-    return path.is_file() and not path.is_symlink() and not path.parent.name.endswith(PATCHED)
+    found = (path for ending in (".so", ".so.*") for path in folder.rglob(f"*{ending}"))
+    files = [str(path) for path in found if path.is_file() and not path.is_symlink()]
+    subprocess.run([STRIP, "--strip-unneeded", *files], check=True)  # noqa: S603
 
 
 def add_kernels(folder: Path) -> None:
@@ -65,6 +67,15 @@ def add_kernels(folder: Path) -> None:
     if not kept.is_dir():
         compile_into(kept, program)
     shutil.copytree(kept, place / kept.name)
+    pack(place)
+
+
+def pack(folder: Path) -> None:
+    """Pack the machine code in a folder as `adibas/shipped_kernels.py` reads it."""
+    packer = zstandard.ZstdCompressor(level=MOST_PACKED)
+    for path in folder.rglob("*.nbc"):
+        path.with_name(path.name + PACKED).write_bytes(packer.compress(path.read_bytes()))
+        path.unlink()
 
 
 def compile_into(kept: Path, program: Path) -> None:

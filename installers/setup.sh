@@ -2,18 +2,22 @@
 # Sets up a source tree: system packages, .venv, locked dependencies, the project itself.
 # What is already there is left alone, so that it can be run before every command.
 # Ends with exit code 1 and the one command to type where it may not install something.
+#
+#     installers/setup.sh [installer]      with what only the building of installers needs
 set -eu
 cd "$(dirname "$0")/.."
 
 packages=installers/debian-packages.txt
 lock=installers/requirements.lock
 stamp=.venv/.installed
+comments='/^# Installer/,$d; s/#.*//'
+[ "${1:-}" = installer ] && comments='s/#.*//'
 
 install_system_packages() {
     command -v dpkg-query >/dev/null 2>&1 || return 0  # not Debian: the user's own package manager
     missing=""
     # shellcheck disable=SC2013  # one word a line
-    for package in $(sed 's/#.*//' "$packages"); do
+    for package in $(sed "$comments" "$packages"); do
         status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
         [ "$status" = installed ] || missing="$missing $package"
     done

@@ -4,6 +4,7 @@ import os
 import sys
 from multiprocessing import freeze_support
 from pathlib import Path
+from types import ModuleType
 
 COMPILE = "--compile-kernels"
 """Said by `installers.freezing` to what it has just built, with a folder for the note."""
@@ -25,9 +26,19 @@ def give_libraries_back() -> None:
         os.environ.pop(LIBRARIES, None)
 
 
+def leave_out_open_gl() -> None:
+    """Give pyqtgraph an empty module in the place of one that is 9 MB.
+
+    It imports that always, and uses it where a plot is to be drawn with OpenGL; none of ours is.
+    """
+    if getattr(sys, "frozen", False):
+        sys.modules["PySide6.QtOpenGL"] = ModuleType("PySide6.QtOpenGL")
+
+
 def main() -> int:
     """Run the program, or compile what it is shipped with."""
     give_libraries_back()
+    leave_out_open_gl()
     if sys.argv[1:2] == [COMPILE]:
         from adibas.pipeline.warming import warm_kernels
 

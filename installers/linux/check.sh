@@ -60,8 +60,19 @@ runs_every_part() {  # each brings libraries of its own, which a frozen program 
     runs record simulator:bend --seconds 2 --out r.mcap
     runs convert r.mcap r.oni
     runs pose r.mcap --out j.csv
-    runs movement j.csv --out m.c3d --out m.xlsx --out m.pdf
+    runs movement j.csv --out m.c3d --out m.trc --out m.xlsx --out m.pdf
     runs behaviour j.csv --out b.xlsx
+    runs posture demo/recording.mcap --markers demo/colours.json --out p.pdf --out p.json
+    runs markers learn demo/recording.mcap --seed 520,514 --out c.json
+    runs limbs segment r.mcap --frames 0:2 --out limbs
+    runs map demo/recording.mcap --frames 0:10 --out map.ply --trajectory path.txt
+    runs protocols list
+    local examples=home/clinician/examples method
+    .venv/bin/python docs/manual/developers/gesture_example.py "$root/$examples"
+    for method in likeness hmm; do  # hmm: of libraries that nothing else asks for
+        runs gestures train "/$examples" --method "$method" --out "$method.json"
+        runs gestures detect "/$examples/p0.joints.csv" --model "$method.json" --out e.csv
+    done
     runs calibrate --print-board A4 --out board.pdf
     runs body posterior=demo/recording.mcap --out back.ply
     runs sessions list --store demo/store

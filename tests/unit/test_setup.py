@@ -11,9 +11,8 @@ ROOT = Path(__file__).parents[2]
 PACKAGE_LIST = ROOT / "installers" / "debian-packages.txt"
 
 
-def package_names():
-    lines = PACKAGE_LIST.read_text().splitlines()
-    return [line for line in lines if line and not line.startswith("#")]
+def package_names(text):
+    return [line for line in text.splitlines() if line and not line.startswith("#")]
 
 
 @pytest.fixture
@@ -30,9 +29,9 @@ def machine(tmp_path):
         (commands / name).write_text(f"#!/bin/sh\n{script}\n")
         (commands / name).chmod(0o755)
 
-    def run():
+    def run(*arguments):
         return subprocess.run(
-            [str(tree / "installers" / "setup.sh")],
+            [str(tree / "installers" / "setup.sh"), *arguments],
             env={"PATH": str(commands), "HOME": os.environ["HOME"]},
             capture_output=True,
             text=True,
@@ -42,15 +41,18 @@ def machine(tmp_path):
     return add_command, run, tree
 
 
-def test_where_it_may_not_install_it_tells_the_one_command(machine):
+@pytest.mark.parametrize("is_for_installers", [False, True])
+def test_where_it_may_not_install_it_tells_the_one_command(machine, is_for_installers):
     add_command, run, _tree = machine
     add_command("dpkg-query", "exit 1")
     add_command("id", "echo 1000")
-    result = run()
+    result = run(*["installer"] * is_for_installers)
     assert result.returncode == 1
     command = result.stderr.splitlines()[-1].strip()
     assert command.startswith("sudo apt-get update && sudo apt-get install -y ")
-    assert command.split()[8:] == package_names()
+    always, for_installers = PACKAGE_LIST.read_text().split("# Installer")
+    expected = package_names(always) + package_names(for_installers)[1:] * is_for_installers
+    assert command.split()[8:] == expected
 
 
 def test_as_root_it_refreshes_the_index_and_installs_what_is_missing(machine, tmp_path):

@@ -11,6 +11,7 @@ from llvmlite import binding
 
 from adibas import shipped_kernels
 from adibas.shipped_kernels import X86_FEATURES, X86_KIND, ModuleLocator, processor_kind
+from installers.freezing import pack
 
 PROJECT = Path(__file__).parents[2]
 FROZEN = """
@@ -48,6 +49,8 @@ def test_what_was_compiled_by_the_builder_is_not_compiled_again(tmp_path):
     kind = processor_kind()
     run_frozen(tmp_path, kernels / kind, NUMBA_CPU_NAME=kind, NUMBA_CPU_FEATURES="")
     assert list(kernels.rglob("*.nbc"))
+    pack(kernels)
+    assert not list(kernels.rglob("*.nbc"))
     run_frozen(tmp_path, home)
     assert not home.exists()
 
