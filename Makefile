@@ -47,6 +47,7 @@ train: setup
 	$(BIN)/adibas limbs train --simulator --seed 6215 --out resources/models/limbs-15.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
 	$(BIN)/python -m adibas.pipeline.likeness_training
+	$(BIN)/python -m adibas.pipeline.reliability_training
 
 setup:
 	@installers/setup.sh

@@ -23,6 +23,7 @@ from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+from adibas.pipeline.pose_model import joint_model_for
 from adibas.simulation.scenes import open_scene
 from benchmarks.table import Row
 
@@ -65,7 +66,9 @@ def _measure(n_frames: int) -> _Spent:
     for name in SCENES:
         frames, camera, floor = _frames(name, n_frames + WARM_FRAMES)
         estimator = PoseEstimator(
-            camera, forest_segmenter(model, camera), floor, judge=person_judge(model, camera)
+            *(camera, forest_segmenter(model, camera), floor),
+            joints=joint_model_for(model),
+            judge=person_judge(model, camera),
         )
         for number, depth_m in enumerate(frames):
             cpu, clock = time.process_time(), time.perf_counter()

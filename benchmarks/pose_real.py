@@ -23,6 +23,7 @@ from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose import smooth_track
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+from adibas.pipeline.pose_model import joint_model_for
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.proportions import MIRRORED
 from adibas.skeleton.smoothing import SmoothingParams
@@ -146,7 +147,10 @@ def read_reference(path: Path) -> FloatArray:
 def follow(depths_m: Float32Array, model: LimbModel) -> SkeletonTrack:
     """Return the smoothed joints; the background is already taken away from these images."""
     estimator = PoseEstimator(
-        CAMERA, forest_segmenter(model, CAMERA), judge=person_judge(model, CAMERA)
+        CAMERA,
+        forest_segmenter(model, CAMERA),
+        joints=joint_model_for(model),
+        judge=person_judge(model, CAMERA),
     )
     estimator.floor = None
     frames: list[tuple[int, ChosenJoints]] = []

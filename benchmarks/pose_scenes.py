@@ -25,6 +25,7 @@ from adibas.pipeline.pose_following import (
     Segmenter,
     forest_segmenter,
 )
+from adibas.pipeline.pose_model import joint_model_for
 from adibas.simulation.crowds import CrowdFrame, CrowdScene, crowd_names, open_crowd
 from benchmarks.pose_real import MODEL, NEAR_M
 from benchmarks.table import Row
@@ -76,7 +77,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
         counts = {name: Counts() for name in crowd_names()}
         for name in crowd_names():
             for seed in seeds:
-                seen += _watch(open_crowd(name, seed), name, used, counts[name], step)
+                seen += watch(open_crowd(name, seed), name, used, counts[name], step)
         yield from _rows_of(told, seen, counts, len(seeds))
 
 
@@ -84,17 +85,18 @@ def _rows_of(told: str, seen: list[Seen], counts: dict[str, Counts], n_seeds: in
     for low, high in pairwise(SHARES):
         band = [one for one in seen if low <= one.share < high]
         name = f"{told}, {100 * low:.0f} to {min(100, 100 * high):.0f} % of the person seen"
-        yield from _rows_of_band(name, band)
+        yield from rows_of_band(name, band)
     for name, count in counts.items():
         mine = [one for one in seen if one.scene == name and one.share >= LEAST_SHARE]
-        yield from _rows_of_band(f"{told}, {name} ({n_seeds} seeds)", mine)
+        yield from rows_of_band(f"{told}, {name} ({n_seeds} seeds)", mine)
         missed = 100.0 * count.n_missed / max(count.n_expected, 1)
         yield Row(f"{told}, {name}: people not found", missed, "% of frames")
         yield Row(f"{told}, {name}: identity switches", count.n_switches, "", 0, "goal")
         yield Row(f"{told}, {name}: things taken for people", count.n_nobody, "frames", 0, "goal")
 
 
-def _rows_of_band(name: str, seen: list[Seen]) -> Iterator[Row]:
+def rows_of_band(name: str, seen: list[Seen]) -> Iterator[Row]:
+    """Yield how many joints are near, and how many that nobody sees are invented."""
     errors_m = np.array([one.error_m for one in seen if one.is_in_view])
     hidden_m = np.array([one.error_m for one in seen if not one.is_in_view])
     if len(errors_m):
@@ -105,9 +107,10 @@ def _rows_of_band(name: str, seen: list[Seen]) -> Iterator[Row]:
         yield Row(f"{name}: hidden joints invented, over 10 cm off ({len(hidden_m)})", wrong, "%")
 
 
-def _watch(
+def watch(
     scene: CrowdScene, name: str, model: LimbModel | None, counts: Counts, step: int
 ) -> Iterator[Seen]:
+    """Yield the joints of every `step`-th frame, and count people; None: with the true parts."""
     calibration = scene.info.calibration
     if calibration is None or calibration.depth is None:
         raise ValueError("a simulated scene has a calibrated depth camera")
@@ -116,7 +119,10 @@ def _watch(
     if model is not None:
         segmenter = forest_segmenter(model, calibration.depth)
     judge = None if model is None else person_judge(model, calibration.depth)
-    estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor, judge=judge)
+    joints = None if model is None else joint_model_for(model)
+    estimator = PoseEstimator(
+        calibration.depth, segmenter, calibration.floor, joints=joints, judge=judge
+    )
     numbers: dict[int, int] = {}
     for index in range(0, scene.n_frames, step):
         parts.frame = frame = scene.frame(index)

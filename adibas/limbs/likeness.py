@@ -1,8 +1,9 @@
 """How much like a person something is, by the limbs that were found in it.
 
 A forest that knows people alone finds limbs in a chair, too: unsure of them, in pieces, and next
-to limbs that no body has side by side. What tells things from people was learned from both, as
-weights of such quantities (logistic regression); the measure is ours.
+to limbs that no body has side by side; sizes and joints tell more (`adibas.limbs.figure`,
+`adibas.skeleton.plausibility`). What tells things from people was learned from both, as weights
+of such quantities (logistic regression); the measure is ours.
 """
 
 from collections.abc import Mapping
@@ -18,8 +19,8 @@ from adibas.data.joints import BODY_PART_NAMES
 from adibas.data.limbs import NO_LABEL, LimbParts
 from adibas.files import check_document
 
-FORMAT, VERSION = "adibas-person-likeness", 1
-QUANTITIES = (
+FORMAT, VERSION = "adibas-person-likeness", 2
+PART_QUANTITIES = (
     "sure",
     "entropy",
     "clutter",
@@ -33,7 +34,7 @@ QUANTITIES = (
     "area",
 )
 """What `describe_parts` gives, in this order."""
-LOST_SHARE = 0.02
+LOST_SHARE = 0.03
 """Of simulated people, seen as badly as those that models are trained on, who are not recognised.
 
 Ours: with none lost half of the things would not be, either; real people lie far above.
@@ -48,14 +49,17 @@ class Likeness:
 
     Attributes
     ----------
-    middles, spreads, weights : (11,) arrays
-        Of the quantities: mean and standard deviation where it was learned, and weight.
+    quantities : tuple of str
+        The Q names of what is weighed.
+    middles, spreads, weights : (Q,) arrays
+        Of each: mean and standard deviation where it was learned, and weight.
     threshold : float
         What is below it is no person.
     provenance : mapping
         From what it was learned; plain JSON values.
     """
 
+    quantities: tuple[str, ...]
     middles: FloatArray
     spreads: FloatArray
     weights: FloatArray
@@ -64,18 +68,18 @@ class Likeness:
 
     def __post_init__(self) -> None:
         for name in ("middles", "spreads", "weights"):
-            check_shape(name, getattr(self, name), (len(QUANTITIES),))
+            check_shape(name, getattr(self, name), (len(self.quantities),))
             read_only(getattr(self, name))
 
     def score(self, quantities: FloatArray) -> float:
-        """Return how much like a person something of (11,) quantities is; more is more."""
+        """Return how much like a person something of (Q,) quantities is; more is more."""
         return float((quantities - self.middles) / self.spreads @ self.weights)
 
 
 def describe_parts(
     depth_m: Float32Array, mask: BoolArray, focal_px: float, parts: LimbParts
 ) -> FloatArray:
-    """Return the (11,) `QUANTITIES` of limbs that were found.
+    """Return the (11,) `PART_QUANTITIES` of limbs that were found.
 
     Parameters
     ----------
@@ -176,23 +180,31 @@ _NEIGHBOURS = _neighbours()
 
 
 def learn_likeness(
-    people: FloatArray, things: FloatArray, spared: FloatArray, provenance: Mapping[str, object]
+    quantities: tuple[str, ...],
+    shown: tuple[FloatArray, FloatArray],
+    spared: FloatArray,
+    provenance: Mapping[str, object],
 ) -> Likeness:
-    """Return what tells (P, 11) people from (T, 11) things, both as heavy.
+    """Return what tells people from things, both as heavy.
 
     Parameters
     ----------
-    spared : (N, 11) array
+    quantities : tuple of str
+        Q names.
+    shown : ((P, Q) array, (T, Q) array)
+        People, and things.
+    spared : (N, Q) array
         Other people: `LOST_SHARE` of them lie below the threshold.
     provenance : mapping
     """
-    both = np.concatenate([people, things])
+    people, things = shown
+    both = np.concatenate(shown)
     middles, spreads = both.mean(axis=0), both.std(axis=0) + _TINY
     rows = np.column_stack([(both - middles) / spreads, np.ones(len(both))])
     is_person = np.r_[np.ones(len(people)), np.zeros(len(things))]
     heavy = np.r_[np.full(len(people), 0.5 / len(people)), np.full(len(things), 0.5 / len(things))]
     weights = _logistic(rows, is_person, heavy * len(both))[:-1]
-    found = Likeness(middles, spreads, weights, 0.0, provenance)
+    found = Likeness(quantities, middles, spreads, weights, 0.0, provenance)
     threshold = float(np.quantile([found.score(one) for one in spared], LOST_SHARE))
     return replace(found, threshold=threshold)
 
@@ -218,26 +230,27 @@ def likeness_to_json(likeness: Likeness) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "version": VERSION,
-        "quantities": list(QUANTITIES),
+        "quantities": list(likeness.quantities),
         **{name: getattr(likeness, name).tolist() for name in ("middles", "spreads", "weights")},
         "threshold": likeness.threshold,
         "provenance": dict(likeness.provenance),
     }
 
 
-def likeness_from_json(document: Mapping[str, Any]) -> Likeness:
+def likeness_from_json(document: Mapping[str, Any], quantities: tuple[str, ...]) -> Likeness:
     """Return what such a document says.
 
     Raises
     ------
     ValueError
-        It is no such document, or of other quantities.
+        It is no such document, or of other quantities than these.
     """
     check_document(document, FORMAT, VERSION)
-    if tuple(document["quantities"]) != QUANTITIES:
+    if tuple(document["quantities"]) != quantities:
         raise ValueError("the document is of other quantities")
     middles, spreads, weights = (
         np.array(document[name], np.float64) for name in ("middles", "spreads", "weights")
     )
     provenance = dict(document.get("provenance", {}))
-    return Likeness(middles, spreads, weights, float(document["threshold"]), provenance)
+    threshold = float(document["threshold"])
+    return Likeness(quantities, middles, spreads, weights, threshold, provenance)

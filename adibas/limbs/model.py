@@ -45,6 +45,11 @@ class LimbModel:
         """Say whether the model knows what is no limb."""
         return len(self.forest.labels) > len(self.labels)
 
+    def is_made(self, created_utc: object) -> bool:
+        """Say whether this is the model that was made then, as `provenance` has it."""
+        made = self.forest.provenance.get("created_utc")
+        return made is not None and made == created_utc
+
     def require(self, labels: LimbLabels) -> None:
         """See that the model is for these labels.
 

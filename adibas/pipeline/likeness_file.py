@@ -6,6 +6,7 @@ from functools import cache
 from adibas.errors import FileError
 from adibas.files import DAMAGED_JSON, written_whole
 from adibas.limbs.likeness import Likeness, likeness_from_json, likeness_to_json
+from adibas.pipeline.person_quantities import QUANTITIES
 from adibas.resources import resource_path
 
 FILE = ("models", "likeness.json")
@@ -22,7 +23,7 @@ def shipped_likeness() -> Likeness:
     """
     path = resource_path(*FILE)
     try:
-        return likeness_from_json(json.loads(path.read_text("utf-8")))
+        return likeness_from_json(json.loads(path.read_text("utf-8")), QUANTITIES)
     except (OSError, KeyError, TypeError, *DAMAGED_JSON) as error:
         raise FileError(
             "{file} is broken or missing. Install the program again.", file=path.name

@@ -8,22 +8,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from adibas.arrays import AnyArray, BoolArray, FloatArray
+from adibas.data.calibration import CameraCalibration
 from adibas.limbs.judging import judge_mask, judge_parts
-from adibas.limbs.likeness import (
-    QUANTITIES,
-    Likeness,
-    describe_parts,
-    learn_likeness,
-)
+from adibas.limbs.likeness import Likeness, learn_likeness
 from adibas.limbs.model import LimbModel
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.likeness_file import write_likeness
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_quantities import QUANTITIES, describer
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import ThingFrames
 
-SEED, SPARED_SEEDS = 6300, (6301, 6302)
-N_PEOPLE, N_THINGS, N_SPARED = 250, 275, 150
+SEED, WHOLE_SEED, SPARED_SEEDS = 6300, 6303, (6301, 6302)
+N_PEOPLE, N_THINGS, N_SPARED = 500, 660, 200
 LEAST_PIXELS = 50
 Shown = Iterator[tuple[AnyArray, BoolArray]]
 """Depth in millimetres, 0 where not measured, and a mask."""
@@ -37,16 +34,18 @@ def people_shown(seed: int, n_images: int, step: int) -> Shown:
         yield frame.depth_mm, np.asarray(frame.labels > 0)
 
 
-def things_shown(seed: int, n_images: int, step: int) -> Shown:
+def things_shown(seed: int, n_images: int, step: int, *, has_damage: bool = True) -> Shown:
     """Yield things without people, of each kind in turn."""
-    frames = ThingFrames(seed)
+    frames = ThingFrames(seed, has_damage=has_damage)
     for number in range(n_images):
         frame = frames.frame(step * number)
         yield frame.depth_mm, frame.mask
 
 
-def described(shown: Shown, focal_px: float, model: LimbModel) -> FloatArray:
-    """Return the (N, 11) quantities of all that other words do not refuse already."""
+def described(shown: Shown, camera: CameraCalibration, model: LimbModel) -> FloatArray:
+    """Return the (N, Q) quantities of all that other words do not refuse already."""
+    describe = describer(camera)
+    focal_px = camera.intrinsics.fx
     found = [np.empty((0, len(QUANTITIES)))]
     for depth_mm, mask in shown:
         depth_m = np.where(depth_mm > 0, depth_mm, np.nan).astype(np.float32) / np.float32(1000)
@@ -54,32 +53,35 @@ def described(shown: Shown, focal_px: float, model: LimbModel) -> FloatArray:
             continue
         parts = segment(depth_m, mask, focal_px, model, LimbParams(step=1))
         if judge_parts(parts, mask).is_person:
-            found.append(describe_parts(depth_m, mask, focal_px, parts)[None])
+            found.append(describe(depth_m, mask, parts)[None])
     return np.concatenate(found)
 
 
 def learn() -> Likeness:
     """Return what simulated people and things teach; the same every time."""
     model = shipped_model()
-    people_px, things_px = (
-        frames.camera.intrinsics.fx for frames in (LimbFrames(SEED), ThingFrames(SEED))
-    )
-    people = described(people_shown(SEED, N_PEOPLE, 10), people_px, model)
-    things = described(things_shown(SEED, N_THINGS, 2), things_px, model)
+    people = described(people_shown(SEED, N_PEOPLE, 5), LimbFrames(SEED).camera, model)
+    things = [
+        described(things_shown(seed, N_THINGS, 1, has_damage=torn), ThingFrames(seed).camera, model)
+        for seed, torn in ((SEED, True), (WHOLE_SEED, False))
+    ]
     spared = [
-        described(people_shown(seed, N_SPARED, 5), LimbFrames(seed).camera.intrinsics.fx, model)
+        described(people_shown(seed, N_SPARED, 5), LimbFrames(seed).camera, model)
         for seed in SPARED_SEEDS
     ]
-    return learn_likeness(people, things, np.concatenate(spared), provenance_of(model))
+    provenance = provenance_of(model)
+    shown = people, np.concatenate(things)
+    return learn_likeness(QUANTITIES, shown, np.concatenate(spared), provenance)
 
 
 def provenance_of(model: LimbModel) -> dict[str, object]:
     """Return from what it is learned."""
     return {
         "seed": SEED,
+        "whole_things_seed": WHOLE_SEED,
         "spared_seeds": list(SPARED_SEEDS),
         "n_people": N_PEOPLE,
-        "n_things": N_THINGS,
+        "n_things": 2 * N_THINGS,
         "n_spared": N_SPARED * len(SPARED_SEEDS),
         "limbs_created_utc": str(model.forest.provenance.get("created_utc", "")),
     }

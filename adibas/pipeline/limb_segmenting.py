@@ -9,6 +9,7 @@ import numpy as np
 
 from adibas import __version__
 from adibas.arrays import AnyArray
+from adibas.body.absence import why_nobody
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
@@ -18,7 +19,7 @@ from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError
 from adibas.files import written_whole
 from adibas.geometry.planes import Plane
-from adibas.limbs.judging import Judgement, judge_mask
+from adibas.limbs.judging import Judgement, judge_absence, judge_mask
 from adibas.limbs.model import LimbModel, load_model, merged
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.limbs.training_set import TO_TORSO, FolderHeader, write_header, write_image
@@ -175,9 +176,11 @@ class Looker:
             self._floor = find_floor(depth_m, self.camera)
             self._has_looked_for_floor = True
         body = find_body(depth_m, self.camera, self._floor)
-        mask = None if body is None else body.pixels
+        if body is None:
+            return None, judge_absence(why_nobody(depth_m, self.camera, self._floor))
+        mask = body.pixels
         judgement = judge_mask(depth_m, mask)
-        if mask is None or not judgement.is_person:
+        if not judgement.is_person:
             return None, judgement
         parts = segment(depth_m, mask, self.camera.intrinsics.fx, model, params)
         found = person_judge(model, self.camera)(depth_m, mask, parts)

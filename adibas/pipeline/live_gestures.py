@@ -11,6 +11,7 @@ from adibas.gestures.watching import GestureWatcher, Seen, WatchParams
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+from adibas.pipeline.pose_model import joint_model_for
 
 MOST_PEOPLE = 8
 """Who is watched; whoever was seen longest ago is forgotten first."""
@@ -87,5 +88,6 @@ class LiveGestures:
                 calibration.depth,
                 forest_segmenter(model, calibration.depth),
                 calibration.floor,
+                joints=joint_model_for(model),
                 judge=person_judge(model, calibration.depth),
             )

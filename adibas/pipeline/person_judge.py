@@ -6,9 +6,10 @@ from adibas.arrays import BoolArray, Float32Array
 from adibas.data.calibration import CameraCalibration
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.limbs.judging import Judgement, judge_likeness, judge_parts
-from adibas.limbs.likeness import Likeness, describe_parts
+from adibas.limbs.likeness import Likeness
 from adibas.limbs.model import LimbModel
 from adibas.pipeline.likeness_file import shipped_likeness
+from adibas.pipeline.person_quantities import describer
 
 Judge = Callable[[Float32Array, BoolArray, LimbParts], Judgement]
 """Takes depth, the mask of somebody, and the limbs that were found in it."""
@@ -21,19 +22,19 @@ def person_judge(model: LimbModel, camera: CameraCalibration) -> Judge:
     the shipped one. Limbs of other models are judged by how many of them are seen.
     """
     likeness = shipped_likeness()
+    describe = describer(camera)
     is_learned = model.labels is FULL_BODY and is_of(likeness, model)
 
     def judged(depth_m: Float32Array, pixels: BoolArray, parts: LimbParts) -> Judgement:
         found = judge_parts(parts, pixels)
         if not (found.is_person and is_learned):
             return found
-        quantities = describe_parts(depth_m, pixels, camera.intrinsics.fx, parts)
-        return judge_likeness(likeness.score(quantities), likeness.threshold)
+        score = likeness.score(describe(depth_m, pixels, parts))
+        return judge_likeness(score, likeness.threshold)
 
     return judged
 
 
 def is_of(likeness: Likeness, model: LimbModel) -> bool:
     """Say whether a likeness was learned with a model."""
-    made = model.forest.provenance.get("created_utc")
-    return made is not None and likeness.provenance.get("limbs_created_utc") == made
+    return model.is_made(likeness.provenance.get("limbs_created_utc"))

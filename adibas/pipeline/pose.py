@@ -27,6 +27,7 @@ from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
+from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
@@ -164,7 +165,7 @@ def pose_recording(
         raise LimbError(
             "Nobody was found in {file}. {reason}",
             file=request.recording.name,
-            reason=found.reason(len(wanted)).text,
+            reason=" ".join(one.text for one in found.reasons(len(wanted))),
         )
     vertical = vertical_of(calibration)
     up = None
@@ -202,6 +203,7 @@ class _Found:
         segmenter = forest_segmenter(model, calibration.depth, request.pose.limbs)
         self._estimator = PoseEstimator(
             *(calibration.depth, segmenter, calibration.floor, request.pose),
+            joints=joint_model_for(model),
             judge=person_judge(model, calibration.depth),
         )
         self._frames: dict[int, list[tuple[int, ChosenJoints]]] = {}
@@ -266,12 +268,16 @@ class _Found:
         """Return what was said most often."""
         return self._counted(self._said.most_common(MOST_NOTICES), n_frames)
 
-    def reason(self, n_frames: int) -> Sentence:
-        """Return why nobody was found: what was said most often of all that refuses somebody."""
-        refusals = [one for one in self._said.most_common() if one[0] != HALF]
-        if refusals:
-            return self._counted(refusals[:1], n_frames)[0]
-        return Sentence(HALF if self._said else SELDOM)
+    def reasons(self, n_frames: int) -> tuple[Sentence, ...]:
+        """Return why nobody was found: what was said most often of all that refuses somebody.
+
+        And that only a part was in the picture, where that was so: it may be why.
+        """
+        if not self._said:
+            return (Sentence(SELDOM),)
+        refusals = [one for one in self._said.most_common() if one[0] != HALF][:1]
+        halves = [one for one in self._said.most_common() if one[0] == HALF]
+        return self._counted([*refusals, *halves], n_frames)
 
     def _counted(self, said: list[tuple[Message, int]], n_frames: int) -> tuple[Sentence, ...]:
         return counted(((self._sentences[one].text, n) for one, n in said), n_frames)

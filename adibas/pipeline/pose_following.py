@@ -17,12 +17,13 @@ from adibas.data.sentence import Sentence
 from adibas.geometry.picture_edges import cut_px, seen_box
 from adibas.geometry.planes import Plane
 from adibas.limbs.facing import FacingParams, front_evidence
-from adibas.limbs.judging import judge_absence, judge_mask, judge_parts
+from adibas.limbs.judging import UNLIKE, Judgement, judge_absence, judge_mask, judge_parts
 from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.person_judge import Judge
 from adibas.pipeline.pose_model import JointModel, shipped_joint_model
+from adibas.pipeline.trust import Trust
 from adibas.skeleton.following import ChosenJoints, FollowParams, PersonFollower
 from adibas.skeleton.identities import Identities, IdentityParams
 from adibas.skeleton.picture import Picture
@@ -35,11 +36,6 @@ PLACE_STEP = 4
 """Of how many rows and columns one is looked at for where somebody stands."""
 COARSEST_FOCAL_PX = 250.0
 """Of the pixels that are looked at: a hand of 8 cm is 10 of them wide at 2 m."""
-KNOWN_M, KNOWN_S = 0.5, 2.0
-"""Whoever is so near to where somebody was not long ago was judged then.
-
-People are half hidden while they walk behind things; of their limbs alone they could be anything.
-"""
 SOON_S = 0.2
 """Who was there so long ago has hardly moved: five frames a second are looked at at least."""
 LONGEST_APART_S = 10.0
@@ -82,13 +78,20 @@ class PersonNow:
         Of the depth image.
     parts : LimbParts
     joints : ChosenJoints
-        Depth camera's axes, not smoothed.
+        Depth camera's axes, not smoothed; confidences are shares of right joints where the
+        joint model knows how reliable they are.
+    raw : ChosenJoints
+        As they were chosen, before that.
+    is_cut : (top, bottom, left, right)
+        Where the picture cuts the person off.
     """
 
     person: int
     pixels: BoolArray
     parts: LimbParts
     joints: ChosenJoints
+    raw: ChosenJoints
+    is_cut: tuple[bool, bool, bool, bool]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +139,7 @@ class PoseEstimator:
         In the camera's axes; None: it is looked for in the first frames.
     params : PoseParams or None
     joints : JointModel or None
-        None: the shipped one.
+        None: the shipped one, with confidences as they are; see `joint_model_for`.
     judge : callable or None
         Says whether limbs are a person's; see `person_judge`. None: by how many are seen.
     """
@@ -162,7 +165,7 @@ class PoseEstimator:
         self._known_m = np.empty((0, 3))
         self._before: Moment | None = None
         self._before_s = self._whole_s = -np.inf
-        self._judged: list[tuple[float, FloatArray]] = []
+        self._trust = Trust()
 
     def follower(self, person: int) -> PersonFollower:
         """Return what is known of somebody."""
@@ -220,19 +223,23 @@ class PoseEstimator:
         if not judgement.is_person:
             return None, judgement.notices
         parts = self._segmenter(depth_m, pixels)
-        if self._judge is None or self._is_trusted(depth_m, pixels, time_s):
+        found = self._verdict(depth_m, pixels, parts, time_s)
+        return (parts if found.is_person else None), (*judgement.notices, *found.notices)
+
+    def _verdict(
+        self, depth_m: Float32Array, pixels: BoolArray, parts: LimbParts, time_s: float
+    ) -> Judgement:
+        """Judge limbs; of somebody new the most of some frames decide."""
+        middle_m, _ = self._place(depth_m, viewing_rays(self.camera), pixels)
+        if self._judge is None or self._trust.is_trusted(middle_m, time_s):
             found = judge_parts(parts, pixels)
         else:
             found = self._judge(depth_m, pixels, parts)
-        return (parts if found.is_person else None), (*judgement.notices, *found.notices)
-
-    def _is_trusted(self, depth_m: Float32Array, pixels: BoolArray, time_s: float) -> bool:
-        """Say whether somebody was there not long ago, who need not be judged anew."""
-        middle_m, _ = self._place(depth_m, viewing_rays(self.camera), pixels)
-        return any(
-            time_s - when_s <= KNOWN_S and np.linalg.norm(known_m - middle_m) < KNOWN_M
-            for when_s, known_m in self._judged
-        )
+            is_person = self._trust.judged(middle_m, time_s, is_person=found.is_person)
+            if is_person != found.is_person:
+                found = Judgement(is_person, () if is_person else (Sentence(UNLIKE),))
+        self._trust.saw(middle_m, time_s)
+        return found
 
     def _named(
         self, depth_m: Float32Array, seen: list[tuple[BoolArray, LimbParts]], time_s: float
@@ -243,8 +250,6 @@ class PoseEstimator:
         middles_m = np.array([middle_m for middle_m, _ in places]).reshape(-1, 3)
         people = []
         self._known_m = middles_m
-        self._judged = [one for one in self._judged if time_s - one[0] <= KNOWN_S]
-        self._judged += [(time_s, middle_m) for middle_m in middles_m]
         numbers = self._identities.match(middles_m, tops_m, time_s)
         for person, (pixels, parts) in zip(numbers, seen, strict=True):
             points = part_points(depth_m, parts, rays, self._params.proposals)
@@ -254,11 +259,18 @@ class PoseEstimator:
                     self._joints.proportions, self._params.view, self._params.follow
                 )
             facing = front_evidence(points, self._params.facing)
-            chosen = self._followers[person].follow(
-                *(proposals, time_s, facing, points.cloud()), self._picture(depth_m, pixels)
+            picture = self._picture(depth_m, pixels)
+            raw = self._followers[person].follow(
+                *(proposals, time_s, facing, points.cloud()), picture
             )
-            people.append(PersonNow(person, pixels, parts, chosen))
+            people.append(
+                PersonNow(person, pixels, parts, self._reliable(raw, picture), raw, picture.is_cut)
+            )
         return people
+
+    def _reliable(self, raw: ChosenJoints, picture: Picture) -> ChosenJoints:
+        reliability = self._joints.reliability
+        return raw if reliability is None else reliability.applied(raw, picture.is_cut)
 
     def _picture(self, depth_m: Float32Array, pixels: BoolArray) -> Picture:
         """Return what the picture shows of somebody."""

@@ -6,29 +6,41 @@
 import functools
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from adibas.errors import FileError
 from adibas.files import DAMAGED_JSON, check_document, written_whole
 from adibas.limbs.joint_offsets import JointOffsets, offsets_from_json, offsets_to_json
+from adibas.limbs.model import LimbModel
+from adibas.pipeline.reliability_file import shipped_reliability
 from adibas.resources import resource_path
 from adibas.skeleton.proportions import (
     Proportions,
     proportions_from_json,
     proportions_to_json,
 )
+from adibas.skeleton.reliability import Reliability
 
 FORMAT, VERSION = "adibas-joints", 1
 
 
 @dataclass(frozen=True, slots=True)
 class JointModel:
-    """What is needed beside a model of limbs to find joints."""
+    """What is needed beside a model of limbs to find joints.
+
+    Attributes
+    ----------
+    offsets : JointOffsets
+    proportions : Proportions
+    reliability : Reliability or None
+        Makes shares of right joints out of confidences; None: they stay as they are.
+    """
 
     offsets: JointOffsets
     proportions: Proportions
+    reliability: Reliability | None = None
 
 
 def write_joint_model(path: Path, model: JointModel, provenance: Mapping[str, object]) -> None:
@@ -78,3 +90,14 @@ def _model_of(document: Mapping[str, Any]) -> JointModel:
 def shipped_joint_model() -> JointModel:
     """Return the model that is part of the program; it is read once."""
     return read_joint_model(resource_path("models", "joints.json"))
+
+
+def joint_model_for(model: LimbModel) -> JointModel:
+    """Return what finds joints with a model of limbs.
+
+    How reliable joints are was counted for the shipped model of limbs alone; with another one
+    confidences stay as they are.
+    """
+    reliability = shipped_reliability()
+    is_counted = model.is_made(reliability.provenance.get("limbs_created_utc"))
+    return replace(shipped_joint_model(), reliability=reliability if is_counted else None)

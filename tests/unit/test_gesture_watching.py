@@ -96,7 +96,7 @@ def posed(moves, monkeypatch):
     place = {int(time_ns): number for number, time_ns in enumerate(track.timestamps_ns)}
 
     class Estimator:
-        def __init__(self, *_told, judge):
+        def __init__(self, *_told, joints, judge):
             pass
 
         def look(self, _depth_m, time_s):
@@ -111,6 +111,7 @@ def posed(moves, monkeypatch):
     monkeypatch.setattr("adibas.pipeline.live_gestures.forest_segmenter", lambda *_told: None)
     monkeypatch.setattr("adibas.pipeline.live_gestures.shipped_model", lambda: None)
     monkeypatch.setattr("adibas.pipeline.live_gestures.person_judge", lambda *_told: None)
+    monkeypatch.setattr("adibas.pipeline.live_gestures.joint_model_for", lambda *_told: None)
     return track
 
 

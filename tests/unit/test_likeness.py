@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from adibas.data.calibration import CameraCalibration
-from adibas.data.joints import BODY_PART_NAMES
+from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.sentence import Sentence
 from adibas.errors import FileError
 from adibas.geometry.pinhole import Intrinsics
+from adibas.limbs.figure import FIGURES, describe_figure
 from adibas.limbs.judging import UNLIKE, Judgement, judge_likeness
 from adibas.limbs.likeness import (
     LOST_SHARE,
-    QUANTITIES,
+    PART_QUANTITIES,
     describe_parts,
     learn_likeness,
     likeness_from_json,
@@ -26,11 +27,17 @@ from adibas.pipeline.likeness_training import people_shown, things_shown
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import is_of, person_judge
 from adibas.pipeline.pose_following import PoseEstimator
+from adibas.pipeline.pose_model import shipped_joint_model
+from adibas.pipeline.trust import N_ENOUGH
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import KINDS, ThingFrames
+from adibas.skeleton.following import ChosenJoints
+from adibas.skeleton.plausibility import ABSENT_M, PLAUSIBILITIES, describe_joints
+from adibas.skeleton.proportions import ORDER, PARENTS
 from benchmarks.limb_things import is_refused
 
 FOCAL_PX = 100.0
+DOWN = np.array([0.0, 1.0, 0.0])
 
 
 def parts_of(labels, step=1, sure=0.9):
@@ -45,7 +52,7 @@ def parts_of(labels, step=1, sure=0.9):
 def named(labels, step=1):
     depth_m = np.where(labels >= 0, 2.0, np.nan).astype(np.float32)
     found = describe_parts(depth_m, labels >= 0, FOCAL_PX, parts_of(labels, step))
-    return dict(zip(QUANTITIES, found, strict=True))
+    return dict(zip(PART_QUANTITIES, found, strict=True))
 
 
 def halves(first, second):
@@ -91,20 +98,20 @@ def test_every_second_pixel_tells_nearly_the_same():
 
 def test_what_lies_apart_is_told_apart_and_the_threshold_loses_few_people():
     rng = np.random.default_rng(0)
-    n = len(QUANTITIES)
-    people, spared = (rng.normal(1.0, 1.0, (400, n)) for _ in range(2))
-    things = rng.normal(-1.0, 1.0, (60, n))
-    found = learn_likeness(people, things, spared, {"a": 1})
+    names = ("sure", "width", "stature")
+    people, spared = (rng.normal(1.5, 1.0, (400, 3)) for _ in range(2))
+    things = rng.normal(-1.5, 1.0, (60, 3))
+    found = learn_likeness(names, (people, things), spared, {"a": 1})
     lost = np.mean([found.score(one) < found.threshold for one in spared])
     assert lost == pytest.approx(LOST_SHARE, abs=1 / 400)
     assert np.mean([found.score(one) < found.threshold for one in things]) > 0.95
     assert all(found.weights > 0)
-    again = likeness_from_json(json.loads(json.dumps(likeness_to_json(found))))
+    again = likeness_from_json(json.loads(json.dumps(likeness_to_json(found))), names)
     assert again.score(things[0]) == pytest.approx(found.score(things[0]))
     assert dict(again.provenance) == {"a": 1}
     for wrong in ({"format": "other"}, {"quantities": ["sure"]}):
         with pytest.raises(ValueError, match="document"):
-            likeness_from_json({**likeness_to_json(found), **wrong})
+            likeness_from_json({**likeness_to_json(found), **wrong}, names)
 
 
 def test_the_shipped_likeness_is_of_the_shipped_model():
@@ -139,7 +146,7 @@ def test_most_things_alone_are_refused_and_hardly_a_person_is():
                 for depth_mm, mask in shown
             ]
         )
-    assert refused["things"] > 0.5
+    assert refused["things"] > 0.75
     assert refused["people"] < 0.25, "some are hardly seen: cut off, torn, behind furniture"
 
 
@@ -150,12 +157,12 @@ def test_below_the_threshold_a_word_is_said():
     assert judge_likeness(0.0, 0.0) == Judgement(True, ())
 
 
-def test_somebody_who_was_there_a_moment_ago_is_not_judged_anew():
+def watched(verdicts, n_frames, step_m=0.0):
+    """How many people are found in each frame while a judge gives these verdicts."""
     camera = CameraCalibration(32, 24, Intrinsics(30.0, 30.0, 15.5, 11.5))
     labels = halves("torso", "head")
     labels[4:20, 8:24] = np.arange(16) // 2  # so many limbs that these alone speak for a person
     depth_m = np.where(labels >= 0, 2.0, np.nan).astype(np.float32)
-    verdicts = [False, True, False, True]
     asked = iter(verdicts)
 
     def judge(*_seen):
@@ -164,9 +171,70 @@ def test_somebody_who_was_there_a_moment_ago_is_not_judged_anew():
 
     estimator = PoseEstimator(camera, lambda *_seen: parts_of(labels), judge=judge)
     found = [
-        estimator.look_at(far_m, [labels >= 0], 0.1 * number)
-        for number, far_m in enumerate((depth_m, depth_m, depth_m, depth_m + 1, depth_m + 1), 1)
+        estimator.look_at(depth_m + np.float32(step_m * number), [labels >= 0], 0.1 * number)
+        for number in range(n_frames)
     ]
-    assert [len(now.people) for now in found] == [0, 1, 1, 0, 1]
-    assert [one.message for one in found[0].notices][-1] == UNLIKE
-    assert next(asked, None) is None
+    return [len(now.people) for now in found], found[-1].notices, list(asked)
+
+
+def test_somebody_taken_for_a_person_often_enough_is_not_judged_anew():
+    found, _, left = watched([True] * N_ENOUGH + [False], N_ENOUGH + 3)
+    assert found == [1] * (N_ENOUGH + 3)
+    assert left == [False], "nobody asked any more"
+
+
+def test_a_thing_that_is_taken_for_a_person_now_and_then_is_none():
+    found, notices, _ = watched([False, False, True, False, True, False], 6)
+    assert found == [0] * 6
+    assert [one.message for one in notices][-1] == UNLIKE
+
+
+def test_somebody_who_was_badly_seen_at_first_is_found():
+    found, _, _ = watched([False, False, *[True] * 8], 10)
+    assert found[0] == 0
+    assert found[-1] == 1
+
+
+def test_whoever_stands_elsewhere_is_judged_anew():
+    found, _, left = watched([*[True] * 3, False, False], 5, step_m=0.6)
+    assert found == [1, 1, 1, 0, 0]
+    assert not left
+
+
+def test_figures_are_those_that_can_be_measured_by_hand():
+    labels = halves("torso", "left_upper_arm")
+    labels[4:8, 8:16] = BODY_PART_NAMES.index("head")
+    rows, columns = np.indices(labels.shape)
+    rays = np.dstack([columns / FOCAL_PX, rows / FOCAL_PX, np.ones(labels.shape)])
+    depth_m = np.where(labels >= 0, 2.0, np.nan).astype(np.float32)
+    parts = parts_of(labels)
+    found = dict(zip(FIGURES, describe_figure(depth_m, labels >= 0, rays, parts), strict=True))
+    assert found["torso_squared"] == pytest.approx((96 / 256) ** 2)
+    assert found["head_squared"] == pytest.approx((32 / 256) ** 2)
+    assert found["upper_arms"] == pytest.approx(0.5)
+    assert found["least_forearm"] == 0
+    assert found["head_over_torso"] == pytest.approx((13.5 - 5.5) * 0.02)
+    assert found["width"] == pytest.approx(15 * 0.02, abs=0.011)
+    assert found["thickness"] == pytest.approx(0, abs=1e-6)
+    assert found["legs_width"] == 0, "the figure is 0.3 m tall"
+
+
+def test_joints_say_how_far_shoulders_and_hips_are_apart_and_how_tall_somebody_is():
+    proportions = shipped_joint_model().proportions
+    stature_m = 1.7
+    joints_m = np.full((15, 3), np.nan)
+    for joint in ORDER:
+        parent = PARENTS[joint]
+        origin_m = np.zeros(3) if parent < 0 else joints_m[parent]
+        joints_m[joint] = origin_m + stature_m * proportions.lengths[joint] * DOWN
+    joints_m[JOINT_NAMES.index("right_hip")] = np.nan
+    confidence = np.where(np.isfinite(joints_m[:, 0]), 0.6, np.nan)
+    found = describe_joints(ChosenJoints(joints_m, confidence, 0.5), proportions)
+    named_found = dict(zip(PLAUSIBILITIES, found, strict=True))
+    assert named_found["confidence"] == pytest.approx(0.6 * 14 / 15)
+    assert named_found["hips"] == ABSENT_M
+    assert named_found["stature"] == pytest.approx(stature_m)
+    left_m, right_m = (
+        joints_m[JOINT_NAMES.index(f"{side}_shoulder")] for side in ("left", "right")
+    )
+    assert named_found["shoulders"] == pytest.approx(np.linalg.norm(left_m - right_m))

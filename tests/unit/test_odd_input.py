@@ -1,0 +1,177 @@
+"""What `adibas pose` and `adibas limbs` say where there is nobody, half of somebody, or a bad file.
+
+Recordings are made by the simulator; a skeleton out of nothing is what must never come.
+"""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from adibas.cli.command_line import main
+from adibas.limbs.training_set import FolderHeader, write_header, write_image
+from adibas.pipeline.limb_training import merge_model
+from adibas.recordings import create_recording
+from adibas.recordings.joints_csv import read_joints_csv
+from adibas.resources import resource_path
+from adibas.simulation.crowd_sensors import CrowdSensor
+from adibas.simulation.crowds import CrowdScene
+from adibas.simulation.odd_plans import ODD_PLANS, pinhole
+
+SEED, HALF_SEED = 11, 13
+N_FRAMES, STEP = 6, 4
+NEAR_M = 0.1
+SENSORS = ((320, 240, 57.0), (512, 424, 70.0), (848, 480, 87.0), (1280, 720, 70.0))
+
+
+def record(path, name, sensor=None, seed=SEED):
+    """Write a scene; return the truth of each frame."""
+    scene = CrowdScene(ODD_PLANS[name], seed, sensor)
+    frames = [scene.frame(STEP * number) for number in range(N_FRAMES)]
+    with create_recording(path, scene.info) as writer:
+        for frame in frames:
+            writer.write(frame.sensor_frame)
+    return scene, frames
+
+
+def posed(path, capsys):
+    """Run `adibas pose`; return its code, what it said, and the file that it was to write."""
+    out = path.with_suffix(".csv")
+    code = main(["pose", str(path), "--out", str(out)])
+    return code, capsys.readouterr().err, out
+
+
+@pytest.mark.parametrize(
+    ("name", "holes", "words"),
+    [
+        ("empty", 0.0, "Nobody is seen."),
+        ("legs", 0.0, "is cut off by the edge of the picture"),
+        ("near", 0.0, "too near"),
+        ("sitting_dog", 0.0, "for a person"),
+        ("armchair", 0.0, "does not look like a person"),
+        ("person", 0.5, "no depth"),
+        ("person", 0.8, "no depth"),
+        ("person", 0.95, "Hardly any depth is measured"),
+    ],
+)
+def test_where_nobody_can_be_measured_the_reason_is_said_and_nothing_is_written(
+    tmp_path, capsys, name, holes, words
+):
+    path = tmp_path / f"{name}.mcap"
+    record(path, name, CrowdSensor(None, holes))
+    code, told, out = posed(path, capsys)
+    assert code == 1
+    assert f"Nobody was found in {name}.mcap" in told
+    assert words in told
+    assert not out.exists()
+    folder = tmp_path / "limbs"
+    assert main(["limbs", "segment", str(path), "--out", str(folder), "--json"]) == 0
+    segmented = json.loads(capsys.readouterr().out)
+    assert segmented["n_with_person"] == 0
+    assert any(words in notice["text"] for notice in segmented["notices"])
+
+
+@pytest.mark.parametrize("name", ["cut_left", "cut_right", "upper_body"])
+def test_half_a_person_is_told_and_joints_beyond_the_picture_are_not_seen(tmp_path, capsys, name):
+    path = tmp_path / "half.mcap"
+    scene, frames = record(path, name, seed=HALF_SEED)
+    _code, told, out = posed(path, capsys)
+    assert "part of the person is in the picture" in told or "cut off by the edge" in told
+    if out.exists():
+        k = scene.info.calibration.depth.intrinsics
+        n_hidden = n_invented = 0
+        for joints_m, truth in zip(read_joints_csv(out).tracks[0].joints_m, frames, strict=False):
+            seen = np.isfinite(joints_m[:, 0])
+            x, y, z = joints_m[seen].T
+            u, v = k.fx * x / z + k.cx, k.fy * y / z + k.cy
+            assert ((u >= 0) & (u < 640) & (v >= 0) & (v < 480)).all()
+            n_hidden += np.count_nonzero(~truth.people[0].in_view)
+            n_invented += np.count_nonzero(seen & ~truth.people[0].in_view)
+        assert n_invented < 0.5 * n_hidden
+
+
+@pytest.mark.parametrize(("width", "height", "across_deg"), SENSORS)
+def test_other_sensors_show_the_same_joints(tmp_path, capsys, width, height, across_deg):
+    path = tmp_path / "sensor.mcap"
+    _, frames = record(path, "person", CrowdSensor(pinhole(width, height, across_deg)))
+    code, _, out = posed(path, capsys)
+    assert code == 0
+    found_m = read_joints_csv(out).tracks[0].joints_m
+    truth_m = np.stack([frame.people[0].joints_m for frame in frames[-len(found_m) :]])
+    far_m = np.linalg.norm(found_m - truth_m, axis=2)
+    assert np.isfinite(far_m).mean() > 0.8
+    assert (far_m[np.isfinite(far_m)] < NEAR_M).mean() > 0.85
+
+
+def test_a_fifth_of_holes_hides_few_joints(tmp_path, capsys):
+    path = tmp_path / "holes.mcap"
+    record(path, "person", CrowdSensor(None, 0.2))
+    code, _, out = posed(path, capsys)
+    assert code == 0
+    with out.open() as file:
+        assert len(list(csv.reader(file))) > N_FRAMES // 2
+
+
+@pytest.fixture
+def other_labels(tmp_path):
+    path = tmp_path / "limbs-7.npz"
+    merge_model(resource_path("models", "limbs-15.npz"), path)
+    return path
+
+
+@pytest.fixture
+def labelled(tmp_path):
+    """One labelled image of two labels that no shipped model has."""
+    folder = tmp_path / "labelled"
+    write_header(folder, FolderHeader(("trunk", "tail"), 0.001, 300.0, 300.0, 20.0, 15.0))
+    labels = np.zeros((30, 40), np.uint8)
+    labels[5:25, 5:20], labels[5:25, 20:30] = 1, 2
+    write_image(folder, "00000", np.full((30, 40), 2000, np.uint16), labels)
+    return folder
+
+
+def test_a_model_of_another_label_set_is_told_by_each_command(
+    tmp_path, capsys, other_labels, labelled
+):
+    path = tmp_path / "person.mcap"
+    record(path, "person")
+    out = tmp_path / "out"
+    for arguments, words in (
+        (["pose", str(path), "--out", f"{out}.csv"], "The model is for other limbs (upper-body-7)"),
+        (
+            ["limbs", "segment", str(path), "--labels", "full-body-15", "--out", str(out)],
+            "The model is for other limbs (upper-body-7)",
+        ),
+        (["limbs", "evaluate", str(labelled)], "labels"),
+    ):
+        assert main([*arguments, "--model", str(other_labels)]) == 1
+        assert words in capsys.readouterr().err
+    assert not out.exists()
+    assert not out.with_suffix(".csv").exists()
+
+
+def test_a_model_file_that_is_cut_or_changed_is_told_by_each_command(tmp_path, capsys, labelled):
+    path = tmp_path / "person.mcap"
+    record(path, "empty")
+    whole = resource_path("models", "limbs-15.npz").read_bytes()
+    middle = len(whole) // 2
+    flipped = bytes(255 - byte for byte in whole[middle : middle + 200])
+    out = tmp_path / "out"
+    for content in (
+        b"",
+        whole[:1000],
+        whole[:-1000],
+        whole[:middle] + flipped + whole[middle + 200 :],
+    ):
+        model = tmp_path / "broken.npz"
+        model.write_bytes(content)
+        for arguments in (
+            ["pose", str(path), "--out", f"{out}.csv"],
+            ["limbs", "segment", str(path), "--out", str(out)],
+            ["limbs", "evaluate", str(labelled)],
+        ):
+            assert main([*arguments, "--model", str(model)]) == 1
+            assert "broken.npz is no forest of ADiBAS, or it is damaged" in capsys.readouterr().err
+    assert not out.exists()
+    assert not out.with_suffix(".csv").exists()
