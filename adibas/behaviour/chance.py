@@ -6,7 +6,8 @@ Epidemiology 46 (1993), for PABAK; Gwet, Computing inter-rater reliability and i
 presence of high agreement, British Journal of Mathematical and Statistical Psychology 61 (2008),
 for AC1; Fleiss, Measuring nominal scale agreement among many raters, Psychological Bulletin 76
 (1971); Holle & Rein, EasyDIAg: a tool for easy determination of interrater agreement, Behavior
-Research Methods 47 (2015), for a table whose corner cannot be counted.
+Research Methods 47 (2015), doi 10.3758/s13428-014-0506-7, for a table whose corner cannot be
+counted.
 """
 
 from dataclasses import dataclass
@@ -121,13 +122,23 @@ def fleiss_kappa(counts: FloatArray) -> Coefficient:
 def event_kappa(table: FloatArray) -> Coefficient:
     """Return kappa of events, of which nobody can count those that both observers missed.
 
+    Every event of either observer is one judgement: a pair counts twice, and what one of them
+    alone saw once, as in the program of Holle & Rein (EasyDIAg, after GSEQ 5.1) and in ELAN.
+
     Parameters
     ----------
     table : (k + 1, k + 1) array
-        As in `cohen_kappa`; the last row and column are events that the other did not see, and
-        its corner is 0. Chance is that of independence in all other cells.
+        Counts of pairs, as in `cohen_kappa`; the last row and column are events that the other
+        did not see, and its corner is 0. Chance is that of independence in all other cells.
+
+    Returns
+    -------
+    coefficient : Coefficient
+        `n` is the number of events of both observers together.
     """
-    shares, n = _shares(table)
+    judgements = np.array(table, np.float64)
+    judgements[:-1, :-1] *= 2
+    shares, n = _shares(judgements)
     if n == 0:
         return Coefficient("event-kappa", None, 0, reason=Sentence(NOTHING))
     expected = without_corner(shares)

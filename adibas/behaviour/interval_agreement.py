@@ -1,6 +1,8 @@
 """Agreement as applied behaviour analysis counts it (IOA), as shares from 0 to 1.
 
-Source: Cooper, Heron & Heward, Applied Behavior Analysis, 2nd ed. (2007), chapter 5.
+Source: Cooper, Heron & Heward, Applied Behavior Analysis, 2nd ed. (2007), chapter 5. Worked
+examples: Reed & Azulay, A Microsoft Excel 2010 based tool for calculating interobserver agreement,
+Behavior Analysis in Practice 4 (2011), doi 10.1007/BF03391783.
 """
 
 from collections.abc import Sequence

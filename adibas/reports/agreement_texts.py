@@ -42,8 +42,9 @@ METHOD_TEXTS: tuple[tuple[str, Message], ...] = (
     (
         "event-kappa",
         message(
-            "Events that begin within the tolerance are paired, the same behaviour first. What "
-            "nobody saw cannot be counted; chance is computed without it (Holle & Rein 2015)."
+            "Events that begin within the tolerance are paired, the same behaviour first. A pair "
+            "counts as two events, one of each observer. What nobody saw cannot be counted; chance "
+            "is computed without it (Holle & Rein 2015)."
         ),
     ),
     (
