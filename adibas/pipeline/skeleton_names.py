@@ -12,12 +12,15 @@ from adibas.data.markers import AutomaticName, Marker, pixels_uv
 from adibas.data.posture import Provenance
 from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
+from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
 
 Names: TypeAlias = tuple[str | None, ...]
 
 UP = np.array([0.0, -1.0, 0.0])
 OPPOSITE = 1e-6
+CONFIRMED = 0.9
+"""How sure a name is of which the placed markers alone are not."""
 TOLD = ("source", "version", "created_utc")
 """What a report says of the model that named."""
 
@@ -60,9 +63,10 @@ def with_names(
     if flat:
         known_m = np.append(diameters_m, np.full(len(flat), np.nan))
         together = namer.label(np.vstack([positions_m, flat_m]) @ turn.T, view, known_m)
-        agreed, more = _agreed(found, together.names)
-        found = (*agreed, *more)
-        sure = np.concatenate([sure, together.confidences[len(placed) :]])
+        found = _agreed(alone, together)
+        is_confirmed = np.array([name is None for name in alone.names])
+        of_placed = np.where(is_confirmed, together.confidences[: len(placed)], sure)
+        sure = np.concatenate([of_placed, together.confidences[len(placed) :]])
     names: dict[str, tuple[str, float]] = {}
     for marker, name, confidence in zip((*placed, *flat), found, sure.tolist(), strict=True):
         taken = named_by_hand | {given for given, _confidence in names.values()}
@@ -87,17 +91,28 @@ def _named(marker: Marker, found: tuple[str, float] | None, model: str) -> Marke
     return replace(marker, label=name, named_by=AutomaticName(model, confidence))
 
 
-def _agreed(alone: Names, together: Names) -> tuple[Names, Names]:
+def _agreed(alone: Labelling, together: Labelling) -> Names:
     """Return the names of the placed markers and those of the others, told once without these.
 
     Where the two contradict each other about a placed marker, the points can be read in two ways:
-    it gets no name, and neither do those whose places are guessed.
+    it gets no name, and neither do those whose places are guessed. Where too few are placed to be
+    sure of one, its name is what is most probable among them and sure among all.
     """
-    again, more = together[: len(alone)], together[len(alone) :]
+    n_placed = len(alone.names)
+    again, more = together.names[:n_placed], together.names[n_placed:]
+    told = zip(alone.names, alone.guesses, again, together.confidences, strict=False)
+    confirmed = [
+        name or (other if guess == other and confidence >= CONFIRMED else None)
+        for name, guess, other, confidence in told
+    ]
     agreed = tuple(
-        one if other in (None, one) else None for one, other in zip(alone, again, strict=True)
+        one if other in (None, one) else None for one, other in zip(confirmed, again, strict=True)
     )
-    return agreed, more if agreed == alone else (None,) * len(more)
+    is_contradicted = any(
+        None not in (one, other) and one != other
+        for one, other in zip(alone.names, again, strict=True)
+    )
+    return (*agreed, *((None,) * len(more) if is_contradicted else more))
 
 
 def _diameters_m(placed: Sequence[Marker], calibration: RgbdCalibration) -> FloatArray:

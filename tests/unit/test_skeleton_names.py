@@ -164,25 +164,65 @@ def test_a_name_by_hand_is_not_given_to_a_marker_without_a_position(seen_flat):
     assert [marker.label for marker in named].count("left_foot") == 1
 
 
-def test_markers_that_can_be_read_in_two_ways_get_no_name(seen_flat):
+@pytest.fixture
+def says():
+    """A namer that is told what to say: (names, guesses, confidences) by the number of points."""
+
+    def namer(words):
+        def label(points_m, _view, _diameters_m):
+            names, guesses, confidences = words[len(points_m)]
+            return SimpleNamespace(
+                names=names, guesses=guesses, confidences=np.array(confidences, float)
+            )
+
+        return SimpleNamespace(identity="two ways", label=label)
+
+    return namer
+
+
+def test_markers_that_can_be_read_in_two_ways_get_no_name(seen_flat, says):
     markers, calibration = seen_flat("left_foot", "head")
     n_placed = len(JOINT_NAMES) - 2
     alone = ("left_hand", None, *(None,) * (n_placed - 2))
     together = ("right_hand", "left_knee", *(None,) * (n_placed - 2), "left_foot", "head")
-    says = {n_placed: alone, len(markers): together}
-    namer = SimpleNamespace(
-        identity="two ways",
-        label=lambda points_m, _view, _diameters_m: SimpleNamespace(
-            names=says[len(points_m)], confidences=np.ones(len(points_m))
-        ),
-    )
+    sure, surely = [1.0] * n_placed, [1.0] * len(markers)
+    words = {n_placed: (alone, alone, sure), len(markers): (together, together, surely)}
     labels = [marker.label for marker in markers]
-    named = with_names(namer, markers, "anterior", calibration)
+    named = with_names(says(words), markers, "anterior", calibration)
     assert [marker.label for marker in named] == labels
-    says[n_placed] = ("right_hand", *alone[1:])
-    named = with_names(namer, markers, "anterior", calibration)
+    alone = ("right_hand", *alone[1:])
+    words[n_placed] = (alone, alone, sure)
+    named = with_names(says(words), markers, "anterior", calibration)
     given = {marker.label for marker in named} - set(labels)
     assert given == {"right_hand", "left_foot", "head"}
+
+
+@pytest.mark.parametrize(
+    ("guess", "confidence", "given"),
+    [("left_knee", 0.95, True), ("left_knee", 0.85, False), ("left_foot", 0.95, False)],
+)
+def test_a_doubtful_name_is_given_where_all_markers_together_are_sure_of_it(
+    seen_flat, says, guess, confidence, given
+):
+    markers, calibration = seen_flat("head")
+    n_placed = len(JOINT_NAMES) - 1
+    nobody = (None,) * n_placed
+    alone = (nobody, (guess, *nobody[1:]), [0.1] * n_placed)
+    names = ("left_knee", *nobody[1:], "head")
+    together = (names, names, [confidence, *[1.0] * n_placed])
+    words = {n_placed: alone, len(markers): together}
+    _head, first, *_others = with_names(says(words), markers, "anterior", calibration)
+    assert (first.label == "left_knee") is given
+    if given:
+        assert first.named_by.confidence == confidence
+
+
+def test_a_patient_so_near_that_head_hands_and_feet_are_out_of_sight_gets_names(seen_flat):
+    markers, calibration = seen_flat("left_shoulder", "right_shoulder")
+    unseen = ("head", "neck", "left_hand", "right_hand", "left_foot", "right_foot")
+    kept = [i for i, name in enumerate(JOINT_NAMES) if name not in unseen]
+    named = with_names(shipped_namer(), tuple(markers[i] for i in kept), "anterior", calibration)
+    assert [marker.label for marker in named] == [JOINT_NAMES[i] for i in kept]
 
 
 def test_a_marker_where_the_lens_is_not_known_keeps_its_label_and_harms_no_other(seen_flat):
