@@ -30,3 +30,32 @@ def test_programs_that_it_starts_load_their_own_libraries(monkeypatch, given, is
     assert "LD_LIBRARY_PATH_ORIG" not in os.environ
     done = subprocess.run(SAYS, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == expected
+
+
+PLOT = """
+import sys
+
+sys.frozen = True
+from installers.start import leave_out_open_gl
+
+leave_out_open_gl()
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QApplication
+
+application = QApplication([])
+import pyqtgraph
+
+widget = pyqtgraph.PlotWidget(background="w")
+widget.addItem(pyqtgraph.PColorMeshItem())
+widget.plot([1, 2, 1], pen=pyqtgraph.mkPen("#ff0000", width=5))
+image = widget.grab().toImage()
+colors = {image.pixel(x, y) for x in range(image.width()) for y in range(image.height())}
+print(QColor("#ff0000").rgb() in colors, hasattr(sys.modules["PySide6.QtOpenGL"], "QOpenGLBuffer"))
+"""
+
+
+def test_plots_are_drawn_without_qts_module_for_opengl():
+    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
+    command = [sys.executable, "-c", PLOT]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("True False\n", "")
