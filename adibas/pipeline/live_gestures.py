@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from adibas.arrays import Float32Array
 from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
+from adibas.data.sentence import Sentence
 from adibas.gestures.model import GestureModel
 from adibas.gestures.watching import GestureWatcher, Seen, WatchParams
 from adibas.pipeline.limb_segmenting import shipped_model
@@ -31,6 +32,11 @@ class LiveGestures:
     Parameters
     ----------
     models : sequence of GestureModel
+
+    Attributes
+    ----------
+    unseen : Sentence or None
+        Why nobody is watched in the latest frame; None where somebody is.
     """
 
     def __init__(self, models: Sequence[GestureModel]) -> None:
@@ -40,6 +46,7 @@ class LiveGestures:
         self._estimator: PoseEstimator | None = None
         self._watchers: dict[int, GestureWatcher] = {}
         self._before_ns: int | None = None
+        self.unseen: Sentence | None = None
 
     def look(
         self, depth_m: Float32Array, timestamp_ns: int, calibration: RgbdCalibration
@@ -63,7 +70,10 @@ class LiveGestures:
             return []
         self._before_ns = timestamp_ns
         found = []
-        for one in self._estimator.look(depth_m, timestamp_ns / NS_PER_S).people:
+        now = self._estimator.look(depth_m, timestamp_ns / NS_PER_S)
+        # What is said last of somebody is what refuses them.
+        self.unseen = None if now.people or not now.notices else now.notices[-1]
+        for one in now.people:
             watcher = self._watchers.pop(one.person, None) or GestureWatcher(
                 self._models, self._params
             )

@@ -9,8 +9,10 @@ import pytest
 from PySide6.QtWidgets import QApplication, QComboBox, QLabel
 
 from adibas.data.calibration import RgbdCalibration
+from adibas.data.sentence import Sentence
 from adibas.errors import GestureError
 from adibas.gestures.model_file import shipped_gestures
+from adibas.limbs.judging import NOBODY
 from adibas.pipeline.live_frames import LiveFrame
 from tests.ui.conftest import NoSensor
 from ui.capture.gesture_presenter import CHOICES, GesturePresenter, GestureView, GestureWatch
@@ -27,7 +29,7 @@ class Scene:
         self.workspace = workspace
         self.view = create_autospec(GestureView, instance=True)
         self.watch = create_autospec(GestureWatch, instance=True)
-        self.watch.seen, self.watch.failed = Event(), Event()
+        self.watch.seen, self.watch.unseen, self.watch.failed = Event(), Event(), Event()
         self.presenter = GesturePresenter(self.view, workspace, self.watch)
         self.told = []
         workspace.noticed.subscribe(lambda kind, sentence: self.told.append((kind, sentence)))
@@ -84,6 +86,21 @@ def test_what_is_recognised_is_told_until_the_next_or_for_some_seconds(scene):
     assert scene.view.show_gesture.call_args.args == ("",)
 
 
+def test_why_nobody_is_watched_is_told_until_somebody_is(scene):
+    scene.watch.unseen.emit("Only a dog is seen.")
+    told = "No gesture is looked for. Only a dog is seen."
+    assert scene.view.show_gesture.call_args.args == (told,)
+    scene.watch.unseen.emit("")
+    assert scene.view.show_gesture.call_args.args == ("",)
+
+
+def test_a_reason_is_not_taken_away_with_the_gesture_before(scene):
+    scene.watch.seen.emit("clap")
+    scene.watch.unseen.emit("Nobody is seen.")
+    scene.view.call_later.call_args.args[1]()
+    assert "Nobody is seen." in scene.view.show_gesture.call_args.args[0]
+
+
 def test_a_model_that_cannot_be_read_is_told(scene):
     scene.watch.failed.emit(GestureError("{file} is damaged.", file="a.json"))
     assert scene.told[-1] == ("bad", "a.json is damaged.")
@@ -102,6 +119,8 @@ def test_a_thread_looks_and_the_window_is_told(thread, qtbot, monkeypatch):
     seen, frames = [], []
 
     class Gestures:
+        unseen = None
+
         def __init__(self, models):
             self.n_models = len(models)
 
@@ -120,6 +139,30 @@ def test_a_thread_looks_and_the_window_is_told(thread, qtbot, monkeypatch):
     assert frames == [5]
 
 
+def test_the_thread_tells_once_why_nobody_is_watched_and_once_that_somebody_is(
+    thread, qtbot, monkeypatch
+):
+    reasons = iter([Sentence(NOBODY), Sentence(NOBODY), None])
+    n_looks, told = [], []
+
+    class Gestures:
+        def __init__(self, _models):
+            self.unseen = None
+
+        def look(self, *_frame):
+            self.unseen = next(reasons)
+            n_looks.append(1)
+            return []
+
+    monkeypatch.setattr("adibas.pipeline.live_gestures.LiveGestures", Gestures)
+    thread.unseen.subscribe(told.append)
+    thread.use((shipped_gestures(),))
+    for number in range(1, 4):
+        thread.put(FRAME)
+        qtbot.waitUntil(lambda number=number: len(n_looks) == number)
+    qtbot.waitUntil(lambda: told == [NOBODY, ""])
+
+
 def test_the_window_does_not_wait_for_a_look_whose_gestures_are_not_wanted_any_more(
     thread, qtbot, monkeypatch
 ):
@@ -127,6 +170,8 @@ def test_the_window_does_not_wait_for_a_look_whose_gestures_are_not_wanted_any_m
     was_free, seen = [], []
 
     class Gestures:
+        unseen = None
+
         def __init__(self, _models):
             pass
 

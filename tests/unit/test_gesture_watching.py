@@ -7,14 +7,18 @@ import numpy as np
 import pytest
 
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.frames import depth_in_metres
 from adibas.data.joints import JOINT_NAMES
 from adibas.geometry.pinhole import Intrinsics
 from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.model import described_for
 from adibas.gestures.training import TrainingParams, train
 from adibas.gestures.watching import GestureWatcher, WatchParams
+from adibas.limbs.judging import NOBODY, SOMETHING_CUT
 from adibas.pipeline.gesture_examples import examples_of
 from adibas.pipeline.live_gestures import MOST_PEOPLE, LiveGestures
+from adibas.simulation.crowds import CrowdScene
+from adibas.simulation.odd_plans import ODD_PLANS
 from tests.unit.gesture_examples import recording, streams
 
 CAMERA = CameraCalibration(4, 4, Intrinsics(4.0, 4.0, 1.5, 1.5))
@@ -104,7 +108,8 @@ def posed(moves, monkeypatch):
             joints = SimpleNamespace(joints_m=joints_m)
             people = (1, 2) if time_s < 4 else (1, *range(3, 3 + MOST_PEOPLE))
             return SimpleNamespace(
-                people=[SimpleNamespace(person=one, joints=joints) for one in people]
+                people=[SimpleNamespace(person=one, joints=joints) for one in people],
+                notices=(),
             )
 
     monkeypatch.setattr("adibas.pipeline.live_gestures.PoseEstimator", Estimator)
@@ -140,3 +145,13 @@ def test_a_sensor_that_is_opened_anew_is_watched_from_its_begin(model, posed):
     )
     assert first
     assert again == first
+
+
+@pytest.mark.parametrize(("name", "expected"), [("empty", NOBODY), ("legs", SOMETHING_CUT)])
+def test_why_nobody_is_watched_is_known(model, name, expected):
+    scene = CrowdScene(ODD_PLANS[name], 3)
+    live = LiveGestures([model])
+    frame = scene.frame(0).sensor_frame
+    depth_m = depth_in_metres(frame.depth_raw, scene.info.depth_unit_m)
+    assert live.look(depth_m, 1, scene.info.calibration) == []
+    assert live.unseen.message == expected

@@ -34,11 +34,14 @@ class GestureWatch(Protocol):
     ----------
     seen : Event
         (label): a gesture has just been done.
+    unseen : Event
+        (reason): nobody can be watched, in words; empty: somebody is again.
     failed : Event
         (error): nothing more is looked for.
     """
 
     seen: Event[[str]]
+    unseen: Event[[str]]
     failed: Event[[AdibasError]]
 
     def use(self, models: tuple[Path, ...]) -> None:
@@ -62,6 +65,7 @@ class GesturePresenter:
         self._n_told = 0
         self._is_seen = False
         watch.seen.subscribe(self._on_seen)
+        watch.unseen.subscribe(self._on_unseen)
         watch.failed.subscribe(self._on_failed)
         self._end = workspace.live.frame_arrived.subscribe(self._on_frame)
 
@@ -111,6 +115,11 @@ class GesturePresenter:
                 self._view.show_gesture("")
 
         self._view.call_later(SHOWN_MS, end)
+
+    def _on_unseen(self, reason: str) -> None:
+        self._n_told += 1
+        told = _("No gesture is looked for. {reason}").format(reason=reason) if reason else ""
+        self._view.show_gesture(told)
 
     def _on_failed(self, error: AdibasError) -> None:
         self._workspace.report_problem(error)

@@ -34,6 +34,7 @@ class QtGestureWatch(GestureWatch):
         self, calibration: "Callable[[], RgbdCalibration | None]", parent: QObject | None = None
     ) -> None:
         self.seen: Event[[str]] = Event()
+        self.unseen: Event[[str]] = Event()
         self.failed: Event[[AdibasError]] = Event()
         self._calibration = calibration
         self._bridge = CallBridge(self._tell, parent)
@@ -64,6 +65,8 @@ class QtGestureWatch(GestureWatch):
             return  # of models that were left
         if isinstance(told.what, AdibasError):
             self.failed.emit(told.what)
+        elif isinstance(told.what, _Unseen):
+            self.unseen.emit(told.what.reason)
         else:
             self.seen.emit(told.what)
 
@@ -108,17 +111,31 @@ class _Watching:
         from adibas.pipeline.live_gestures import LiveGestures
 
         gestures = LiveGestures([read_model(path) for path in self._models])
+        said = ""
         while (frame := self.wanted.take()) is not None:
             calibration = self._calibration()
             if calibration is not None and frame.depth_m is not None:
                 for one in gestures.look(frame.depth_m, frame.timestamp_ns, calibration):
                     self._bridge.publish(_Told(self, one.seen.label))
+                reason = "" if gestures.unseen is None else gestures.unseen.text
+                if reason != said:
+                    self._bridge.publish(_Told(self, _Unseen(reason)))
+                said = reason
+
+
+class _Unseen:
+    """Why nobody is watched; empty where somebody is again."""
+
+    __slots__ = ("reason",)
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
 
 
 class _Told:
-    """A gesture's name or what failed, and who tells it."""
+    """A gesture's name, why nobody is watched, or what failed; and who tells it."""
 
     __slots__ = ("watching", "what")
 
-    def __init__(self, watching: _Watching, what: str | AdibasError) -> None:
+    def __init__(self, watching: _Watching, what: str | _Unseen | AdibasError) -> None:
         self.watching, self.what = watching, what
