@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from adibas.arrays import FloatArray
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.mapping import MappedRecording, MapRequest, map_recording
+from benchmarks.mapping_steps import step_rows
 from benchmarks.mapping_walk import FOLDER, walk
 from benchmarks.table import Row
 
@@ -41,6 +42,7 @@ class Reached:
 
 def rows(*, quick: bool) -> Iterable[Row]:
     """Measure; with `quick` the begin of the walk, which closes no loop."""
+    yield from step_rows(quick=quick)
     n_frames = QUICK_FRAMES if quick else N_FRAMES
     walked = walk(n_frames, N_FRAMES)
     map_recording(MapRequest(walked.path, frames=(0, 3)), lambda _done, _total: None)
