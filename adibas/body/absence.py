@@ -2,11 +2,11 @@
 
 from typing import Literal, TypeAlias
 
-import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array
 from adibas.body.component_kernels import label_surfaces, surface_moments
+from adibas.body.holes import hole_share
 from adibas.body.mask import heights_over, standing_free
 from adibas.body.person import BodyParams, is_solid_and_long
 from adibas.body.rays import viewing_rays
@@ -20,8 +20,6 @@ LEAST_MEASURED = 0.1
 """Share of the picture: with less the camera is covered, blinded, or somebody is before it."""
 MOST_HOLES = 0.3
 """Share of the picture in holes that measured pixels surround."""
-HOLE_SHARE = 0.015
-"""Of the picture's width: twice so wide a gap between measured pixels is a hole."""
 NEAREST_M, NEAR_SHARE = 0.8, 0.05
 """So many of the measured pixels nearer than that are somebody too near."""
 LEAST_CUT = 0.12
@@ -59,14 +57,6 @@ def why_nobody(
     if hole_share(measured) > MOST_HOLES:
         return "holes"
     return _what_stands(depth_m, measured, camera, floor, params or BodyParams())
-
-
-def hole_share(measured: BoolArray) -> float:
-    """Return the share of a picture's measured area that is in holes without depth."""
-    radius_px = max(2, round(HOLE_SHARE * measured.shape[1]))
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius_px + 1,) * 2)
-    closed = cv2.morphologyEx(measured.astype(np.uint8), cv2.MORPH_CLOSE, disc) > 0
-    return 1.0 - float(np.count_nonzero(measured)) / max(int(np.count_nonzero(closed)), 1)
 
 
 def _what_stands(

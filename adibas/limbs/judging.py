@@ -43,6 +43,10 @@ SOMETHING_LOW = message(
     "Nobody is seen: what stands there is too low or too flat for a person. Clear the view, or "
     "step in front of the camera."
 )
+SOME_HOLES = message(
+    "{percent} % of the picture has no depth: joints are less exact. Avoid sunlight, mirrors, and "
+    "dark or shiny surfaces."
+)
 UNLIKE = message(
     "What is seen is more like furniture or an animal than like a person. Clear the view, or step "
     "forward."
@@ -62,6 +66,10 @@ ABSENCES = {
 """What is said of each answer of `adibas.body.absence.why_nobody`."""
 
 
+REMARKS = (HALF, SOME_HOLES)
+"""What is said of somebody who is measured all the same."""
+
+
 @dataclass(frozen=True, slots=True)
 class JudgingParams:
     """What is too little; ours, chosen on simulated people and things.
@@ -72,6 +80,8 @@ class JudgingParams:
         A Kinect measures from 0.5 m; nearer than this its picture cuts a standing person off.
     most_clutter, most_holes : float
         Shares of the mask.
+    most_picture_holes : float
+        Share of the picture in small holes.
     most_border : float
         Share of the border of the picture that the person covers.
     hole_share : float
@@ -85,6 +95,7 @@ class JudgingParams:
     nearest_m: float = 0.8
     most_clutter: float = 0.4
     most_holes: float = 0.3
+    most_picture_holes: float = 0.65
     most_border: float = 0.02
     hole_share: float = 0.01
     least_limbs: float = 0.4
@@ -134,6 +145,13 @@ def judge_mask(
     if border_px > params.most_border * 2 * sum(mask.shape):
         return Judgement(True, (Sentence(HALF),))
     return Judgement(True, ())
+
+
+def judge_holes(share: float, params: JudgingParams | None = None) -> Judgement:
+    """Judge a picture of which a share is in small holes, too many to pass over."""
+    if share > (params or JudgingParams()).most_picture_holes:
+        return Judgement(False, (Sentence(TORN),))
+    return Judgement(True, (Sentence(SOME_HOLES, {"percent": round(100 * share)}),))
 
 
 def judge_parts(

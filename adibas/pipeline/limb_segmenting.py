@@ -24,6 +24,7 @@ from adibas.limbs.model import LimbModel, load_model, merged
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.limbs.training_set import TO_TORSO, FolderHeader, write_header, write_image
 from adibas.pipeline.limb_pictures import limb_picture
+from adibas.pipeline.mending import mended
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
@@ -172,6 +173,9 @@ class Looker:
                 height=self.camera.height,
                 found=f"{depth_m.shape[1]}x{depth_m.shape[0]}",
             )
+        depth_m, said = mended(depth_m)
+        if not said.is_person:
+            return None, said
         if self._floor is None and not self._has_looked_for_floor:
             self._floor = find_floor(depth_m, self.camera)
             self._has_looked_for_floor = True
@@ -184,7 +188,7 @@ class Looker:
             return None, judgement
         parts = segment(depth_m, mask, self.camera.intrinsics.fx, model, params)
         found = person_judge(model, self.camera)(depth_m, mask, parts)
-        notices = (*judgement.notices, *found.notices)
+        notices = (*said.notices, *judgement.notices, *found.notices)
         return (parts if found.is_person else None), Judgement(found.is_person, notices)
 
 

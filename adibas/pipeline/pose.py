@@ -19,7 +19,7 @@ from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, RecordingError
-from adibas.limbs.judging import HALF
+from adibas.limbs.judging import REMARKS
 from adibas.limbs.model import LimbModel, load_model
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.calibration_age import check_age
@@ -271,13 +271,13 @@ class _Found:
     def reasons(self, n_frames: int) -> tuple[Sentence, ...]:
         """Return why nobody was found: what was said most often of all that refuses somebody.
 
-        And that only a part was in the picture, where that was so: it may be why.
+        And what was remarked, such as that only a part was in the picture: it may be why.
         """
         if not self._said:
             return (Sentence(SELDOM),)
-        refusals = [one for one in self._said.most_common() if one[0] != HALF][:1]
-        halves = [one for one in self._said.most_common() if one[0] == HALF]
-        return self._counted([*refusals, *halves], n_frames)
+        refusals = [one for one in self._said.most_common() if one[0] not in REMARKS][:1]
+        remarks = [one for one in self._said.most_common() if one[0] in REMARKS]
+        return self._counted([*refusals, *remarks], n_frames)
 
     def _counted(self, said: list[tuple[Message, int]], n_frames: int) -> tuple[Sentence, ...]:
         return counted(((self._sentences[one].text, n) for one, n in said), n_frames)

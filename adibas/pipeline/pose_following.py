@@ -21,6 +21,7 @@ from adibas.limbs.judging import UNLIKE, Judgement, judge_absence, judge_mask, j
 from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
 from adibas.limbs.segmentation import LimbParams, segment
+from adibas.pipeline.mending import mended
 from adibas.pipeline.person_judge import Judge
 from adibas.pipeline.pose_model import JointModel, shipped_joint_model
 from adibas.pipeline.trust import Trust
@@ -181,6 +182,9 @@ class PoseEstimator:
         time_s : float
             Later than the frame before.
         """
+        depth_m, said = mended(depth_m)
+        if not said.is_person:
+            return PoseNow((), said.notices)
         if self.floor is None and self._n_trials < FLOOR_TRIALS:
             self._n_trials += 1
             self.floor = find_floor(depth_m, self.camera)
@@ -193,7 +197,7 @@ class PoseEstimator:
         self._before_s = time_s
         if not any(mask.is_put_together for mask in masks):
             self._whole_s = time_s
-        return now
+        return PoseNow(now.people, said.notices + now.notices)
 
     def _moment_before(self, time_s: float) -> Moment | None:
         """Return the frame before, by which people are put together, where it tells enough."""

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from adibas.body.absence import hole_share, why_nobody
+from adibas.body.absence import why_nobody
+from adibas.body.holes import fill_gaps, hole_share
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.picture_edges import cut_px, seen_box
+from adibas.limbs.judging import Judgement
+from adibas.pipeline.mending import mended
 from adibas.simulation.crowd_sensors import CrowdSensor
 from adibas.simulation.crowds import CrowdScene
 from adibas.simulation.odd_plans import ODD_PLANS
@@ -40,8 +43,32 @@ def test_holes_are_counted_where_measured_pixels_surround_them():
     measured = np.zeros((100, 200), np.bool_)
     measured[10:90, 20:120] = True
     assert hole_share(measured) == 0
-    measured[20:80:2, 30:110] = False
+    measured[20:80:4, 30:110] = measured[21:80:4, 30:110] = False
     assert hole_share(measured) == pytest.approx(30 * 80 / (80 * 100))
+
+
+def test_small_gaps_get_the_depth_of_the_nearest_pixel_and_nothing_between_two():
+    depth_m = np.full((100, 200), 3.0, np.float32)
+    depth_m[:, 100:] = 1.5
+    depth_m[::2, ::3] = np.nan
+    depth_m[40:60, 20:60] = np.nan
+    filled_m = fill_gaps(depth_m)
+    measured = np.isfinite(depth_m)
+    np.testing.assert_array_equal(filled_m[measured], depth_m[measured])
+    assert set(np.unique(filled_m[np.isfinite(filled_m)])) == {np.float32(1.5), np.float32(3.0)}
+    assert (filled_m[:, 103:] == np.float32(1.5)).all()
+    assert np.isnan(filled_m[50, 40]), "a large hole stays"
+    assert np.isfinite(filled_m[10]).all()
+    nothing = np.full((4, 4), np.nan, np.float32)
+    assert np.isnan(fill_gaps(nothing)).all()
+
+
+def test_a_good_picture_stays_as_it_is_to_the_last_bit():
+    scene = CrowdScene(ODD_PLANS["person"], 3)
+    depth_m = depth_in_metres(scene.frame(0).sensor_frame.depth_raw, scene.info.depth_unit_m)
+    same, said = mended(depth_m)
+    assert same is depth_m
+    assert said == Judgement(True, ())
 
 
 def test_the_columns_that_never_have_depth_are_no_part_of_the_picture():
