@@ -12,12 +12,13 @@ STEP = 2
 
 
 def hole_share(measured: BoolArray) -> float:
-    """Return the share of a (H, W) picture's measured area that is in holes without depth."""
+    """Return the share of a (H, W) picture's measured area that is in holes without depth; 0 of none."""
     thin = np.ascontiguousarray(measured[::STEP, ::STEP]).view(np.uint8)
     radius_px = max(2, round(GAP_SHARE * thin.shape[1]))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius_px + 1,) * 2)
     closed = cv2.morphologyEx(thin, cv2.MORPH_CLOSE, disc)
-    return 1.0 - float(np.count_nonzero(thin)) / max(int(np.count_nonzero(closed)), 1)
+    n_closed = int(np.count_nonzero(closed))
+    return 1.0 - float(np.count_nonzero(thin)) / n_closed if n_closed else 0.0
 
 
 def fill_gaps(depth_m: Float32Array) -> Float32Array:
