@@ -12,7 +12,10 @@ STEP = 2
 
 
 def hole_share(measured: BoolArray) -> float:
-    """Return the share of a (H, W) picture's measured area that is in holes without depth; 0 of none."""
+    """Return the share of a (H, W) picture's measured area that is in holes without depth.
+
+    0 where nothing is measured.
+    """
     thin = np.ascontiguousarray(measured[::STEP, ::STEP]).view(np.uint8)
     radius_px = max(2, round(GAP_SHARE * thin.shape[1]))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius_px + 1,) * 2)

@@ -10,6 +10,8 @@ from adibas.arrays import BoolArray, IntArray
 
 MOST_SHARE = 0.025
 """Of the width and of the height that may be without depth at each edge."""
+LEAST_LINE = 0.3
+"""Share of a line with depth from which on it is the picture's first or last one."""
 TOUCHING_PX = 2
 Box = tuple[int, int, int, int]
 """First row, one past the last, first column, one past the last."""
@@ -23,15 +25,25 @@ def seen_box(measured: BoolArray) -> Box:
     measured : (H, W) bool array
         Pixels with depth.
     """
-    ends: list[int] = []
-    for axis in (1, 0):
-        lines = np.flatnonzero(measured.any(axis=axis))
-        n = measured.shape[1 - axis]
-        most = int(MOST_SHARE * n)
-        first, last = (int(lines[0]), int(lines[-1])) if len(lines) else (0, n - 1)
-        ends += [min(first, most), max(last + 1, n - most)]
-    top, bottom, left, right = ends
+    top, bottom = _ends(measured)
+    left, right = _ends(measured.T)
     return top, bottom, left, right
+
+
+def _ends(measured: BoolArray) -> tuple[int, int]:
+    """Return the first row that can show anything, and one past the last.
+
+    A row that shows a little is that of something that ends there, not of the picture.
+    """
+    n_rows = len(measured)
+    most = int(MOST_SHARE * n_rows)
+    rows = np.flatnonzero(measured.any(axis=1))
+    if not len(rows):
+        return 0, n_rows
+    first, last = int(rows[0]), int(rows[-1])
+    is_first = first <= most and measured[first].mean() >= LEAST_LINE
+    is_last = last >= n_rows - 1 - most and measured[last].mean() >= LEAST_LINE
+    return first if is_first else 0, last + 1 if is_last else n_rows
 
 
 def cut_px(pixels: BoolArray, box: Box) -> IntArray:

@@ -3,7 +3,8 @@
 The confidence of the choice (`adibas.skeleton.following`) orders joints. How many of those with
 a confidence are within 10 cm of the truth was counted on simulated people, for people seen whole
 and for those whom an edge of the picture cuts off, joint kind by joint kind; a monotone map turns
-the one into the other. A joint that is more often wrong than right is not seen.
+the one into the other. A joint of somebody cut off that is more often wrong than right is not
+seen.
 
 Source of the map: Zadrozny & Elkan, Transforming classifier scores into accurate multiclass
 probability estimates, KDD 2002 (isotonic regression by pooling adjacent violators).
@@ -71,7 +72,10 @@ class Reliability:
     def applied(
         self, joints: ChosenJoints, is_cut: Sequence[bool], least: float = LEAST_SHARE
     ) -> ChosenJoints:
-        """Return joints with shares as confidences; those below `least` are not seen.
+        """Return joints with shares as confidences.
+
+        Of somebody who is cut off, those below `least` are not seen. Of somebody seen whole all
+        are given: on real people few of them are wrong (`docs/pose.md`).
 
         Parameters
         ----------
@@ -85,7 +89,7 @@ class Reliability:
             names = situations(int(joint), is_cut, is_front=joints.front_probability > LEAST_SHARE)
             confidence = float(joints.confidence[joint])
             shares[joint] = min(self.curves[name](confidence) for name in names)
-        is_kept = shares >= least
+        is_kept = shares >= (least if any(is_cut) else 0.0)
         return ChosenJoints(
             np.where(is_kept[:, None], joints.joints_m, np.nan),
             np.where(is_kept, shares, np.nan),

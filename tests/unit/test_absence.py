@@ -76,7 +76,10 @@ def test_the_columns_that_never_have_depth_are_no_part_of_the_picture():
     measured[:, :4] = False
     assert seen_box(measured) == (0, 100, 4, 200)
     measured[:, :60] = False
-    assert seen_box(measured) == (0, 100, 5, 200), "a wide dark stretch is not the edge"
+    assert seen_box(measured) == (0, 100, 0, 200), "a wide dark stretch is not the edge"
+    alone = np.zeros((100, 200), np.bool_)
+    alone[20:98, 80:120] = True
+    assert seen_box(alone) == (0, 100, 0, 200), "nor is where somebody ends"
 
 
 def test_what_touches_an_edge_is_counted_there():
