@@ -5,11 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.skeleton.labelling import LEAST_POINTS, Labelling, LabelParams, label_points
+from adibas.skeleton.labelling import Labelling, label_points
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.parts_naming import MOST_POINTS, PartsOdds, label_parts
 from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
+from adibas.skeleton.prototype_search import LEAST_POINTS, LabelParams
 from adibas.skeleton.second_opinion import combined, is_in_doubt, named_by
 from adibas.skeleton.sizes import size_log_odds, with_sizes
 

@@ -16,11 +16,11 @@ from adibas.pipeline.skeleton_training import KIND_WEIGHTS, PROTOTYPE_PEOPLE, pa
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
-from adibas.skeleton.labelling import LabelParams
 from adibas.skeleton.model import SkeletonModel, left_of
 from adibas.skeleton.model_files import read_model, write_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
+from adibas.skeleton.prototype_search import LabelParams
 from adibas.skeleton.starts import HEADINGS_RAD, heading_of_turn, list_turns, turn_back
 from adibas.skeleton.tracking import name_movement
 from adibas.skeleton.training import TrainingParams, learn_points
