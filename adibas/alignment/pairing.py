@@ -17,7 +17,13 @@ from adibas.alignment.features import (
     follow_corners,
     pair_features,
 )
-from adibas.alignment.joint_fit import JointFit, JointParams, fit_joint, look_through
+from adibas.alignment.joint_fit import (
+    JointFit,
+    JointParams,
+    cross_matrices,
+    fit_joint,
+    look_through,
+)
 from adibas.alignment.sights import Sight
 from adibas.alignment.start_search import StartParams, search_start
 from adibas.arrays import FloatArray
@@ -67,7 +73,7 @@ class PairingParams:
     most_before : float
         Largest share that lies where the other saw through: 0.1.
     most_turn_sd_rad, most_shift_sd_m : float
-        Of the motion in its least known direction: 0.002 and 0.004.
+        Of the motion in its least known direction, at the middle of what is seen: 0.002 and 0.004.
     least_pairs : int
         Features that must agree, be there a guess or not: 8. Surfaces alone slide along walls into
         a wrong fit that looks right.
@@ -165,20 +171,28 @@ def _judged(
         return Unaligned.TOO_LITTLE_OVERLAP
     if max(fit.before, before) > params.most_before:
         return Unaligned.CONTRADICTION
-    return _doubt(fit, params) or fit
+    return _doubt(fit, target.sight.middle_m, params) or fit
 
 
-def _doubt(fit: JointFit, params: PairingParams) -> Unaligned | None:
+def _doubt(fit: JointFit, middle_m: FloatArray, params: PairingParams) -> Unaligned | None:
     """Return why what the features and the surfaces say is not enough; None where it is."""
     if fit.n_pairs < params.least_pairs:
         return Unaligned.TOO_FEW_FEATURES
     if fit.n_pairs_kept < max(params.least_pairs, params.least_agreement * fit.n_pairs):
         return Unaligned.DISAGREEMENT
-    return None if _is_determined(fit.information, params) else Unaligned.UNDETERMINED
+    is_known = _is_determined(fit.information, middle_m, params)
+    return None if is_known else Unaligned.UNDETERMINED
 
 
-def _is_determined(information: FloatArray, params: PairingParams) -> bool:
-    """Say whether no direction of the motion is less known than allowed."""
+def _is_determined(information: FloatArray, middle_m: FloatArray, params: PairingParams) -> bool:
+    """Say whether no direction of the motion is less known than allowed.
+
+    Shifts are those of the middle of what is seen: those of the camera hold the turn, too, the more
+    the farther away everything is.
+    """
+    at_middle = np.eye(6)
+    at_middle[3:, :3] = cross_matrices(middle_m[None])[0]
     units = np.repeat([params.most_turn_sd_rad, params.most_shift_sd_m], 3)
-    least = np.linalg.eigvalsh(information * np.outer(units, units))[0]
+    there = at_middle.T @ information @ at_middle
+    least = np.linalg.eigvalsh(there * np.outer(units, units))[0]
     return bool(least > 1.0)
