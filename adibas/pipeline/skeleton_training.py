@@ -157,8 +157,23 @@ def train_from_simulator(
     ----------
     people : Drawn
         Of the prototypes; core and limbs are learned from `parts_people`.
+
+    Raises
+    ------
+    FileError
+        They are too few.
     """
     others = parts_people(people)
+    n_shapes, least = others.n_bodies * others.n_poses, PartsParams().rows_per_component
+    if n_shapes < least:
+        raise FileError(
+            "{bodies} bodies in {poses} poses are too few to learn from: they give {n} shapes for "
+            "core and limbs, and a model needs {least}. Ask for more bodies or poses.",
+            bodies=people.n_bodies,
+            poses=people.n_poses,
+            n=n_shapes,
+            least=least,
+        )
     n_people = people.n_bodies + others.n_bodies
     learned = _simulated(people, lambda done, _all: progress(done, n_people))
     of_parts = _simulated(others, lambda done, _all: progress(people.n_bodies + done, n_people))

@@ -453,6 +453,16 @@ def test_a_model_is_learned_from_simulated_people_and_tells_whom(tmp_path, capsy
     assert read_model(out).parts is not None
 
 
+@pytest.mark.parametrize(("bodies", "poses"), [(1, 20), (3, 40), (40, 1)])
+def test_too_few_simulated_people_are_told(tmp_path, capsys, bodies, poses):
+    command = ["skeleton", "train", "--simulator", "--bodies", f"{bodies}", "--poses", f"{poses}"]
+    assert main([*command, "--out", str(tmp_path / "model.json")]) == 1
+    told = capsys.readouterr().err
+    assert f"{bodies} bodies in {poses} poses are too few" in told
+    assert "100" in told
+    assert not list(tmp_path.iterdir())
+
+
 def test_training_needs_a_file_or_the_simulator(tmp_path, capsys):
     assert main(["skeleton", "train", "--out", str(tmp_path / "model.json")]) == 1
     assert "--simulator" in capsys.readouterr().err
