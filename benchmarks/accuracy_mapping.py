@@ -26,6 +26,7 @@ from adibas.pipeline.mapping import MapRequest, map_recording
 from benchmarks.mapping_far import SEEDS as FAR_SEEDS
 from benchmarks.mapping_far import WRONG_M, far_rows, motion_error
 from benchmarks.mapping_rooms import room_pair
+from benchmarks.mapping_turn import turn_rows
 from benchmarks.mapping_walk import PERIOD_NS, walk
 from benchmarks.table import Row
 
@@ -52,6 +53,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
         yield from _open3d(Path(folder) / "open3d_rgbd")
     yield from _near(NEAR_SEEDS[:6] if quick else NEAR_SEEDS)
     yield from _fast_walk()
+    yield from turn_rows()
     yield from far_rows(FAR_SEEDS[:10] if quick else FAR_SEEDS, keeps=not quick)
 
 
