@@ -3,12 +3,15 @@
 Run as a module it makes ``resources/models/likeness.json`` again, for the shipped model of limbs.
 """
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
 
-from adibas.arrays import AnyArray, BoolArray, FloatArray
-from adibas.data.calibration import CameraCalibration
+from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray
+from adibas.body.people import find_people
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.frames import depth_in_metres
 from adibas.limbs.judging import judge_mask, judge_parts
 from adibas.limbs.likeness import Likeness, learn_likeness
 from adibas.limbs.model import LimbModel
@@ -16,11 +19,15 @@ from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.likeness_file import write_likeness
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_quantities import QUANTITIES, describer
+from adibas.pipeline.pose_following import forest_segmenter
+from adibas.simulation.crowds import CrowdFrame, open_crowd
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import ThingFrames
 
 SEED, WHOLE_SEED, SPARED_SEEDS = 6300, 6303, (6301, 6302)
-N_PEOPLE, N_THINGS, N_SPARED = 500, 660, 200
+N_PEOPLE, N_THINGS, N_SPARED = 300, 440, 120
+CROWDS, CROWD_FRAMES = ("seated_child", "passer_by"), (0, 45)
+N_CROWDS, N_SPARED_CROWDS = 24, 12
 LEAST_PIXELS = 50
 Shown = Iterator[tuple[AnyArray, BoolArray]]
 """Depth in millimetres, 0 where not measured, and a mask."""
@@ -57,6 +64,38 @@ def described(shown: Shown, camera: CameraCalibration, model: LimbModel) -> Floa
     return np.concatenate(found)
 
 
+def crowd_described(seeds: range, model: LimbModel) -> FloatArray:
+    """Return the (N, Q) quantities of people at tables and half hidden, as they are found."""
+    found = [np.empty((0, len(QUANTITIES)))]
+    for name, seed in itertools.product(CROWDS, seeds):
+        scene = open_crowd(name, seed)
+        calibration = scene.info.calibration
+        if calibration is None or calibration.depth is None:
+            raise ValueError("a simulated scene has a calibrated depth camera")
+        camera = calibration.depth
+        describe, segmented = describer(camera), forest_segmenter(model, camera)
+        for index in CROWD_FRAMES:
+            frame = scene.frame(index)
+            depth_m = _metres(frame, calibration, scene.info.depth_unit_m)
+            for mask in find_people(depth_m, camera, calibration.floor):
+                pixels = mask.pixels
+                owner = np.bincount(frame.owners[pixels], minlength=1).argmax()
+                if not owner or not judge_mask(depth_m, pixels).is_person:
+                    continue
+                parts = segmented(depth_m, pixels)
+                if judge_parts(parts, pixels).is_person:
+                    found.append(describe(depth_m, pixels, parts)[None])
+    return np.concatenate(found)
+
+
+def _metres(frame: CrowdFrame, calibration: RgbdCalibration, unit_m: float) -> Float32Array:
+    raw = frame.sensor_frame.depth_raw
+    if raw is None:
+        raise ValueError("a simulated frame has depth")
+    depth_m = calibration.corrected_depth(depth_in_metres(raw, unit_m))
+    return np.ascontiguousarray(depth_m, np.float32)
+
+
 def learn() -> Likeness:
     """Return what simulated people and things teach; the same every time."""
     model = shipped_model()
@@ -69,9 +108,12 @@ def learn() -> Likeness:
         described(people_shown(seed, N_SPARED, 5), LimbFrames(seed).camera, model)
         for seed in SPARED_SEEDS
     ]
-    provenance = provenance_of(model)
+    first = range(SEED, SEED + N_CROWDS)
+    second = range(SPARED_SEEDS[0] + N_CROWDS, SPARED_SEEDS[0] + N_CROWDS + N_SPARED_CROWDS)
+    people = np.concatenate([people, crowd_described(first, model)])
+    spared.append(crowd_described(second, model))
     shown = people, np.concatenate(things)
-    return learn_likeness(QUANTITIES, shown, np.concatenate(spared), provenance)
+    return learn_likeness(QUANTITIES, shown, np.concatenate(spared), provenance_of(model))
 
 
 def provenance_of(model: LimbModel) -> dict[str, object]:
@@ -82,6 +124,8 @@ def provenance_of(model: LimbModel) -> dict[str, object]:
         "spared_seeds": list(SPARED_SEEDS),
         "n_people": N_PEOPLE,
         "n_things": 2 * N_THINGS,
+        "n_crowds": len(CROWDS) * N_CROWDS,
+        "n_spared_crowds": len(CROWDS) * N_SPARED_CROWDS,
         "n_spared": N_SPARED * len(SPARED_SEEDS),
         "limbs_created_utc": str(model.forest.provenance.get("created_utc", "")),
     }
