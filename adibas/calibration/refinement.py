@@ -14,6 +14,8 @@ from adibas.arrays import FloatArray, IntArray, check_shape, read_only
 from adibas.calibration import refinement_kernels as kernels
 from adibas.calibration.lens_models import LensModel
 
+ROUNDING = float(np.finfo(float).eps)
+"""Of a loss; gains below it cannot be told."""
 # The median length of a plane vector whose coordinates have standard deviation 1.
 MEDIAN_LENGTH = np.sqrt(2.0 * np.log(2.0))
 
@@ -272,6 +274,8 @@ class _Descent:
                 damping *= max(1.0 / 3.0, 1.0 - (2.0 * share - 1.0) ** 3)
                 growth = 2.0
                 estimate, loss, best, tried = candidate, new_loss, tried, best
+            elif expected <= ROUNDING * loss:
+                return estimate, True  # shorter steps would be refused as well, without end
             else:
                 damping, growth = damping * growth, growth * 2.0
         return estimate, bool(expected <= self._params.enough * loss)

@@ -323,3 +323,11 @@ def test_a_descent_that_runs_out_of_steps_has_converged_if_nothing_is_left_to_ga
     observations, start = started(drawn_pixels(np.random.default_rng(8), 8))
     endless = RefinementParams(loss=Loss.SQUARES, done=-1.0, most_steps=most_steps)
     assert refine(observations, start, BROWN_4, endless).has_converged is is_there
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_descent_without_an_end_of_its_own_stops_where_rounding_hides_every_gain(seed):
+    observations, start = started(drawn_pixels(np.random.default_rng(seed), 8))
+    endless = RefinementParams(loss=Loss.SQUARES, done=-1.0, most_steps=10_000)
+    with np.errstate(all="raise", under="ignore"):
+        assert refine(observations, start, BROWN_4, endless).has_converged
