@@ -99,13 +99,13 @@ class Follower:
         if known.indices:
             done = known.next_index - frames.wanted.start
             notices.append(Sentence(WENT_ON, {"done": done, "total": len(frames)}))
-        self._is_between_frames = True
+        self._is_between_frames, is_through = True, False
         try:
             self._go_on(progress)
-        except BaseException:
-            if self._keeper is not None and self._indices and self._is_between_frames:
-                self._keeper.keep(self._state())
-            raise
+            is_through = True
+        finally:
+            if not is_through:
+                self._keep_interrupted()
         return Followed(
             np.array(self._indices, np.int64),
             np.array(self._times_ns, np.int64),
@@ -113,6 +113,10 @@ class Follower:
             tuple(frames.left_out.values()),
             tuple(notices),
         )
+
+    def _keep_interrupted(self) -> None:
+        if self._keeper is not None and self._indices and self._is_between_frames:
+            self._keeper.keep(self._state())
 
     def _go_on(self, progress: Progress) -> None:
         frames = self._frames

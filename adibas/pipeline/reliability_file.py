@@ -1,11 +1,8 @@
 """The file of how often joints are where they are said to be."""
 
-import json
 from functools import cache
 
-from adibas.errors import FileError
-from adibas.files import DAMAGED_JSON, written_whole
-from adibas.resources import resource_path
+from adibas.pipeline.shipped_json import read_shipped, write_shipped
 from adibas.skeleton.reliability import Reliability, reliability_from_json, reliability_to_json
 
 FILE = ("models", "reliability.json")
@@ -13,29 +10,10 @@ FILE = ("models", "reliability.json")
 
 @cache
 def shipped_reliability() -> Reliability:
-    """Return what comes with the program.
-
-    Raises
-    ------
-    FileError
-        The file is missing or damaged.
-    """
-    path = resource_path(*FILE)
-    try:
-        return reliability_from_json(json.loads(path.read_text("utf-8")))
-    except (OSError, KeyError, TypeError, *DAMAGED_JSON) as error:
-        raise FileError(
-            "{file} is broken or missing. Install the program again.", file=path.name
-        ) from error
+    """Return what comes with the program; see `read_shipped`."""
+    return read_shipped(FILE, reliability_from_json)
 
 
 def write_reliability(reliability: Reliability) -> None:
-    """Write the resource.
-
-    Raises
-    ------
-    FileError
-        It cannot be written.
-    """
-    with written_whole(resource_path(*FILE)) as unfinished:
-        unfinished.write_text(json.dumps(reliability_to_json(reliability), indent=1), "utf-8")
+    """Write the resource; see `write_shipped`."""
+    write_shipped(FILE, reliability_to_json(reliability))

@@ -10,7 +10,7 @@ from sklearn.isotonic import IsotonicRegression
 
 from adibas.data.joints import JOINT_NAMES
 from adibas.errors import FileError
-from adibas.pipeline import reliability_file
+from adibas.pipeline import shipped_json
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.reliability_file import shipped_reliability
@@ -124,6 +124,6 @@ def test_the_shipped_curves_are_of_the_shipped_model():
 def test_a_broken_file_is_told(tmp_path, monkeypatch, content):
     if content is not None:
         (tmp_path / "reliability.json").write_text(content)
-    monkeypatch.setattr(reliability_file, "resource_path", lambda *parts: tmp_path / parts[-1])
+    monkeypatch.setattr(shipped_json, "resource_path", lambda *parts: tmp_path / parts[-1])
     with pytest.raises(FileError, match=r"reliability\.json is broken or missing"):
         shipped_reliability.__wrapped__()

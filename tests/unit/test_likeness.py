@@ -21,7 +21,7 @@ from adibas.limbs.likeness import (
     likeness_from_json,
     likeness_to_json,
 )
-from adibas.pipeline import likeness_file
+from adibas.pipeline import shipped_json
 from adibas.pipeline.likeness_file import shipped_likeness
 from adibas.pipeline.likeness_training import people_shown, things_shown
 from adibas.pipeline.limb_segmenting import shipped_model
@@ -123,7 +123,7 @@ def test_the_shipped_likeness_is_of_the_shipped_model():
 def test_a_broken_likeness_is_told(tmp_path, monkeypatch, content):
     if content is not None:
         (tmp_path / "likeness.json").write_text(content)
-    monkeypatch.setattr(likeness_file, "resource_path", lambda *parts: tmp_path / parts[-1])
+    monkeypatch.setattr(shipped_json, "resource_path", lambda *parts: tmp_path / parts[-1])
     with pytest.raises(FileError, match=r"likeness\.json is broken or missing"):
         shipped_likeness.__wrapped__()
 
