@@ -63,11 +63,8 @@ class Sitter:
 
     def pose(self, time_s: float) -> Pose:
         """Return the pose at a time."""
-        step, part = divmod(time_s / self.hold_s, 1.0)
-        smooth = 0.5 - 0.5 * math.cos(math.pi * part)
-        before, after = (self._figure(int(step) + k).vector() for k in (0, 1))
-        figure = Figure.from_vector(before + smooth * (after - before))
-        return _placed(figure.pose(), self.x_m, self.z_m, self.heading_rad)
+        figure = figure_between(self._figure, time_s / self.hold_s)
+        return placed(figure.pose(), self.x_m, self.z_m, self.heading_rad)
 
     def _figure(self, number: int) -> Figure:
         legs = random_figure(np.random.default_rng([self.seed, 0]), "seated")
@@ -108,7 +105,7 @@ class Walker:
         to_x, to_z = (b - a for a, b in zip(self.start_m, self.end_m, strict=True))
         # A body with heading 0 walks towards the sensor, that is to smaller z.
         heading_rad = math.atan2(-to_x, -to_z)
-        return _placed(_stride(swing).pose(), x_m, z_m, heading_rad)
+        return placed(_stride(swing).pose(), x_m, z_m, heading_rad)
 
 
 def _stride(swing: float) -> Figure:
@@ -126,7 +123,15 @@ def _stride(swing: float) -> Figure:
     return Figure(swung_arm(-swing), swung_arm(swing), swung_leg(swing), swung_leg(-swing))
 
 
-def _placed(pose: Pose, x_m: float, z_m: float, heading_rad: float) -> Pose:
+def figure_between(figure: Callable[[int], Figure], at: float) -> Figure:
+    """Return the figure at 2.3, say: on the way, begun and ended slowly, from figure 2 to 3."""
+    number, part = divmod(at, 1.0)
+    smooth = 0.5 - 0.5 * math.cos(math.pi * part)
+    before, after = (figure(int(number) + k).vector() for k in (0, 1))
+    return Figure.from_vector(before + smooth * (after - before))
+
+
+def placed(pose: Pose, x_m: float, z_m: float, heading_rad: float) -> Pose:
     """Return the pose at a place: the offset of a pose is turned with it."""
     down = np.array([0.0, 1.0, 0.0])
     offset = about(down, heading_rad).T @ np.array([x_m, 0.0, z_m])

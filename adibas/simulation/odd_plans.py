@@ -12,13 +12,19 @@ import numpy as np
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.pinhole import Intrinsics
 from adibas.simulation.body_shape import BodyShape
-from adibas.simulation.crowd_plans import Actor, Box, CrowdPlan, Solid
+from adibas.simulation.crowd_plans import (
+    Actor,
+    Box,
+    CrowdPlan,
+    Solid,
+    figure_between,
+    placed,
+)
 from adibas.simulation.figures import Figure, TrunkAngles
 from adibas.simulation.limb_people import random_shape
 from adibas.simulation.lone_things import KINDS, draw_thing
 from adibas.simulation.poses import Pose
 from adibas.simulation.random_poses import random_figure
-from adibas.simulation.rotations import about
 
 N_FRAMES = 30
 FURTHEST_TURN_RAD = math.radians(40.0)
@@ -51,13 +57,8 @@ class Mover:
 
     def pose(self, time_s: float) -> Pose:
         """Return the pose at a time."""
-        step, part = divmod(time_s / self.hold_s, 1.0)
-        smooth = 0.5 - 0.5 * math.cos(math.pi * part)
-        before, after = (self._figure(int(step) + k).vector() for k in (0, 1))
-        pose = Figure.from_vector(before + smooth * (after - before)).pose()
-        turn = about(np.array([0.0, 1.0, 0.0]), self.heading_rad)
-        offset_m = turn.T @ np.array([self.x_m, 0.0, 0.0])
-        return replace(pose, offset_m=offset_m[[0, 2]].copy(), heading_rad=self.heading_rad)
+        figure = figure_between(self._figure, time_s / self.hold_s)
+        return placed(figure.pose(), self.x_m, 0.0, self.heading_rad)
 
     def _figure(self, number: int) -> Figure:
         figure = random_figure(np.random.default_rng([self.seed, number]), "moving")
