@@ -56,7 +56,7 @@ def with_names(
         return markers
     turn = upright_turn(vertical_of(calibration).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
-    diameters_m = _diameters_m(placed, calibration)
+    diameters_m = diameters_of(placed, calibration)
     alone = namer.label(positions_m @ turn.T, view, diameters_m)
     found, sure = alone.names, alone.confidences
     flat, flat_m = _as_far_away(markers, positions_m, calibration)
@@ -115,8 +115,8 @@ def _agreed(alone: Labelling, together: Labelling) -> Names:
     return (*agreed, *((None,) * len(more) if is_contradicted else more))
 
 
-def _diameters_m(placed: Sequence[Marker], calibration: RgbdCalibration) -> FloatArray:
-    """Return the (N,) diameters of markers with a position; NaN without a colour camera."""
+def diameters_of(placed: Sequence[Marker], calibration: RgbdCalibration) -> FloatArray:
+    """Return the (N,) diameters in metres of markers with a position; NaN without a camera."""
     if calibration.color is None:
         return np.full(len(placed), np.nan)
     radii_px = np.array([one.radius_px for one in placed])

@@ -6,7 +6,7 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.joints import JOINT_NAMES, other_side
 from adibas.data.markers import Marker
 from adibas.measures.sight_plane import vertical_of
-from adibas.pipeline.skeleton_names import upright_turn
+from adibas.pipeline.skeleton_names import diameters_of, upright_turn
 from adibas.skeleton.namer import Namer
 from adibas.texts import message
 
@@ -34,7 +34,8 @@ def doubts_about_view(
     if not view or namer.names != JOINT_NAMES or not placed:
         return ()
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
-    untold = namer.label(positions_m @ upright_turn(vertical_of(calibration).up).T)
+    upright_m = positions_m @ upright_turn(vertical_of(calibration).up).T
+    untold = namer.label(upright_m, diameters_m=diameters_of(placed, calibration))
     contrary = alike = 0
     for marker, name in zip(placed, untold.names, strict=True):
         if name is not None and other_side(name) != name:
