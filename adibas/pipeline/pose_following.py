@@ -14,7 +14,7 @@ from adibas.body.staying import Moment
 from adibas.data.calibration import CameraCalibration
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.sentence import Sentence
-from adibas.geometry.picture_edges import cut_px, seen_box
+from adibas.geometry.picture_edges import Box, cut_px, seen_box
 from adibas.geometry.planes import Plane
 from adibas.limbs.facing import FacingParams, front_evidence
 from adibas.limbs.judging import UNLIKE, Judgement, judge_absence, judge_mask, judge_parts
@@ -253,6 +253,7 @@ class PoseEstimator:
         tops_m = np.array([top_m for _, top_m in places])
         middles_m = np.array([middle_m for middle_m, _ in places]).reshape(-1, 3)
         people = []
+        box = seen_box(np.asarray(np.isfinite(depth_m)))
         self._known_m = middles_m
         numbers = self._identities.match(middles_m, tops_m, time_s)
         for person, (pixels, parts) in zip(numbers, seen, strict=True):
@@ -263,7 +264,7 @@ class PoseEstimator:
                     self._joints.proportions, self._params.view, self._params.follow
                 )
             facing = front_evidence(points, self._params.facing)
-            picture = self._picture(depth_m, pixels)
+            picture = self._picture(box, pixels)
             raw = self._followers[person].follow(
                 *(proposals, time_s, facing, points.cloud()), picture
             )
@@ -276,9 +277,8 @@ class PoseEstimator:
         reliability = self._joints.reliability
         return raw if reliability is None else reliability.applied(raw, picture.is_cut)
 
-    def _picture(self, depth_m: Float32Array, pixels: BoolArray) -> Picture:
-        """Return what the picture shows of somebody."""
-        box = seen_box(np.asarray(np.isfinite(depth_m)))
+    def _picture(self, box: Box, pixels: BoolArray) -> Picture:
+        """Return what the picture, which can show anything within a box, shows of somebody."""
         least_px = LEAST_CUT * self.camera.height
         top, bottom, left, right = (cut_px(pixels, box) > least_px).tolist()
         return Picture(self.camera, box, (top, bottom, left, right))
