@@ -10,19 +10,20 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.sessions import SessionSetup
 from adibas.errors import AdibasError
 from adibas.markers.color_files import read_colors, write_colors
-from adibas.markers.color_model import ColorModel, LearningParams
-from adibas.markers.detection import DetectionParams, Detections
-from adibas.markers.lab import lab_to_rgb
+from adibas.markers.color_model import ColorModel
+from adibas.markers.detection import Detections
 from adibas.markers.led import LedParams
 from adibas.pipeline.frozen import FrozenPicture, freeze, picture_alone
 from adibas.pipeline.learning import read_picture
-from adibas.pipeline.learning_board import LearnedRegion, LearningBoard, learned_model
+from adibas.pipeline.learning_board import LearnedRegion, LearningBoard
 from adibas.pipeline.live import LiveFrame
 from adibas.pipeline.posture import MarkerTarget
 from adibas.pipeline.targets import target_from_document, target_to_document
 from adibas.sensors.ports import SensorOptions
 from adibas.texts import translate as _
-from ui.markers.ports import LearnerView, Mode, Shown
+from ui.markers.learned import Learned
+from ui.markers.ports import LearnerView, Mode
+from ui.markers.search import MarkerSearch
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
 
@@ -37,16 +38,11 @@ class LearnerPresenter:
     def __init__(self, view: LearnerView, workspace: Workspace) -> None:
         self._view = view
         self._workspace = workspace
-        self._params = LearningParams()
-        self._led = LedParams()
-        self._mode: Mode = "color"
+        self._learned = Learned()
+        self._search = MarkerSearch(workspace, self._learned, self._on_found)
         self._picture: FrozenPicture | None = None
-        self._board: LearningBoard | None = None
         self._pending_click: tuple[float, float] | None = None
-        self._model: ColorModel | None = None
-        self._job: Job | None = None
         self._reading: Job | None = None
-        self._is_waiting = False
         self._is_seen = False
         self._ends: list[Callable[[], None]] = [
             workspace.live.frame_arrived.subscribe(self._on_frame),
@@ -56,7 +52,7 @@ class LearnerPresenter:
 
     def close(self) -> None:
         """Listen no more."""
-        self._stop_looking()
+        self._search.stop()
         for end in self._ends:
             end()
 
@@ -74,10 +70,7 @@ class LearnerPresenter:
 
     def show_sensor(self) -> None:
         """Let the frozen picture go and show what the sensor sees."""
-        self._stop_looking()
-        self._picture, self._board, self._pending_click = None, None, None
-        self._view.show_found(None)
-        self._view.show_taken(None)
+        self._hold(None)
         self._show_controls()
         self.enter()
 
@@ -105,67 +98,63 @@ class LearnerPresenter:
         """Grow a region from a pixel; a live picture is frozen first."""
         if self._picture is None:
             self.freeze()
-        board = self._board
+        board = self._learned.board
         if board is None:
             self._pending_click = (u, v)  # the picture is still being made ready
             self._make_board()
-        elif self._mode == "color" and self._workspace.attempt(lambda: _ignore(board.click(u, v))):
+        elif self._learned.mode == "color" and self._workspace.attempt(
+            lambda: _ignore(board.click(u, v))
+        ):
             self._learn()
 
     def set_sensitivity(self, sensitivity: float) -> None:
         """Let the last region, and those to come, be as large as that."""
-        self._params = replace(self._params, sensitivity=sensitivity)
-        if self._board is not None:
-            self._board.set_sensitivity(sensitivity)
-            self._learn_anew()
+        self._learned.set_sensitivity(sensitivity)
+        self._learn_anew()
 
     def set_clusters(self, n_clusters: int) -> None:
         """Learn so many colours."""
-        self._params = replace(self._params, n_clusters=n_clusters)
-        if self._board is not None:
-            self._board.set_clusters(n_clusters)
-            self._learn_anew()
+        self._learned.set_clusters(n_clusters)
+        self._learn_anew()
 
     def set_brightness(self, least_brightness: float) -> None:
         """Take for an LED what is so much brighter than the scene."""
-        self._led = replace(self._led, least_brightness=least_brightness)
+        self._learned.set_brightness(least_brightness)
         self._find()
 
     def set_mode(self, mode: Mode) -> None:
         """Look for learned colours, or for LEDs."""
-        self._mode = mode
+        self._learned.mode = mode
         self._show_controls()
-        self._view.show_taken(self._board.taken() if self._board and mode == "color" else None)
+        self._view.show_taken(self._learned.taken())
         self._find()
 
     def discard(self, index: int) -> None:
         """Take the region of one click away."""
-        if self._board is not None and index < len(self._board.regions):
-            self._board.discard(index)
-            if not self._board.regions:
-                self._model = None
+        if self._learned.board is not None and index < len(self._learned.board.regions):
+            self._learned.discard(index)
             self._learn()
 
     def reset(self) -> None:
         """Forget all clicks and colours; the picture stays."""
-        self._params, self._led, self._model = LearningParams(), LedParams(), None
-        self._forget_clicks()
+        self._learned.reset()
+        self._show_learned()
 
     def use(self) -> None:
         """Look for these markers from now on, and keep that with the session."""
-        if self._job is None or not self._job.is_running:
+        if not self._search.is_running:
             self._use()
             return
-        learn = self._learning()  # the job may still be at the click before the last one
+        learn = self._learned.learning()  # the job may still be at the click before the last one
 
         def done(model: ColorModel | None) -> None:
-            self._model = model
+            self._learned.model = model
             self._use()
 
         self._workspace.jobs.start(_("Looking for markers"), lambda _control: learn(), done)
 
     def _use(self) -> None:
-        target = self._target()
+        target = self._learned.target
         if target is None:
             return
         self._workspace.set_target(target)
@@ -183,7 +172,7 @@ class LearnerPresenter:
 
     def save(self, path: Path) -> None:
         """Write the colours to a file that the command line reads, too."""
-        model = self._model
+        model = self._learned.model
         if model is not None and self._workspace.attempt(lambda: write_colors(path, model)):
             self._workspace.tell(
                 "good", _("The colours are saved in {file}.").format(file=path.name)
@@ -196,12 +185,11 @@ class LearnerPresenter:
         except AdibasError as error:
             self._workspace.report_problem(error)
             return
-        self._mode, self._model = "color", model
-        self._forget_clicks()
+        self._take_target(model)
 
     def draft(self) -> str:
         """Return the markers that were learned and are not in use yet, else nothing."""
-        target = self._target()
+        target = self._learned.target
         if target is None or target == LedParams() or target is self._workspace.target:
             return ""
         return json.dumps(target_to_document(target))
@@ -210,24 +198,30 @@ class LearnerPresenter:
         """Go on with markers that were learned before; the picture has to be frozen anew."""
         self._take_target(target_from_document(json.loads(draft)))
 
-    def _forget_clicks(self) -> None:
-        """Go on without regions, with the markers that are known."""
-        if self._board is not None:
-            self._board = self._board.without_regions()
-            self._board.params = self._params
+    def _take_target(self, target: MarkerTarget) -> None:
+        self._learned.take_target(target)
+        self._learned.forget_clicks()
+        self._show_learned()
+
+    def _show_learned(self) -> None:
+        """Show markers that are known without a click on this picture."""
         self._pending_click = None
-        self._stop_looking()
+        self._search.stop()
         self._view.show_taken(None)
         self._show_controls()
         self._find()
 
-    def _take(self, picture: FrozenPicture) -> None:
-        """Show a frozen picture, and make it ready for clicks."""
-        self._picture, self._board, self._pending_click = picture, None, None
-        self._stop_reading()
-        self._stop_looking()
+    def _hold(self, picture: FrozenPicture | None) -> None:
+        """Hold another picture; what was clicked and found on the one before goes."""
+        self._picture, self._learned.board, self._pending_click = picture, None, None
+        self._search.stop()
         self._view.show_found(None)  # of another picture, which may have another size
         self._view.show_taken(None)
+
+    def _take(self, picture: FrozenPicture) -> None:
+        """Show a frozen picture, and make it ready for clicks."""
+        self._stop_reading()
+        self._hold(picture)
         self._view.show_picture(picture.color_rgb, is_frozen=True)
         self._show_controls()
         self._make_board()
@@ -235,7 +229,7 @@ class LearnerPresenter:
 
     def _make_board(self) -> None:
         """Make the frozen picture ready for clicks, unless that is being done."""
-        picture, params = self._picture, self._params
+        picture, params = self._picture, self._learned.params
         if picture is None or (self._reading is not None and self._reading.is_running):
             return
 
@@ -249,73 +243,38 @@ class LearnerPresenter:
     def _on_board(self, board: LearningBoard) -> None:
         if self._picture is None or board.color_rgb is not self._picture.color_rgb:
             return  # another picture was taken meanwhile
-        board.params = self._params
-        self._board = board
+        self._learned.take_board(board)
         click, self._pending_click = self._pending_click, None
         if click is not None:
             self.click(*click)
 
     def _learn(self) -> None:
         """Show what was taken at once; colours and markers follow."""
-        if self._board is not None:
-            self._view.show_taken(self._board.taken())
+        if self._learned.board is not None:
+            self._view.show_taken(self._learned.board.taken())
         self._show_controls()
         self._find()
 
     def _learn_anew(self) -> None:
         """Learn with other settings what was clicked; colours of a file stay as they are."""
-        if self._board is not None and self._board.regions:
+        if self._learned.has_clicks:
             self._learn()
 
     def _find(self) -> None:
-        """Learn and look for markers in a job; while one is at it, the newest wish waits."""
+        """Learn and look for markers; without a picture there is nothing to look at."""
         if self._picture is None:
-            self._stop_looking()
-            self._on_found((self._model, None))
-        elif self._job is not None and self._job.is_running:
-            self._is_waiting = True
+            self._search.stop()
+            self._on_found(self._learned.model, None)
         else:
-            self._start(self._picture)
-
-    def _start(self, picture: FrozenPicture) -> None:
-        learn, params = self._learning(), DetectionParams()
-        led = self._led if self._mode == "led" else None
-
-        def work(_control: JobControl) -> tuple[ColorModel | None, Detections | None]:
-            model = learn()
-            target: MarkerTarget | None = led or model
-            return model, None if target is None else picture.find(target, params)
-
-        self._is_waiting = False
-        self._job = self._workspace.jobs.start(
-            _("Looking for markers"), work, self._on_found, ended=self._on_ended
-        )
-
-    def _learning(self) -> Callable[[], ColorModel | None]:
-        """Return what learns the colours of the regions; without any, those that are known stay."""
-        board, model = self._board, self._model
-        if board is None or not board.regions:
-            return lambda: model
-        lab, regions, params = board.lab, board.regions, board.params
-        return lambda: learned_model(lab, regions, params)
-
-    def _on_ended(self) -> None:
-        if self._is_waiting and self._picture is not None:
-            self._start(self._picture)
-
-    def _stop_looking(self) -> None:
-        """Want no more what a running job will find."""
-        self._is_waiting = False
-        if self._job is not None and self._job.is_running:
-            self._job.cancel()
+            self._search.begin(self._picture)
 
     def _stop_reading(self) -> None:
         if self._reading is not None and self._reading.is_running:
             self._reading.cancel()
         self._reading = None
 
-    def _on_found(self, result: tuple[ColorModel | None, Detections | None]) -> None:
-        self._model, found = result
+    def _on_found(self, model: ColorModel | None, found: Detections | None) -> None:
+        self._learned.model = model
         self._view.show_found(found)
         self._show_controls()
 
@@ -326,17 +285,10 @@ class LearnerPresenter:
     def _on_target(self) -> None:
         """Show the markers that are looked for from now on, if they were not learned here."""
         target = self._workspace.target
-        if target is None or target is self._target():
+        if target is None or target is self._learned.target:
             self._show_controls()
             return
         self._take_target(target)
-
-    def _take_target(self, target: MarkerTarget) -> None:
-        if isinstance(target, LedParams):
-            self._mode, self._led = "led", target
-        else:
-            self._mode, self._model = "color", target
-        self._forget_clicks()
 
     def _open_sensor(self) -> None:
         """Open what was open last, else the source of the session, unless it is open."""
@@ -352,34 +304,8 @@ class LearnerPresenter:
         view, info = self._workspace.live.view, self._workspace.live.state.info
         return None if info is None else view.calibration
 
-    def _target(self) -> MarkerTarget | None:
-        return self._led if self._mode == "led" else self._model
-
     def _show_controls(self) -> None:
-        regions = self._board.regions if self._board is not None else ()
-        swatches = () if self._model is None else _colors(self._model)
-        self._view.show_controls(
-            Shown(
-                mode=self._mode,
-                sensitivity=self._params.sensitivity,
-                n_clusters=self._params.n_clusters,
-                least_brightness=self._led.least_brightness,
-                regions=tuple((_rgb(region), region.n_pixels) for region in regions),
-                swatches=swatches,
-                has_picture=self._picture is not None,
-                has_target=self._target() is not None,
-            )
-        )
-
-
-def _rgb(region: LearnedRegion) -> tuple[int, int, int]:
-    red, green, blue = region.mean_rgb.tolist()
-    return red, green, blue
-
-
-def _colors(model: ColorModel) -> tuple[tuple[int, int, int], ...]:
-    colors = lab_to_rgb(model.centroids_lab)
-    return tuple((red, green, blue) for red, green, blue in colors.tolist())
+        self._view.show_controls(self._learned.shown(has_picture=self._picture is not None))
 
 
 def _ignore(_region: LearnedRegion) -> None:
