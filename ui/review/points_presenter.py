@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
@@ -14,12 +13,10 @@ from adibas.texts import translate as _
 from ui.review.content import MeasureRow, Mode, Points
 from ui.review.editor import CaptureEditor
 from ui.review.measuring import MeasureTable, free_rows
+from ui.review.opened import Opened, PassedLandmarks
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
-    from adibas.data.protocols import Protocol as LandmarkProtocol
-    from adibas.pipeline.posture import MarkerTarget
-    from adibas.pipeline.review import CaptureSurface
     from adibas.sessions.conflicts import Decision
 
 SAME_PLACE_PX = 1.0
@@ -33,28 +30,6 @@ class PointsView(Protocol):
 
     def show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
         """Show every pair and triplet."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Opened:
-    """What editing a capture needs.
-
-    Attributes
-    ----------
-    picture_rgb : (H, W, 3) uint8 array
-        Of the capture.
-    surface : CaptureSurface
-        Gives positions.
-    target : MarkerTarget or None
-        What markers look like, for snapping.
-    protocol : Protocol or None
-        Of the session: its landmarks are what markers are named after.
-    """
-
-    picture_rgb: UInt8Array
-    surface: "CaptureSurface"
-    target: "MarkerTarget | None"
-    protocol: "LandmarkProtocol | None" = None
 
 
 class PointsPresenter:
@@ -82,7 +57,7 @@ class PointsPresenter:
         self._selected: str | None = None
         self._picked: tuple[str, ...] = ()
         self._mode = Mode.CHOOSE
-        self._passed: frozenset[str] = frozenset()
+        self._passed = PassedLandmarks()
         self._shows_rejected = False
         self._has_values = False
         self._decisions: tuple[Decision, ...] = ()
@@ -106,7 +81,7 @@ class PointsPresenter:
         """Show the markers of a capture; they can be edited once `give_surface` was called."""
         self._editor = CaptureEditor(capture, partial(self._save, capture.capture_id))
         self._opened, self._selected, self._picked = None, None, ()
-        self._passed = frozenset()
+        self._passed = PassedLandmarks()
         self._view.show_measures(())
         self._show()
 
@@ -138,7 +113,7 @@ class PointsPresenter:
     def choose_mode(self, mode: Mode) -> None:
         """Let clicks do something else; names are given to the next landmark, chosen again."""
         if mode is Mode.NAME is self._mode:
-            self._passed |= {one for one in [self._next_landmark()] if one is not None}
+            self._passed.pass_over(self._next_landmark())
         self._mode, self._picked = mode, ()
         self._show()
 
@@ -192,7 +167,7 @@ class PointsPresenter:
         editor, opened = self._editable()
         if editor is None or opened is None:
             return
-        marker = _placed(opened, label or editor.free_label(), u, v, is_free=is_free)
+        marker = opened.placed(label or editor.free_label(), u, v, is_free=is_free)
         self._selected = marker.label
         self._edit(lambda one: one.add(marker))
 
@@ -212,7 +187,7 @@ class PointsPresenter:
         editor, opened = self._editable()
         if editor is None or opened is None or not _holds(editor, label):
             return
-        marker = _placed(opened, label, u, v, is_free=is_free, before=editor.held)
+        marker = opened.placed(label, u, v, is_free=is_free, before=editor.held)
         editor.hold(None)
         self._edit(lambda one: one.move(marker))
 
@@ -272,18 +247,16 @@ class PointsPresenter:
         """Take a free measure away."""
         self._edit(lambda editor: editor.remove_measure(labels))
 
-    def _unnamed(self) -> tuple[str, ...] | None:
-        """Return the landmarks without a marker, those last that were passed over."""
+    def _due(self) -> tuple[str, ...] | None:
+        """Return the landmarks without a marker, the next one first; None without a protocol."""
         if self._editor is None or self._opened is None or self._opened.protocol is None:
             return None
         view, labels = self._editor.capture.view, self._editor.saved()
-        missing = [one.landmark_id for one in self._opened.protocol.unmarked(view, labels)]
-        if self._passed >= set(missing):
-            self._passed = frozenset()
-        return tuple(sorted(missing, key=self._passed.__contains__))
+        unmarked = self._opened.protocol.unmarked(view, labels)
+        return self._passed.order(one.landmark_id for one in unmarked)
 
     def _next_landmark(self) -> str | None:
-        return next(iter(self._unnamed() or ()), None)
+        return next(iter(self._due() or ()), None)
 
     def _pick(self, label: str) -> None:
         """Take a marker into the measure; the same one again takes it out."""
@@ -365,30 +338,9 @@ class PointsPresenter:
                 can_edit=can_edit,
                 can_undo=can_edit and editor.history.can_undo,
                 can_redo=can_edit and editor.history.can_redo,
-                unnamed=self._unnamed(),
+                unnamed=self._due(),
             )
         )
-
-
-def _placed(
-    opened: Opened,
-    label: str,
-    u: float,
-    v: float,
-    *,
-    is_free: bool,
-    before: Marker | None = None,
-) -> Marker:
-    """Return a marker at the blob nearest to (u, v), or right there, as large as it was."""
-    if not is_free:
-        found = opened.surface.snapped(opened.picture_rgb, u, v, target=opened.target)
-        if found.is_blob:
-            return opened.surface.measured(
-                label, found.u, found.v, found.covariance_px2, found.radius_px
-            )
-    if before is None:
-        return opened.surface.measured(label, u, v)
-    return opened.surface.measured(label, u, v, radius_px=before.radius_px)
 
 
 def _holds(editor: CaptureEditor, label: str) -> bool:

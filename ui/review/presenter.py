@@ -12,7 +12,8 @@ from adibas.texts import message
 from adibas.texts import translate as _
 from ui.ports import JobControl
 from ui.review.content import CaptureItem, placed
-from ui.review.points_presenter import Opened, PointsPresenter, PointsView
+from ui.review.opened import Opened
+from ui.review.points_presenter import PointsPresenter, PointsView
 from ui.widgets.space import Space
 from ui.workspace import Workspace
 
