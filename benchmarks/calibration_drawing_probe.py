@@ -21,7 +21,8 @@ def main() -> None:
 
     app = QApplication([])
     from adibas.calibration.kept import KeptCalibrations
-    from adibas.pipeline.calibration_session import CalibratedSensor, CalibrationSession
+    from adibas.pipeline.calibration_session import CalibrationSession
+    from adibas.pipeline.sensor_calibration import CalibratedSensor
     from adibas.simulation.boards_scenes import BoardScene, BoardSceneSettings
     from benchmarks.calibration_wizard import BOARD, live_frames
     from ui.calibration.ports import Shown
@@ -34,8 +35,8 @@ def main() -> None:
     screen.show()
     with tempfile.TemporaryDirectory() as folder:
         session = CalibrationSession(sensor, KeptCalibrations(Path(folder)), BOARD)
-        taken = [session.picture(frame) for frame in frames]
-        session.add(*(session.keep(picture) for picture in taken if picture is not None))
+        for picture in filter(None, map(session.picture, frames)):
+            session.add(session.keep(picture))
         moments = [session.see(frame) for frame in frames]
         screen.show_session(Shown(BOARD, session.pictures, session.guidance))
         start_s = 0.0

@@ -12,8 +12,9 @@ from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.acquisition import Arrival
-from adibas.pipeline.calibration_session import CalibratedSensor, CalibrationSession
+from adibas.pipeline.calibration_session import CalibrationSession
 from adibas.pipeline.looking import Look, look_at
+from adibas.pipeline.sensor_calibration import CalibratedSensor
 from adibas.simulation.boards import render_board
 from adibas.simulation.boards_look import BoardLook
 from adibas.simulation.boards_poses import random_board_poses

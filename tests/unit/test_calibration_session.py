@@ -18,15 +18,12 @@ from adibas.data.board import Board
 from adibas.data.calibration_verdict import SENTENCES, Grade, Reason
 from adibas.data.frames import SourceInfo
 from adibas.errors import CalibrationError, FileError
+from adibas.pipeline.calibration_images import images_in
 from adibas.pipeline.calibration_pictures import PictureFolder, read_disparity
-from adibas.pipeline.calibration_session import (
-    CalibratedSensor,
-    CalibrationSession,
-    images_in,
-    sensor_of,
-)
+from adibas.pipeline.calibration_session import CalibrationSession
 from adibas.pipeline.calibration_watch import BLURRED, KNOWN, MOVING
 from adibas.pipeline.live_frames import LiveFrame
+from adibas.pipeline.sensor_calibration import CalibratedSensor, sensor_of
 from tests.unit.board_pictures import (
     BOARD,
     CAMERA,

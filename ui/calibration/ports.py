@@ -8,9 +8,9 @@ from adibas.arrays import UInt8Array
 from adibas.calibration.guidance import Guidance
 from adibas.data.board import Board, BoardCorners
 from adibas.pipeline.calibration_pictures import KeptPicture
-from adibas.pipeline.calibration_session import SensorOutcome
 from adibas.pipeline.calibration_watch import Moment
 from adibas.pipeline.live_frames import LiveFrame, SensorState
+from adibas.pipeline.sensor_calibration import SensorOutcome
 from ui.reminders import Reminder
 
 

@@ -9,17 +9,13 @@ from adibas.clock import Clock, utc_now
 from adibas.data.board import Board
 from adibas.data.frames import SourceInfo
 from adibas.data.printed_boards import PRINTED_BOARDS
+from adibas.pipeline.calibration_images import RefusedImage, images_in
 from adibas.pipeline.calibration_pictures import KeptPicture
-from adibas.pipeline.calibration_session import (
-    CalibratedSensor,
-    CalibrationSession,
-    RefusedImage,
-    images_in,
-    sensor_of,
-)
+from adibas.pipeline.calibration_session import CalibrationSession
 from adibas.pipeline.calibration_watch import Moment
 from adibas.pipeline.learning import read_picture
 from adibas.pipeline.live_frames import LiveFrame, SensorState
+from adibas.pipeline.sensor_calibration import CalibratedSensor, sensor_of
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.calibration.bench import Bench

@@ -2,7 +2,7 @@
 
 from PySide6.QtWidgets import QLabel, QTextBrowser, QVBoxLayout, QWidget
 
-from adibas.pipeline.calibration_session import SensorOutcome
+from adibas.pipeline.sensor_calibration import SensorOutcome
 from adibas.texts import translate as _
 from ui.calibration.wording import KINDS, result_html
 

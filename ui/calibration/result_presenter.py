@@ -5,7 +5,7 @@ from pathlib import Path
 
 from adibas.calibration.files import write_calibration
 from adibas.pipeline.calibration_report import report_of_calibration
-from adibas.pipeline.calibration_session import SensorOutcome
+from adibas.pipeline.sensor_calibration import SensorOutcome
 from adibas.reports.calibration import KINDS, write_calibration_report
 from adibas.texts import spoken_language
 from adibas.texts import translate as _

@@ -19,9 +19,9 @@ from PySide6.QtWidgets import (
 
 from adibas.arrays import UInt8Array
 from adibas.data.board import BoardCorners
-from adibas.pipeline.calibration_session import SensorOutcome
 from adibas.pipeline.calibration_watch import PASSING, Moment
 from adibas.pipeline.live_frames import LiveFrame, SensorState
+from adibas.pipeline.sensor_calibration import SensorOutcome
 from adibas.texts import describe
 from adibas.texts import translate as _
 from ui.calibration.board_panel import BoardPanel

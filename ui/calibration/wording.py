@@ -14,7 +14,7 @@ from adibas.calibration.quality import tilts_rad
 from adibas.data.calibration_report import DepthReport
 from adibas.data.calibration_verdict import Grade
 from adibas.data.camera_fit import CameraFit
-from adibas.pipeline.calibration_session import SensorOutcome
+from adibas.pipeline.sensor_calibration import SensorOutcome
 from adibas.reports.calibration_depth_rows import bias_rows
 from adibas.reports.calibration_facts import change_facts, depth_facts, signed_text
 from adibas.texts import decimal_text, message
