@@ -17,7 +17,8 @@ from adibas.geometry.distortion import pixel_rays
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.simulation.boards_depth_kernels import see_shapes, see_sheet
-from adibas.simulation.boards_kernels import Shapes, Sheet
+from adibas.simulation.boards_integral_kernels import Sheet
+from adibas.simulation.boards_kernels import Shapes
 from adibas.simulation.boards_look import BoardView
 from adibas.simulation.boards_painting import hand_strokes, plane_of
 from adibas.simulation.studio import DepthView

@@ -4,7 +4,8 @@ import math
 
 from adibas.arrays import Float32Array, FloatArray
 from adibas.kernels import compiled
-from adibas.simulation.boards_kernels import Shapes, Sheet, stroke_distance
+from adibas.simulation.boards_integral_kernels import Sheet
+from adibas.simulation.boards_kernels import Shapes, stroke_distance
 
 
 @compiled

@@ -12,7 +12,8 @@ from adibas.data.board import MARK_RADIUS
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.distortion import project_distorted, undistort_pixels
 from adibas.geometry.rigid import RigidTransform
-from adibas.simulation.boards_kernels import Shapes, Sheet, paint_shapes, paint_sheet
+from adibas.simulation.boards_integral_kernels import Sheet
+from adibas.simulation.boards_kernels import Shapes, paint_shapes, paint_sheet
 from adibas.simulation.boards_look import BoardLook, BoardView
 from adibas.simulation.looks import linear_from_srgb
 
