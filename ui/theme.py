@@ -23,6 +23,7 @@ DRAWN: dict[Role, str] = {
     "earlier": "#56B4E9",
     "later": "#E69F00",
     "bone": "#009E73",
+    "markerless": "#CC79A7",
 }
 """On pictures. Source: Okabe & Ito, Color Universal Design (2008)."""
 

@@ -17,6 +17,7 @@ from adibas.gestures.watching import GestureWatcher, WatchParams
 from adibas.limbs.judging import NOBODY, SOMETHING_CUT
 from adibas.pipeline.gesture_examples import examples_of
 from adibas.pipeline.live_gestures import MOST_PEOPLE, LiveGestures
+from adibas.pipeline.live_people import LivePeople
 from adibas.simulation.crowds import CrowdScene
 from adibas.simulation.odd_plans import ODD_PLANS
 from tests.unit.gesture_examples import recording, streams
@@ -112,11 +113,11 @@ def posed(moves, monkeypatch):
                 notices=(),
             )
 
-    monkeypatch.setattr("adibas.pipeline.live_gestures.PoseEstimator", Estimator)
-    monkeypatch.setattr("adibas.pipeline.live_gestures.forest_segmenter", lambda *_told: None)
-    monkeypatch.setattr("adibas.pipeline.live_gestures.shipped_model", lambda: None)
-    monkeypatch.setattr("adibas.pipeline.live_gestures.person_judge", lambda *_told: None)
-    monkeypatch.setattr("adibas.pipeline.live_gestures.joint_model_for", lambda *_told: None)
+    monkeypatch.setattr("adibas.pipeline.live_people.PoseEstimator", Estimator)
+    monkeypatch.setattr("adibas.pipeline.live_people.forest_segmenter", lambda *_told: None)
+    monkeypatch.setattr("adibas.pipeline.live_people.shipped_model", lambda: None)
+    monkeypatch.setattr("adibas.pipeline.live_people.person_judge", lambda *_told: None)
+    monkeypatch.setattr("adibas.pipeline.live_people.joint_model_for", lambda *_told: None)
     return track
 
 
@@ -125,22 +126,26 @@ CALIBRATION = RgbdCalibration(depth=CAMERA)
 
 
 def test_live_frames_are_watched_person_by_person(model, moves, posed):
-    live = LiveGestures([model])
-    assert live.look(DEPTH_M, 5, RgbdCalibration()) == []
+    people, live = LivePeople(), LiveGestures([model])
+    assert people.look(DEPTH_M, 5, RgbdCalibration()) is None
     told = []
     for time_ns in posed.timestamps_ns.tolist()[:150]:
-        told += live.look(DEPTH_M, time_ns, CALIBRATION)
-        assert live.look(DEPTH_M, time_ns, CALIBRATION) == []
+        told += live.see(people.look(DEPTH_M, time_ns, CALIBRATION))
+        assert people.look(DEPTH_M, time_ns, CALIBRATION) is None
     assert {one.person for one in told} == {1, 2}
     assert {one.seen.label for one in told} == {moves[1][0][0]}
     assert len(live._watchers) == MOST_PEOPLE
 
 
 def test_a_sensor_that_is_opened_anew_is_watched_from_its_begin(model, posed):
-    live = LiveGestures([model])
+    people, live = LivePeople(), LiveGestures([model])
     times_ns = posed.timestamps_ns.tolist()[:120]
     first, again = (
-        [one for time_ns in times_ns for one in live.look(DEPTH_M, time_ns, CALIBRATION)]
+        [
+            one
+            for time_ns in times_ns
+            for one in live.see(people.look(DEPTH_M, time_ns, CALIBRATION))
+        ]
         for _opened in range(2)
     )
     assert first
@@ -148,10 +153,10 @@ def test_a_sensor_that_is_opened_anew_is_watched_from_its_begin(model, posed):
 
 
 @pytest.mark.parametrize(("name", "expected"), [("empty", NOBODY), ("legs", SOMETHING_CUT)])
-def test_why_nobody_is_watched_is_known(model, name, expected):
+def test_why_nobody_is_followed_is_known(name, expected):
     scene = CrowdScene(ODD_PLANS[name], 3)
-    live = LiveGestures([model])
     frame = scene.frame(0).sensor_frame
     depth_m = depth_in_metres(frame.depth_raw, scene.info.depth_unit_m)
-    assert live.look(depth_m, 1, scene.info.calibration) == []
-    assert live.unseen.message == expected
+    moment = LivePeople().look(depth_m, 1, scene.info.calibration)
+    assert moment.people == ()
+    assert moment.unseen.message == expected

@@ -8,6 +8,7 @@ from adibas.body.staying import Moment, put_together
 from adibas.data.masks import BodyMask
 from adibas.gestures.model_file import read_model, shipped_gestures
 from adibas.pipeline.live_gestures import LiveGestures
+from adibas.pipeline.live_people import LivePeople
 from adibas.simulation.scenes import open_scene
 
 
@@ -96,14 +97,14 @@ def test_a_mask_is_of_the_whole_body_also_at_the_bottom_of_a_bend(bending):
 
 def test_a_bend_towards_the_camera_is_told_live(bending):
     scene, frames = bending
-    live = LiveGestures([read_model(shipped_gestures())])
+    people, live = LivePeople(), LiveGestures([read_model(shipped_gestures())])
     told = []
     for frame in frames:
         depth_m = metres(frame.sensor_frame.depth_raw, scene.info)
         timestamp_ns = frame.sensor_frame.timestamp_ns
         told += [
             (one, timestamp_ns / 1e9)
-            for one in live.look(depth_m, timestamp_ns, scene.info.calibration)
+            for one in live.see(people.look(depth_m, timestamp_ns, scene.info.calibration))
         ]
     ((one, at_s),) = told
     assert (one.person, one.seen.label) == (1, "bend")

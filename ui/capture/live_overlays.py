@@ -1,13 +1,15 @@
 """What is drawn over a live frame. Knows nothing of Qt."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from adibas.pipeline.live import LiveFrame
 from adibas.texts import decimal_mark
 from adibas.texts import translate as _
 from ui.widgets.bones import bones
 from ui.widgets.overlays import Dot, Line, Overlay, Region
+
+JOINT_RADIUS_PX = 2.0
 
 
 def overlays_of(frame: LiveFrame, shows: Callable[[str], bool]) -> tuple[Overlay, ...]:
@@ -26,6 +28,13 @@ def overlays_of(frame: LiveFrame, shows: Callable[[str], bool]) -> tuple[Overlay
             for blob in frame.detections.rejected
         ]
     return tuple(overlays)
+
+
+def joints_of(people: Iterable[Mapping[str, tuple[float, float]]]) -> Iterator[Overlay]:
+    """Return joints that were found without markers, by name, and the bones between them."""
+    for places in people:
+        yield from bones(places, "markerless")
+        yield from (Dot(u, v, JOINT_RADIUS_PX, role="markerless") for u, v in places.values())
 
 
 def _plumb(frame: LiveFrame) -> list[Overlay]:

@@ -23,7 +23,7 @@ from adibas.data.posture import VIEWS
 from adibas.data.sessions import SessionSetup
 from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
-from ui.capture.gesture_presenter import CHOICES
+from ui.capture.people_presenter import CHOICES
 from ui.capture.sources import SIZES, SourceChoice, view_title
 from ui.widgets.flow import in_a_flow
 
@@ -115,10 +115,15 @@ class SourcePanel(QGroupBox):
         self._sources.setToolTip(self._sources.currentText())
 
 
+LAYERS = {"body": True, "markers": True, "plumb": True, "joints": False}
+"""What can be drawn over the pictures, and whether it is from the beginning."""
+
+
 class DisplayPanel(QGroupBox):
     """What is shown of a frame, and looked for in it."""
 
     changed = Signal()
+    joints_wanted = Signal(bool)
     gestures_chosen = Signal(str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -129,20 +134,19 @@ class DisplayPanel(QGroupBox):
         for mode in ("color", "both", "blended", "depth"):
             self._mode.addItem("", mode)
         self._mode.activated.connect(lambda _i: self.changed.emit())
-        self._boxes = {name: QCheckBox(self) for name in ("body", "markers", "plumb")}
+        self._boxes = {name: QCheckBox(self) for name in LAYERS}
         layout = QVBoxLayout(self)
         layout.addWidget(self._mode_label)
         layout.addWidget(self._mode)
-        for box in self._boxes.values():
-            box.setChecked(True)
+        for name, box in self._boxes.items():
+            box.setChecked(LAYERS[name])
             box.toggled.connect(lambda _on: self.changed.emit())
             layout.addWidget(box)
+        self._boxes["joints"].toggled.connect(self.joints_wanted)
         self._gestures = QComboBox(self)
         for choice in CHOICES:
             self._gestures.addItem("", choice)
-        self._gestures.activated.connect(
-            lambda index: self.gestures_chosen.emit(self._gestures.itemData(index))
-        )
+        self._gestures.activated.connect(self._on_gestures)
         layout.addWidget(self._gestures)
 
     @property
@@ -156,8 +160,13 @@ class DisplayPanel(QGroupBox):
         self.changed.emit()
 
     def shows(self, name: str) -> bool:
-        """Say whether body, markers or plumb are drawn."""
+        """Say whether one of the `LAYERS` is drawn."""
         return self._boxes[name].isChecked()
+
+    @property
+    def follows_people(self) -> bool:
+        """Whether anything is looked for without markers."""
+        return self.shows("joints") or self._gestures.currentData() != "none"
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -169,10 +178,15 @@ class DisplayPanel(QGroupBox):
         self._boxes["body"].setText(_("Outline of the &body"))
         self._boxes["markers"].setText(_("&Markers that are found"))
         self._boxes["plumb"].setText(_("&Plumb line and horizon"))
+        self._boxes["joints"].setText(_("&Joints without markers"))
         self._gestures.setAccessibleName(_("Gestures that are looked for"))
         kinds = (_("No gestures"), _("Gestures of the program"), _("Gestures learned here"))
         for index, text in enumerate(kinds):
             self._gestures.setItemText(index, text)
+
+    def _on_gestures(self, index: int) -> None:
+        self.gestures_chosen.emit(self._gestures.itemData(index))
+        self.changed.emit()
 
 
 class ViewsPanel(QGroupBox):

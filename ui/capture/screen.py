@@ -2,8 +2,8 @@
 
 from PySide6.QtWidgets import QWidget
 
-from ui.capture.gesture_presenter import GesturePresenter
-from ui.capture.gesture_watch import QtGestureWatch
+from ui.capture.people_presenter import PeoplePresenter
+from ui.capture.people_watch import QtPeopleWatch
 from ui.capture.presenter import CapturePresenter
 from ui.capture.view import CaptureScreen
 from ui.workspace import Workspace
@@ -13,6 +13,6 @@ def build_capture_screen(workspace: Workspace, parent: QWidget | None = None) ->
     """Return the capture screen, wired to `workspace`."""
     view = CaptureScreen(parent)
     view.bind(CapturePresenter(view, workspace))
-    watch = QtGestureWatch(lambda: workspace.live.view.calibration, view)
-    view.bind_gestures(GesturePresenter(view, workspace, watch))
+    watch = QtPeopleWatch(lambda: workspace.live.view.calibration, view)
+    view.bind_people(PeoplePresenter(view, workspace, watch))
     return view

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import (
@@ -17,11 +18,10 @@ from PySide6.QtWidgets import (
 from adibas.arrays import UInt8Array
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import LiveFrame, SensorState
-from adibas.pipeline.own_gestures import GestureChoice
 from adibas.texts import translate as _
-from ui.capture.gesture_presenter import GesturePresenter
-from ui.capture.live_overlays import overlays_of
+from ui.capture.live_overlays import joints_of, overlays_of
 from ui.capture.panel import DisplayPanel, ShutterPanel, SourcePanel, ViewsPanel
+from ui.capture.people_presenter import PeoplePresenter
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import SourceChoice
 from ui.capture.status_line import StatusLine
@@ -31,6 +31,9 @@ from ui.widgets.image_view import ImageView
 from ui.widgets.screen import Screen
 from ui.widgets.shown_picture import Coloring
 from ui.widgets.side_panel import SidePanel
+
+if TYPE_CHECKING:  # it brings the compiler along
+    from adibas.pipeline.live_people import LiveJoints
 
 RECORDINGS = "(*.mcap *.oni)"
 COUNT_PT = 96
@@ -49,10 +52,11 @@ class CaptureScreen(Screen):
         self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._count.hide()
         self._hints, self._status = QLabel(self), StatusLine(self)
-        self._gesture = QLabel(self)
-        self._gesture.setProperty("kind", "good")
-        self._gesture.hide()
-        self._gestures: GesturePresenter | None = None
+        self._followed = QLabel(self)
+        self._followed.setProperty("kind", "good")
+        self._followed.hide()
+        self._people: PeoplePresenter | None = None
+        self._joints: tuple[LiveJoints, ...] = ()
         self._hints.setProperty("kind", "warning")
         self._hints.setWordWrap(True)
         self._source, self._display = SourcePanel(self), DisplayPanel(self)
@@ -72,7 +76,7 @@ class CaptureScreen(Screen):
         self._depth.hide()
         left = QVBoxLayout()
         left.addLayout(pictures, 1)
-        left.addWidget(self._gesture)
+        left.addWidget(self._followed)
         left.addWidget(self._hints)
         due = QHBoxLayout()
         due.addWidget(self._due, 1)
@@ -109,10 +113,12 @@ class CaptureScreen(Screen):
         self._shutter.wand_asked.connect(self._check_wand)
         self._calibrate.clicked.connect(presenter.calibration_age.calibrate)
 
-    def bind_gestures(self, gestures: GesturePresenter) -> None:
-        """Send the choice of gestures to a presenter, and own it."""
-        self._gestures = gestures
-        self._display.gestures_chosen.connect(self._on_gestures)
+    def bind_people(self, people: PeoplePresenter) -> None:
+        """Send what is wanted of people without markers to a presenter, and own it."""
+        self._people = people
+        self._display.gestures_chosen.connect(people.choose_gestures)
+        self._display.joints_wanted.connect(lambda on: people.want_joints(are_wanted=on))
+        self._display.changed.connect(self._make_room_for_followed)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
@@ -127,18 +133,18 @@ class CaptureScreen(Screen):
 
     def entered(self) -> None:
         self._presenter.enter()
-        if self._gestures is not None:
-            self._gestures.enter()
+        if self._people is not None:
+            self._people.enter()
 
     def left(self) -> None:
         self._presenter.leave()
-        if self._gestures is not None:
-            self._gestures.leave()
+        if self._people is not None:
+            self._people.leave()
 
     def closed(self) -> None:
         self._presenter.close()
-        if self._gestures is not None:
-            self._gestures.close()
+        if self._people is not None:
+            self._people.close()
 
     def open_file(self, path: Path) -> None:
         """Replay a dropped recording."""
@@ -165,7 +171,7 @@ class CaptureScreen(Screen):
     def show_sensor(self, state: SensorState) -> None:
         self._status.show_state(state)
         if state.kind not in ("live", "lost"):
-            self._frame = None
+            self._frame, self._joints = None, ()
             for picture in (self._color, self._depth):
                 picture.set_picture(None)
                 picture.set_overlays(())
@@ -185,8 +191,11 @@ class CaptureScreen(Screen):
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
         self._shutter.show_readiness(sentence, is_ready=is_ready)
 
-    def show_gesture(self, sentence: str) -> None:
-        self._gesture.setText(sentence)
+    def show_followed(self, sentence: str) -> None:
+        self._followed.setText(sentence)
+
+    def show_joints(self, people: "tuple[LiveJoints, ...]") -> None:
+        self._joints = people
 
     def show_countdown(self, seconds: int | None) -> None:
         self._shutter.show_stop(can_stop=seconds is not None)
@@ -227,9 +236,11 @@ class CaptureScreen(Screen):
             if mode == "blended" and picture is not None and frame.depth_in_color_m is not None:
                 picture = blended(picture, frame.depth_in_color_m)
             self._color.set_picture(picture)
-            self._color.set_overlays(overlays_of(frame, self._display.shows))
+            joints = joints_of(one.in_color for one in self._joints)
+            self._color.set_overlays((*overlays_of(frame, self._display.shows), *joints))
         if self._depth.isVisible() and frame.depth_m is not None:
             self._depth.set_numbers(frame.depth_m, DEPTH_COLORING)
+            self._depth.set_overlays(tuple(joints_of(one.in_depth for one in self._joints)))
 
     def _show_hints(self) -> None:
         hints = self._frame.hints if self._frame is not None else ()
@@ -237,10 +248,8 @@ class CaptureScreen(Screen):
         if self._hints.text() != text:
             self._hints.setText(text)
 
-    def _on_gestures(self, choice: GestureChoice) -> None:
-        self._gesture.setVisible(choice != "none")  # its line stays, so that the picture does
-        if self._gestures is not None:
-            self._gestures.choose(choice)
+    def _make_room_for_followed(self) -> None:
+        self._followed.setVisible(self._display.follows_people)  # stays, so that the picture does
 
     def _check_wand(self) -> None:
         if not self._presenter.may_check_wand():

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Mapping
 
 from adibas.data.joints import PARENT_OF
-from ui.widgets.overlays import Line
+from ui.widgets.overlays import Line, Role
 
 
-def bones(places: Mapping[str, tuple[float, float]]) -> Iterator[Line]:
+def bones(places: Mapping[str, tuple[float, float]], role: Role = "bone") -> Iterator[Line]:
     """Join the joints among named pixels (u, v)."""
     for joint, parent in PARENT_OF.items():
         if joint in places and parent in places:
-            yield Line(*places[joint], *places[parent], "bone")
+            yield Line(*places[joint], *places[parent], role)

@@ -27,6 +27,7 @@ BORDER = QColor(PICTURE_GROUND)
 """Nothing shines through: Qt draws a line that is half seen in ten times the time."""
 HALF_PEN_PX = 2.0
 N_TEXTS_KEPT = 256
+DASHED: tuple[Role, ...] = ("plumb", "markerless")
 
 
 def paint_overlays(
@@ -212,12 +213,12 @@ def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) 
 
 @cache
 def _pens(role: Role) -> tuple[QPen, QPen]:
-    """Return the dark border's pen and the light line's; the plumb line is dashed.
+    """Return the dark border's pen and the light line's; the plumb line, and guesses, are dashed.
 
     Flat ends cost half of what Qt's usual ones do.
     """
     pens = QPen(BORDER, 4.0), QPen(QColor(DRAWN[role]), 2.0)
-    if role == "plumb":
+    if role in DASHED:
         for pen in pens:
             pen.setStyle(Qt.PenStyle.DashLine)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)

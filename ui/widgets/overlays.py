@@ -17,6 +17,7 @@ Role = Literal[
     "earlier",
     "later",
     "bone",
+    "markerless",
 ]
 
 
