@@ -98,7 +98,7 @@ def _radius(placement: ImagePlacement, dot: Dot) -> float:
 def _paint_line(painter: QPainter, placement: ImagePlacement, line: Line) -> None:
     start = QPointF(*placement.to_widget(line.u1, line.v1))
     end = QPointF(*placement.to_widget(line.u2, line.v2))
-    for pen in _pens(line.role):
+    for pen in _line_pens(line.role):
         painter.setPen(pen)
         painter.drawLine(start, end)
 
@@ -212,14 +212,19 @@ def _paint_region(painter: QPainter, placement: ImagePlacement, region: Region) 
 
 
 @cache
-def _pens(role: Role) -> tuple[QPen, QPen]:
-    """Return the dark border's pen and the light line's; the plumb line, and guesses, are dashed.
+def _line_pens(role: Role) -> tuple[QPen, ...]:
+    """Return the pens of a line: the plumb line, and what was found without markers, is dashed."""
+    pens = _pens(role)
+    if role not in DASHED:
+        return pens
+    dashed = tuple(map(QPen, pens))
+    for pen in dashed:
+        pen.setStyle(Qt.PenStyle.DashLine)
+        pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+    return dashed
 
-    Flat ends cost half of what Qt's usual ones do.
-    """
-    pens = QPen(BORDER, 4.0), QPen(QColor(DRAWN[role]), 2.0)
-    if role in DASHED:
-        for pen in pens:
-            pen.setStyle(Qt.PenStyle.DashLine)
-            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-    return pens
+
+@cache
+def _pens(role: Role) -> tuple[QPen, ...]:
+    """Return the dark border's pen and the light line's; flat ends cost half of Qt's usual ones."""
+    return QPen(BORDER, 4.0), QPen(QColor(DRAWN[role]), 2.0)
