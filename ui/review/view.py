@@ -28,7 +28,8 @@ from ui.review.tools import ReviewTools
 from ui.review.wording import READ_ONLY_HINT, SPACE_HINT, WAIT_HINT, mode_hint
 from ui.theme import Theme
 from ui.widgets.first_step import FirstStep
-from ui.widgets.image_view import WHEEL_STEP, ImageView
+from ui.widgets.image_view import ImageView
+from ui.widgets.picture_canvas import WHEEL_STEP
 from ui.widgets.screen import Screen
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView

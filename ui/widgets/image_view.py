@@ -1,33 +1,17 @@
-"""A picture that can be looked at closely, pointed at, and drawn upon."""
+"""A picture that is worked on: pointed at, its dots chosen and dragged, by mouse and keyboard."""
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 
-from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import (
-    QColor,
-    QFocusEvent,
-    QHelpEvent,
-    QKeyEvent,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
-    QResizeEvent,
-    QWheelEvent,
-)
-from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QFocusEvent, QHelpEvent, QKeyEvent, QMouseEvent, QPainter
+from PySide6.QtWidgets import QToolTip, QWidget
 
-from adibas.arrays import Float32Array, UInt8Array
-from ui.theme import DRAWN, PICTURE_GROUND
-from ui.widgets.image_geometry import ImagePlacement
-from ui.widgets.image_rects import covered_rect, fitted_size, rect_with_rim, rects_beside
-from ui.widgets.overlay_painter import GRAB_PX, paint_overlays
-from ui.widgets.overlays import Dot, Overlay
-from ui.widgets.shown_picture import Coloring, ShownPicture
+from ui.theme import DRAWN
+from ui.widgets.overlay_painter import GRAB_PX
+from ui.widgets.overlays import Dot
+from ui.widgets.picture_canvas import WHEEL_STEP, PictureCanvas
 
-GROUND = QColor(PICTURE_GROUND)
-WHEEL_STEP = 1.2
 DRAG_PX = 4
 """A press that moves less is a click."""
 LARGE_STEP_PX, SMALL_STEP_PX = 10.0, 0.1
@@ -42,8 +26,8 @@ ARROWS = {
 }
 
 
-class ImageView(QWidget):
-    """Shows an RGB picture, fitted or zoomed, and overlays in the picture's pixels.
+class ImageView(PictureCanvas):
+    """A picture to work on.
 
     With the mouse: click, drag a movable dot, drag the picture (middle button, or left where it
     is zoomed), wheel to zoom. With the keyboard: arrows move a cross by a pixel, with Shift by ten,
@@ -65,9 +49,6 @@ class ImageView(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._picture: ShownPicture | None = None
-        self._placement = ImagePlacement((1, 1), (1, 1))
-        self._overlays: tuple[Overlay, ...] = ()
         self._cross: tuple[float, float] | None = None
         self._pressed_at: QPointF | None = None
         self._grabbed: Dot | None = None
@@ -76,56 +57,7 @@ class ImageView(QWidget):
         self._is_nudging = False
         self._has_nudged = False
         self.modifiers = Qt.KeyboardModifier.NoModifier
-        self._placeholder = ""
-        self._draws_beside = False
-        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # nothing shines through
         self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setMinimumSize(160, 120)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-
-    def set_picture(self, picture_rgb: UInt8Array | None) -> None:
-        """Show an (H, W, 3) picture; zoom and place stay where the size stays."""
-        if picture_rgb is None:
-            self._picture = None
-            self.update()
-        else:
-            self._show(ShownPicture(picture_rgb))
-
-    def set_numbers(self, numbers: Float32Array, coloring: Coloring) -> None:
-        """Show an (H, W) picture of numbers: it is drawn for less than one of colours."""
-        self._show(ShownPicture(numbers, coloring))
-
-    def _show(self, picture: ShownPicture) -> None:
-        self._refresh()
-        self._picture = picture
-        if self._placement.picture != picture.size:
-            self._placement = replace(self._placement, picture=picture.size).fitted()
-            self._cross = None
-            self.update()
-
-    def set_overlays(self, overlays: tuple[Overlay, ...]) -> None:
-        """Draw these over the picture."""
-        self._overlays = overlays
-        self._refresh()
-
-    def _refresh(self) -> None:
-        """Have the picture painted anew; what is beside it only where something is drawn there."""
-        if self._picture is None or self._draws_beside or self._placement.zoom != 1:
-            self.update()
-        else:
-            self.update(rect_with_rim(self._placement, self.devicePixelRatioF()))
-
-    def set_rotation(self, rotation_deg: int) -> None:
-        """Turn the picture clockwise by 0, 90, 180 or 270 degrees."""
-        if rotation_deg != self._placement.rotation_deg:
-            self._placement = replace(self._placement, rotation_deg=rotation_deg).fitted()
-            self.update()
-
-    def set_placeholder(self, text: str) -> None:
-        """Say this where there is no picture."""
-        self._placeholder = text
-        self.update()
 
     def set_nudging(self, *, is_on: bool) -> None:
         """Let arrows nudge what is chosen (`nudged`) instead of moving the cross."""
@@ -133,70 +65,13 @@ class ImageView(QWidget):
             self._end_nudge()
         self._is_nudging = is_on
 
-    @property
-    def placement(self) -> ImagePlacement:
-        """Where the picture lies; for tests and for what is drawn beside it."""
-        return self._placement
+    def picture_resized(self) -> None:
+        """Forget the cross, too."""
+        self._cross = None
+        super().picture_resized()
 
-    def fit(self) -> None:
-        """Show the whole picture."""
-        self._place(self._placement.fitted())
-
-    def zoom_by(self, factor: float) -> None:
-        """Come nearer to the middle, or go away from it."""
-        x, y = self.width() / 2, self.height() / 2
-        self._place(self._placement.zoomed(factor, x, y))
-
-    def show_pixel(self, u: float, v: float) -> None:
-        """Move the picture so that pixel (u, v) is seen."""
-        x, y = self._placement.to_widget(u, v)
-        if not self.rect().adjusted(20, 20, -20, -20).contains(int(x), int(y)):
-            self._place(self._placement.centered(u, v))
-
-    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
-        painter = QPainter(self)
-        if self._picture is None:
-            painter.fillRect(event.rect(), GROUND)
-            painter.setPen(QColor("#B3C0CB"))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self._placeholder)
-        else:
-            self._paint_picture(painter, self._picture)
-            reach = paint_overlays(painter, self._placement, self._overlays)
-            self._paint_cross(painter)
-            self._note_reach(reach, event.rect())
-        if self.hasFocus():
-            painter.setPen(QColor(DRAWN["plumb"]))
-            painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
-
-    def _note_reach(self, reach: QRectF, painted: QRect) -> None:
-        """Have all painted anew where something came beside the picture that was cut off."""
-        inside = QRectF(rect_with_rim(self._placement, self.devicePixelRatioF()))
-        self._draws_beside = not (reach.isEmpty() or inside.contains(reach))
-        if self._draws_beside and not painted.contains(self.rect()):
-            self.update()
-
-    def _paint_picture(self, painter: QPainter, picture: ShownPicture) -> None:
-        place = self._placement
-        if place.zoom == 1:
-            ratio = self.devicePixelRatioF()
-            image = picture.fitted(fitted_size(place, ratio), place.rotation_deg, ratio)
-            covered = covered_rect(place, ratio)
-            for beside in rects_beside(self.rect(), covered):
-                painter.fillRect(beside, GROUND)
-            painter.drawImage(covered.topLeft(), image)
-            return
-        painter.fillRect(self.rect(), GROUND)
-        painter.save()
-        is_small = place.scale < 1
-        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, is_small)
-        painter.translate(self.width() / 2, self.height() / 2)
-        painter.rotate(place.rotation_deg)
-        painter.scale(place.scale, place.scale)
-        left, top = -0.5 - place.center[0], -0.5 - place.center[1]
-        painter.drawImage(QRectF(left, top, *picture.size), picture.whole())
-        painter.restore()
-
-    def _paint_cross(self, painter: QPainter) -> None:
+    def paint_above(self, painter: QPainter) -> None:
+        """Paint the keyboard's cross."""
         if self._cross is None or not self.hasFocus():
             return
         x, y = self._placement.to_widget(*self._cross)
@@ -208,21 +83,6 @@ class ImageView(QWidget):
             for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
                 start, end = QPointF(x + 4 * dx, y + 4 * dy), QPointF(x + 14 * dx, y + 14 * dy)
                 painter.drawLine(start, end)
-
-    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
-        was_fitted = self._placement.zoom == 1.0
-        self._placement = replace(
-            self._placement, widget=(max(self.width(), 1), max(self.height(), 1))
-        )
-        if was_fitted:
-            self._placement = self._placement.fitted()
-        super().resizeEvent(event)
-
-    def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802  (Qt's name)
-        steps = event.angleDelta().y() / 120
-        at = event.position()
-        self._place(self._placement.zoomed(WHEEL_STEP**steps, at.x(), at.y()))
-        event.accept()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802  (Qt's name)
         if self._picture is None:
@@ -365,10 +225,6 @@ class ImageView(QWidget):
                 if distance <= reach and distance < least:
                     nearest, least = overlay, distance
         return nearest
-
-    def _place(self, placement: ImagePlacement) -> None:
-        self._placement = placement
-        self.update()
 
 
 def _step_px(modifiers: Qt.KeyboardModifier) -> float:
