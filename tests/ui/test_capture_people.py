@@ -152,7 +152,7 @@ def test_a_gesture_is_told_before_the_joints_which_come_back_after_it(scene):
 
 
 def test_joints_without_markers_are_dots_and_bones_that_no_marker_has():
-    drawn = list(joints_of([{"head": (1.0, 2.0), "neck": (1.0, 5.0), "left_knee": (3.0, 9.0)}]))
+    drawn = list(joints_of({4: {"head": (1.0, 2.0), "neck": (1.0, 5.0), "left_knee": (3.0, 9.0)}}))
     assert {one.role for one in drawn} == {"markerless"}
     assert [one for one in drawn if isinstance(one, Line)] == [
         Line(1.0, 2.0, 1.0, 5.0, "markerless")
@@ -162,6 +162,13 @@ def test_joints_without_markers_are_dots_and_bones_that_no_marker_has():
         (1.0, 5.0),
         (3.0, 9.0),
     ]
+
+
+def test_several_people_without_markers_bear_their_numbers():
+    places = {"neck": (1.0, 5.0), "left_knee": (3.0, 9.0)}
+    labels = [one.label for one in joints_of({2: places, 5: places}) if isinstance(one, Dot)]
+    assert labels == ["2", "", "5", ""]
+    assert not any(one.label for one in joints_of({2: places}) if isinstance(one, Dot))
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """What is drawn over a live frame. Knows nothing of Qt."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from adibas.pipeline.live import LiveFrame
 from adibas.texts import decimal_mark
@@ -30,11 +30,20 @@ def overlays_of(frame: LiveFrame, shows: Callable[[str], bool]) -> tuple[Overlay
     return tuple(overlays)
 
 
-def joints_of(people: Iterable[Mapping[str, tuple[float, float]]]) -> Iterator[Overlay]:
-    """Return joints that were found without markers, by name, and the bones between them."""
-    for places in people:
+def joints_of(people: Mapping[int, Mapping[str, tuple[float, float]]]) -> Iterator[Overlay]:
+    """Return what was found without markers: joints, bones, and who is who among several.
+
+    Parameters
+    ----------
+    people : dict
+        Pixels of joints by name, by the person's number.
+    """
+    for person, places in people.items():
         yield from bones(places, "markerless")
-        yield from (Dot(u, v, JOINT_RADIUS_PX, role="markerless") for u, v in places.values())
+        named = next(iter(places), "") if len(people) > 1 else ""
+        for joint, (u, v) in places.items():
+            label = str(person) if joint == named else ""
+            yield Dot(u, v, JOINT_RADIUS_PX, label, role="markerless")
 
 
 def _plumb(frame: LiveFrame) -> list[Overlay]:

@@ -236,11 +236,13 @@ class CaptureScreen(Screen):
             if mode == "blended" and picture is not None and frame.depth_in_color_m is not None:
                 picture = blended(picture, frame.depth_in_color_m)
             self._color.set_picture(picture)
-            joints = joints_of(one.in_color for one in self._joints)
+            joints = joints_of({one.person: one.in_color for one in self._joints})
             self._color.set_overlays((*overlays_of(frame, self._display.shows), *joints))
         if self._depth.isVisible() and frame.depth_m is not None:
             self._depth.set_numbers(frame.depth_m, DEPTH_COLORING)
-            self._depth.set_overlays(tuple(joints_of(one.in_depth for one in self._joints)))
+            self._depth.set_overlays(
+                tuple(joints_of({one.person: one.in_depth for one in self._joints}))
+            )
 
     def _show_hints(self) -> None:
         hints = self._frame.hints if self._frame is not None else ()
