@@ -1,5 +1,6 @@
 """Intel's RealSense library: loaded when asked for; its sensors; its errors in our words."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import ModuleType
@@ -11,16 +12,22 @@ from adibas.sensors.ports import SensorDescription
 from adibas.sensors.realsense_streams import find_profiles
 
 _REALSENSE = TimeLimit("RealSense")
+_NO_UPLOAD = {"RS2_RUM_CLOUD_ENABLED": "0"}
+"""No statistics of use leave this computer, whatever was agreed to in another program of Intel's.
+
+Source: librealsense, doc/rum.md, Consent and control.
+"""
 
 
 def load_realsense() -> ModuleType:
-    """Return the module ``pyrealsense2``.
+    """Return the module ``pyrealsense2``, which may not hand on statistics of use.
 
     Raises
     ------
     SensorError
         It is not installed.
     """
+    os.environ.update(_NO_UPLOAD)
     try:
         import pyrealsense2
     except ImportError as error:

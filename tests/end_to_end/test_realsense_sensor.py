@@ -1,5 +1,6 @@
 """The RealSense library with its own software device: all but the hardware."""
 
+import os
 import threading
 
 import numpy as np
@@ -11,7 +12,7 @@ from adibas.geometry.pinhole import project
 from adibas.sensors import SensorOptions, open_source
 from adibas.sensors.realsense import RealSenseCamera
 from adibas.sensors.realsense_calibration import distortion_of, rigid
-from adibas.sensors.realsense_library import list_sensors
+from adibas.sensors.realsense_library import list_sensors, load_realsense
 from adibas.sensors.sources import source_of
 
 DEPTH_SIZE, COLOR_SIZE = (848, 480), (1280, 720)
@@ -346,3 +347,9 @@ def test_unplugging_ends_in_one_sentence_at_once(sensor, moments):
         assert [camera.read(60.0).sequence for _ in moments] == [1, 2, 3, 4, 5]
         with pytest.raises(SensorError, match="Software D435 was unplugged"):
             camera.read(60.0)
+
+
+def test_the_library_may_not_hand_on_statistics_of_use(monkeypatch):
+    monkeypatch.setenv("RS2_RUM_CLOUD_ENABLED", "1")
+    load_realsense()
+    assert os.environ["RS2_RUM_CLOUD_ENABLED"] == "0"
