@@ -29,6 +29,8 @@ ROWS_A_BLOCK = 5000
 ORIGIN = "origin"
 PARTS = ("x_m", "y_m", "z_m", "confidence")
 COLUMNS = tuple(f"{joint}_{part}" for joint in JOINT_NAMES for part in PARTS)
+MOST_MORE = 50_000
+"""Rows for which room is made at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,7 @@ def read_joints_csv(path: Path) -> JointFile:
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            cells, origin = _read(path, file)
+            people, origin = _read(path, file)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingError(
             "{file} cannot be read: {reason}. Check that it is a table of joints (CSV).",
@@ -70,12 +72,54 @@ def read_joints_csv(path: Path) -> JointFile:
             reason=getattr(error, "strerror", None) or str(error),
         ) from error
     tracks, notices = [], []
-    for person in np.unique(cells[:, 1]):
-        rows = cells[cells[:, 1] == person]
-        kept, said = _forward(path, rows)
+    for person, rows in sorted(people.items()):
+        kept, said = _forward(path, rows.times_s)
         notices += said
-        tracks.append(_track(rows[kept], int(person)))
+        tracks.append(rows.track(kept, int(person)))
     return JointFile(tuple(tracks), tuple(notices), origin)
+
+
+class _Rows:
+    """What a file tells of one person, in arrays that grow in their places: hours fit once only."""
+
+    def __init__(self) -> None:
+        self._n = 0
+        self._times_s = np.empty(0)
+        self._joints_m = np.empty((0, len(JOINT_NAMES), 3))
+        self._confidence = np.empty((0, len(JOINT_NAMES)))
+
+    @property
+    def times_s(self) -> FloatArray:
+        """Return when each row was."""
+        return self._times_s[: self._n]
+
+    def add(self, rows: FloatArray) -> None:
+        """Take rows (n, 2 + 60): time, person, and the cells in the order of `COLUMNS`."""
+        end = self._n + len(rows)
+        if end > len(self._times_s):
+            self._make_room(end + min(end, MOST_MORE))
+        here = slice(self._n, end)
+        cells = rows[:, 2:].reshape(len(rows), len(JOINT_NAMES), len(PARTS))
+        is_unseen = np.asarray(np.isnan(cells[:, :, :3]).any(axis=2))
+        self._times_s[here] = rows[:, 0]
+        self._joints_m[here] = np.where(is_unseen[:, :, None], np.nan, cells[:, :, :3])
+        self._confidence[here] = np.where(is_unseen, np.nan, cells[:, :, 3])
+        self._n = end
+
+    def track(self, kept: BoolArray, person: int) -> SkeletonTrack:
+        """Return the kept rows; nothing can be added any more."""
+        timestamps_ns = np.round(self.times_s * NS_PER_S).astype(np.int64)
+        self._make_room(self._n)
+        joints_m, confidence = self._joints_m, self._confidence
+        if not kept.all():
+            timestamps_ns, joints_m, confidence = (
+                timestamps_ns[kept], joints_m[kept], confidence[kept],
+            )  # fmt: skip
+        return SkeletonTrack(timestamps_ns, joints_m, confidence, person)
+
+    def _make_room(self, n_rows: int) -> None:
+        for array in (self._times_s, self._joints_m, self._confidence):
+            array.resize((n_rows, *array.shape[1:]), refcheck=False)
 
 
 def write_joints_csv(
@@ -111,8 +155,8 @@ def _rows(tracks: Sequence[SkeletonTrack]) -> Iterator[list[str]]:
         yield [f"{seconds}.{rest:09d}", str(person), *texts]
 
 
-def _read(path: Path, file: TextIO) -> tuple[FloatArray, Origin]:
-    """Return (rows, 2 + 60): time, person, and the cells in the order of `COLUMNS`; the origin."""
+def _read(path: Path, file: TextIO) -> tuple[dict[float, _Rows], Origin]:
+    """Return everybody's rows, and the origin."""
     reader = csv.reader(file)
     header = [name.strip() for name in next(reader, [])]
     if "timestamp_s" not in header or not set(header) & set(COLUMNS):
@@ -123,7 +167,7 @@ def _read(path: Path, file: TextIO) -> tuple[FloatArray, Origin]:
         )
     wanted = ("timestamp_s", "person", *COLUMNS)
     places = [(k, header.index(name)) for k, name in enumerate(wanted) if name in header]
-    blocks = []
+    found: dict[float, _Rows] = {}
     origins: set[str] = set()
     while rows := list(islice(reader, ROWS_A_BLOCK)):
         line = reader.line_num - len(rows) + 1
@@ -134,9 +178,12 @@ def _read(path: Path, file: TextIO) -> tuple[FloatArray, Origin]:
         if ORIGIN in header:
             at = header.index(ORIGIN)
             origins |= {row[at].strip() if at < len(row) else "" for row in rows}
-        blocks.append(block)
-    cells = np.concatenate(blocks) if blocks else np.empty((0, len(wanted)))
-    return _checked(path, cells), _origin_of(origins)
+        _check(path, block)
+        for person in np.unique(block[:, 1]):
+            found.setdefault(float(person), _Rows()).add(block[block[:, 1] == person])
+    if not found:
+        raise RecordingError("{file} has no frames. Record again.", file=path.name)
+    return found, _origin_of(origins)
 
 
 def _origin_of(found: set[str]) -> Origin:
@@ -166,22 +213,20 @@ def _is_number(row: list[str], column: int) -> bool:
     return True
 
 
-def _checked(path: Path, cells: FloatArray) -> FloatArray:
+def _check(path: Path, cells: FloatArray) -> None:
+    """See that there are times and no infinite numbers; who is not told is person 1."""
     cells[np.isnan(cells[:, 1]), 1] = 1.0
-    if not len(cells):
-        raise RecordingError("{file} has no frames. Record again.", file=path.name)
     if not np.isfinite(cells[:, :2]).all() or np.isinf(cells).any():
         raise RecordingError(
             "{file} has a frame without a time, or an infinite number in it. Every row needs its "
             "timestamp_s.",
             file=path.name,
         )
-    return cells
 
 
-def _forward(path: Path, rows: FloatArray) -> tuple[BoolArray, list[Sentence]]:
+def _forward(path: Path, times_s: FloatArray) -> tuple[BoolArray, list[Sentence]]:
     """Return which rows come after all before them, and what is to be said of the others."""
-    times_ns = np.round(rows[:, 0] * NS_PER_S)
+    times_ns = np.round(times_s * NS_PER_S)
     latest = np.maximum.accumulate(np.concatenate([[-np.inf], times_ns[:-1]]))
     kept = times_ns > latest
     notices = []
@@ -199,18 +244,8 @@ def _forward(path: Path, rows: FloatArray) -> tuple[BoolArray, list[Sentence]]:
                     "{file}: {n} frames go back in time (the first at {at} s); left out. The "
                     "clock was set or files were joined."
                 ),
-                {"file": path.name, "n": n_back, "at": float(rows[times_ns < latest][0, 0])},
+                {"file": path.name, "n": n_back, "at": float(times_s[times_ns < latest][0])},
                 decimals=3,
             )
         )
     return kept, notices
-
-
-def _track(rows: FloatArray, person: int) -> SkeletonTrack:
-    cells = rows[:, 2:].reshape(len(rows), len(JOINT_NAMES), len(PARTS))
-    joints_m = cells[:, :, :3].copy()
-    joints_m[np.isnan(joints_m).any(axis=2)] = np.nan
-    confidence = np.where(np.isnan(joints_m[:, :, 0]), np.nan, cells[:, :, 3])
-    return SkeletonTrack(
-        np.round(rows[:, 0] * NS_PER_S).astype(np.int64), joints_m, confidence, person
-    )
