@@ -9,7 +9,6 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES, mirror_order
-from adibas.data.skeleton_track import SkeletonTrack
 
 NECK = JOINT_NAMES.index("neck")
 DESCRIBED_JOINTS = tuple(name for name in JOINT_NAMES if name != "neck")
@@ -80,61 +79,7 @@ class DescriptorParams:
         return N_POSITIONS * (2 if self.velocity_s else 1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class DescribedTrack:
-    """A track as the recognition sees it.
-
-    Attributes
-    ----------
-    begin_s : float
-        Time of the first frame on the recording's clock.
-    rate_hz : float
-    frames : (n, d) array
-        Descriptors, NaN where not seen.
-    """
-
-    begin_s: float
-    rate_hz: float
-    frames: FloatArray
-
-    def index_at(self, time_s: float) -> int:
-        """Return the frame nearest to `time_s`, within the track."""
-        index = round((time_s - self.begin_s) * self.rate_hz)
-        return min(max(index, 0), len(self.frames) - 1)
-
-    def time_s(self, index: int) -> float:
-        """Return when frame `index` was."""
-        return self.begin_s + index / self.rate_hz
-
-    def cut(self, begin_s: float, end_s: float) -> FloatArray:
-        """Return the descriptors from `begin_s` to `end_s`, both included."""
-        return self.frames[self.index_at(begin_s) : self.index_at(end_s) + 1]
-
-
-def describe(track: SkeletonTrack, params: DescriptorParams) -> DescribedTrack:
-    """Return the descriptors of a track at a steady rate.
-
-    Raises
-    ------
-    ValueError
-        The track has no frames.
-    """
-    if not len(track):
-        raise ValueError("a track without frames cannot be described")
-    joints_m = resampled(track, params.rate_hz, params.longest_gap_s)
-    joints_m[:, NECK] = necks(joints_m, round(LONGEST_HIDDEN_S * params.rate_hz))
-    facing = None
-    if params.facing_s:
-        facing = averaged(facing_vectors(joints_m), round(params.facing_s * params.rate_hz))
-    positions = smoothed(described(joints_m, body_size(joints_m), facing))
-    frames = positions
-    if params.velocity_s:
-        factor = params.velocity_s * params.rate_hz
-        frames = np.concatenate([positions, factor * differences(positions)], axis=1)
-    return DescribedTrack(float(track.times_s[0]), params.rate_hz, frames)
-
-
-def necks(joints_m: FloatArray, longest: int) -> FloatArray:
+def necks(neck_m: FloatArray, shoulders_m: FloatArray, longest: int) -> FloatArray:
     """Return (T, 3): the neck, where it is hidden at its usual place from the shoulders.
 
     In who bends towards the camera the head hides the neck, from which all is measured. Its
@@ -143,24 +88,24 @@ def necks(joints_m: FloatArray, longest: int) -> FloatArray:
 
     Parameters
     ----------
-    joints_m : (T, 15, 3) array
+    neck_m : (T, 3) array
         NaN where not seen.
+    shoulders_m : (T, 2, 3) array
+        The same.
     longest : int
     """
-    neck = joints_m[:, NECK].copy()
-    hidden = np.isnan(neck).any(axis=1)
+    hidden = np.isnan(neck_m).any(axis=1)
     if not hidden.any():
-        return neck
-    guesses = []
-    for shoulder in SHOULDERS:
-        offset = neck - joints_m[:, shoulder]
-        guesses.append(joints_m[:, shoulder] + _held(offset, longest))
-    known = np.asarray(np.isfinite(guesses).all(axis=2))[:, :, None]
-    total = np.where(known, guesses, 0.0).sum(axis=0)
-    n_known = known.sum(axis=0)
+        return neck_m
+    total = np.zeros(neck_m.shape)
+    n_known = np.zeros((len(neck_m), 1))
+    for shoulder_m in np.moveaxis(shoulders_m, 1, 0):
+        guess = shoulder_m + _held(neck_m - shoulder_m, longest)
+        known = np.asarray(np.isfinite(guess).all(axis=1))
+        total[known] += guess[known]
+        n_known[known] += 1
     guess = np.where(n_known > 0, total / np.maximum(n_known, 1), np.nan)
-    neck[hidden] = guess[hidden]
-    return neck
+    return np.where(np.asarray(hidden)[:, None], guess, neck_m)
 
 
 def _held(values: FloatArray, longest: int) -> FloatArray:
@@ -181,15 +126,30 @@ def _held(values: FloatArray, longest: int) -> FloatArray:
 def body_size(joints_m: FloatArray) -> float:
     """Return the size of a person relative to the body of `LIMBS`.
 
-    The median over frames of each limb, then the median over limbs: a few wrong joints do not
-    matter. NaN where no limb was ever seen.
-
     Parameters
     ----------
     joints_m : (T, 15, 3) array
         NaN where not seen.
     """
-    limbs_m = np.linalg.norm(joints_m[:, _STARTS] - joints_m[:, _ENDS], axis=2)
+    return size_of_limbs(limb_lengths(joints_m))
+
+
+def limb_lengths(joints_m: FloatArray) -> FloatArray:
+    """Return the lengths (T, limbs) of `LIMBS`, metres; NaN where not seen."""
+    return np.asarray(np.linalg.norm(joints_m[:, _STARTS] - joints_m[:, _ENDS], axis=2))
+
+
+def size_of_limbs(limbs_m: FloatArray) -> float:
+    """Return the size of a person relative to the body of `LIMBS`.
+
+    The median over frames of each limb, then the median over limbs: a few wrong joints do not
+    matter. NaN where no limb was ever seen.
+
+    Parameters
+    ----------
+    limbs_m : (T, limbs) array
+        As `limb_lengths` gives them.
+    """
     ratios = [
         float(np.median(limb[np.isfinite(limb)])) / length
         for limb, length in zip(limbs_m.T, _LENGTHS_M, strict=True)
@@ -220,22 +180,30 @@ def turned(joints: FloatArray, facing: FloatArray) -> FloatArray:
     return np.stack([cosine * x + sine * z, y, -sine * x + cosine * z], axis=-1)
 
 
-def resampled(track: SkeletonTrack, rate_hz: float, longest_gap_s: float) -> FloatArray:
-    """Return (n, 15, 3): the joints at a steady rate from the first frame's time on.
+def resampled(
+    times_s: FloatArray, places_m: FloatArray, wanted_s: FloatArray, longest_gap_s: float
+) -> FloatArray:
+    """Return (n, 3): places of a joint at other times.
 
     Interpolated linearly over gaps of `longest_gap_s` and less, NaN in longer ones.
+
+    Parameters
+    ----------
+    times_s : (T,) array
+        Increasing.
+    places_m : (T, 3) array
+        NaN where not seen.
+    wanted_s : (n,) array
+    longest_gap_s : float
     """
-    times_s = track.times_s - track.times_s[0]
-    wanted_s = np.arange(int(times_s[-1] * rate_hz + 1e-6) + 1) / rate_hz
-    joints_m = np.full((len(wanted_s), len(JOINT_NAMES), 3), np.nan)
-    for joint in range(len(JOINT_NAMES)):
-        seen = track.seen[:, joint]
-        if seen.any():
-            known_s, known_m = times_s[seen], track.joints_m[seen, joint]
-            near = _is_near(wanted_s, known_s, longest_gap_s)
-            for axis in range(3):
-                joints_m[near, joint, axis] = np.interp(wanted_s[near], known_s, known_m[:, axis])
-    return joints_m
+    found = np.full((len(wanted_s), 3), np.nan)
+    seen = np.isfinite(places_m).all(axis=1)
+    if seen.any():
+        known_s, known_m = times_s[seen], places_m[seen]
+        near = _is_near(wanted_s, known_s, longest_gap_s)
+        for axis in range(3):
+            found[near, axis] = np.interp(wanted_s[near], known_s, known_m[:, axis])
+    return found
 
 
 def _is_near(wanted_s: FloatArray, known_s: FloatArray, longest_gap_s: float) -> FloatArray:

@@ -13,7 +13,8 @@ from adibas.arrays import FloatArray, IntArray
 from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.model import GestureModel
 from adibas.gestures.segments import Examples, Segment
-from adibas.gestures.training import RIGHT_OVERLAP, TrainingParams, train
+from adibas.gestures.thresholds import RIGHT_OVERLAP
+from adibas.gestures.training import TrainingParams, train
 from adibas.progress import Progress
 
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.gestures.descriptor import DescribedTrack, DescriptorParams, describe
+from adibas.gestures.described_track import DescribedTrack, Frames, described_in_pieces
+from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.hidden_markov import HiddenMarkov
-from adibas.gestures.likeness import Likeness
+from adibas.gestures.likeness import LARGEST_BATCH, Likeness
 from adibas.gestures.proposals import ClassAligner, ProposalParams
 from adibas.gestures.segments import Segment, at_one_length
 from adibas.gestures.weighting import spread
@@ -44,8 +45,8 @@ class GestureModel:
     examples : tuple of (m, d) arrays
     owners : (k,) integer array
         Which label each example shows.
-    weights : (14,) array
-        Of the joints, their sum 1.
+    weights : (labels, 14) array
+        Of the joints, when each gesture is looked for; the sum of a row is 1.
     thresholds : (labels,) array
         Largest cost of a detection; for ``likeness`` and ``hmm`` largest 1 - likeness.
     gates : (labels,) array
@@ -76,13 +77,12 @@ class GestureModel:
         if self.method == "table-7.1":
             params = ProposalParams(n_best=1, steps="free")
         if self.mixtures:
-            owners = np.unique(self.owners)
-            params = ProposalParams(n_best=1)
-            return ClassAligner((), owners, len(self.labels), None, params, self.mixtures)
+            owners, params = np.unique(self.owners), ProposalParams(n_best=1)
+            return ClassAligner((), owners, self.weights, params, self.mixtures)
         factors = spread(self.weights, self.descriptor.n_numbers)
-        return ClassAligner(self.examples, self.owners, len(self.labels), factors, params)
+        return ClassAligner(self.examples, self.owners, factors, params)
 
-    def detect(self, track: DescribedTrack) -> list[Segment]:
+    def detect(self, track: DescribedTrack[Frames]) -> list[Segment]:
         """Return what is done in a stream: no two at the same time, in the order of time.
 
         The cost of each is a share of its threshold, 1 at most.
@@ -109,7 +109,7 @@ class GestureModel:
         costs, _ = self.aligner().curves(frames)
         return np.asarray(costs.min(axis=0) / self.thresholds)
 
-    def _rated(self, frames: FloatArray, proposals: Sequence[Segment]) -> list[Segment]:
+    def _rated(self, frames: Frames, proposals: Sequence[Segment]) -> list[Segment]:
         if self.judge is None:
             return [
                 _with(one, one.label, one.cost / self.thresholds[one.label]) for one in proposals
@@ -117,8 +117,12 @@ class GestureModel:
         # Several gestures may propose the same frames: they are judged once.
         spans = sorted({(one.begin, one.end) for one in proposals})
         place = {span: number for number, span in enumerate(spans)}
-        pieces = [at_one_length(frames[begin : end + 1]) for begin, end in spans]
-        judged = (1.0 - self.judge.predict(pieces)) / self.thresholds
+        judged = np.empty((len(spans), len(self.labels)))
+        for at in range(0, len(spans), LARGEST_BATCH):
+            some = spans[at : at + LARGEST_BATCH]
+            pieces = [at_one_length(frames[begin : end + 1]) for begin, end in some]
+            judged[at : at + LARGEST_BATCH] = self.judge.predict(pieces)
+        judged = (1.0 - judged) / self.thresholds
         costs = judged[[place[one.begin, one.end] for one in proposals]]
         best = costs.argmin(axis=1)
         return [
@@ -129,9 +133,11 @@ class GestureModel:
 
 def described_for(
     models: Sequence[GestureModel], track: SkeletonTrack
-) -> list[tuple[GestureModel, DescribedTrack]]:
+) -> list[tuple[GestureModel, DescribedTrack[Frames]]]:
     """Return each model with the track as it wants it described; alike ones share one."""
-    described = {one: describe(track, one) for one in {model.descriptor for model in models}}
+    described = {
+        one: described_in_pieces(track, one) for one in {model.descriptor for model in models}
+    }
     return [(model, described[model.descriptor]) for model in models]
 
 
@@ -154,9 +160,7 @@ def _shared(one: Segment, other: Segment) -> float:
     return max(0, shared) / shorter
 
 
-def first_crossings(
-    aligner: ClassAligner, frames: FloatArray, thresholds: FloatArray
-) -> list[Segment]:
+def first_crossings(aligner: ClassAligner, frames: Frames, thresholds: FloatArray) -> list[Segment]:
     """Return what table 7.1 finds: the first end below a threshold, then all begins anew.
 
     Source: thesis, table 7.1 and equation 7.5.

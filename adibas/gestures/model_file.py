@@ -112,7 +112,7 @@ def _document(model: GestureModel) -> dict[str, object]:
         "labels": list(model.labels),
         "joints": list(DESCRIBED_JOINTS),
         "descriptor": asdict(model.descriptor),
-        "weights": dict(zip(DESCRIBED_JOINTS, model.weights.tolist(), strict=True)),
+        "weights": _described_weights(model),
         "thresholds": model.thresholds.tolist(),
         "gates": [value if np.isfinite(value) else None for value in model.gates.tolist()],
         "examples": [
@@ -130,6 +130,14 @@ def _document(model: GestureModel) -> dict[str, object]:
         ],
         "provenance": model.provenance,
     }
+
+
+def _described_weights(model: GestureModel) -> dict[str, Any]:
+    """Return the weights of the joints: of each gesture, or of all where they are the same."""
+    rows = [dict(zip(DESCRIBED_JOINTS, row, strict=True)) for row in model.weights.tolist()]
+    if all(row == rows[0] for row in rows):
+        return rows[0]
+    return dict(zip(model.labels, rows, strict=True))
 
 
 def _described_judge(judge: Judge | None) -> dict[str, object] | None:
@@ -189,13 +197,20 @@ def _model(document: dict[str, Any]) -> GestureModel:
         descriptor,
         examples,
         np.array(owners, np.int64),
-        np.array([document["weights"][joint] for joint in DESCRIBED_JOINTS], np.float64),
+        _weights(document["weights"], labels),
         _per_label(document["thresholds"], labels),
         _per_label(gates, labels),
         None if stored is None else _judge(stored, labels),
         dict(document["provenance"]),
         _mixtures(document.get("mixtures", ()), owners, method, descriptor),
     )
+
+
+def _weights(stored: Any, labels: tuple[str, ...]) -> AnyArray:
+    found = dict(stored)
+    is_of_each = any(isinstance(value, dict) for value in found.values())
+    rows = [found[label] if is_of_each else found for label in labels]
+    return np.array([[row[joint] for joint in DESCRIBED_JOINTS] for row in rows], np.float64)
 
 
 def _mixtures(

@@ -4,13 +4,14 @@ Source: thesis, section 7.1.1; the mean of the best three examples and the wait 
 make it work on streams of people who are not in the training set.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import minimum_filter1d
 
 from adibas.arrays import FloatArray, IntArray
+from adibas.gestures.described_track import Frames
 from adibas.gestures.segments import Segment
 from adibas.timeseries.mixture_stream import MixtureModel, MixtureStream
 from adibas.timeseries.stream import Steps, StreamAligner
@@ -48,9 +49,9 @@ class ClassAligner:
     examples : sequence of (m, d) arrays
         Of `SHORTEST` frames or more.
     owners : (k,) integer array
-        Which gesture each example shows, 0 to n_labels - 1.
-    n_labels : int
-    weights : (d,) array, optional
+        Which gesture each example shows, 0 to labels - 1.
+    weights : (labels, d) array
+        Factors of each number, when it is looked for each gesture; mixtures do not use them.
     params : ProposalParams
     mixtures : sequence of MixtureModel, optional
         What is aligned in place of the examples, one for each owner.
@@ -60,35 +61,38 @@ class ClassAligner:
         self,
         examples: Sequence[FloatArray],
         owners: IntArray,
-        n_labels: int,
-        weights: FloatArray | None = None,
+        weights: FloatArray,
         params: ProposalParams | None = None,
         mixtures: Sequence[MixtureModel] = (),
     ) -> None:
         self._params = params or ProposalParams()
-        self._aligner: StreamAligner | MixtureStream = (
-            MixtureStream(mixtures)
-            if mixtures
-            else StreamAligner(examples, weights, self._params.steps)
-        )
-        self._columns = [np.flatnonzero(owners == label) for label in range(n_labels)]
+        self._n_labels = len(weights)
+        self._parts: list[tuple[StreamAligner | MixtureStream, IntArray]] = []
+        if mixtures:
+            self._parts.append((MixtureStream(mixtures), owners))
+            return
+        for row in np.unique(weights, axis=0):
+            mine = np.flatnonzero((weights[owners] == row).all(axis=1))
+            if mine.size:
+                some = [examples[int(index)] for index in mine]
+                self._parts.append((StreamAligner(some, row, self._params.steps), owners[mine]))
 
     def reset(self) -> None:
         """Forget the stream."""
-        self._aligner.reset()
+        for aligner, _owners in self._parts:
+            aligner.reset()
 
     def curves(self, frames: FloatArray) -> tuple[FloatArray, IntArray]:
         """Take the next frames of a stream; return cost and start (n, labels) for each end."""
-        costs = np.full((len(frames), len(self._columns)), np.inf)
+        costs = np.full((len(frames), self._n_labels), np.inf)
         starts = np.zeros(costs.shape, np.int64)
-        for at in range(0, len(frames), CHUNK):
-            part = slice(at, at + CHUNK)
-            all_costs, all_starts = self._aligner.feed(frames[part])
-            for label, columns in enumerate(self._columns):
-                if len(columns):
-                    costs[part, label], starts[part, label] = self._decided(
-                        all_costs[:, columns], all_starts[:, columns]
-                    )
+        for aligner, owners in self._parts:
+            all_costs, all_starts = aligner.feed(frames)
+            for label in np.unique(owners):
+                mine = owners == label
+                costs[:, label], starts[:, label] = self._decided(
+                    all_costs[:, mine], all_starts[:, mine]
+                )
         return costs, starts
 
     def _decided(self, costs: FloatArray, starts: IntArray) -> tuple[FloatArray, IntArray]:
@@ -98,19 +102,19 @@ class ClassAligner:
         began = np.median(np.take_along_axis(starts, best, 1), axis=1)
         return found.mean(axis=1), began.astype(np.int64)
 
-    def proposals(self, frames: FloatArray, stream: int = 0) -> list[Segment]:
-        """Return the local minima of every gesture's cost in a whole stream."""
+    def proposals(self, frames: Frames, stream: int = 0) -> Iterator[Segment]:
+        """Yield the local minima of every gesture's cost in a whole stream."""
         self.reset()
-        costs, starts = self.curves(frames)
+        curves = [self.curves(frames[at : at + CHUNK]) for at in range(0, len(frames), CHUNK)]
+        costs, starts = (np.concatenate(parts) for parts in zip(*curves, strict=True))
         width = 2 * self._params.reach + 1
         is_least = np.isfinite(costs) & (
             costs <= minimum_filter1d(costs, width, axis=0, mode="nearest")
         )
-        return [
-            Segment(stream, int(label), int(starts[end, label]), int(end), float(costs[end, label]))
-            for end, label in np.argwhere(is_least)
-            if end - starts[end, label] + 1 >= SHORTEST
-        ]
+        for end, label in np.argwhere(is_least):
+            begin = int(starts[end, label])
+            if end - begin + 1 >= SHORTEST:
+                yield Segment(stream, int(label), begin, int(end), float(costs[end, label]))
 
 
 def chosen_examples(

@@ -7,7 +7,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.data.events import TimedEvent
-from adibas.gestures.descriptor import DescribedTrack
+from adibas.gestures.described_track import DescribedTrack
 
 N_FRAMES = 16
 """Length of a segment when segments are compared: enough for the strokes of a wave."""
@@ -60,7 +60,7 @@ class Examples:
     """
 
     labels: tuple[str, ...]
-    streams: Sequence[DescribedTrack]
+    streams: Sequence[DescribedTrack[FloatArray]]
     gestures: Sequence[Segment]
     groups: IntArray
     is_isolated: bool

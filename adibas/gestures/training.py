@@ -19,13 +19,17 @@ from adibas.gestures.mixtures import mixtures_of
 from adibas.gestures.model import GestureModel, Method
 from adibas.gestures.proposals import SHORTEST, chosen_examples
 from adibas.gestures.segments import Examples, Segment, at_one_length
-from adibas.gestures.weighting import N_JOINTS, joint_weights
+from adibas.gestures.thresholds import (
+    best_threshold,
+    f1_by_threshold,
+    standard_error,
+    target,
+)
+from adibas.gestures.weighting import N_JOINTS, cautious_weights
 from adibas.progress import Progress
 from adibas.timeseries.mixture_stream import MixtureModel
 
-RIGHT_OVERLAP = 0.5
 FEWEST = 2
-BARELY = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,28 +79,60 @@ def train(
     """
     params = params or TrainingParams()
     check_examples(examples)
+    if params.method in ("likeness", "hmm"):
+        return _judged(examples, descriptor, params, progress)
     if params.method == "weighted-dtw":
-        return _weighted_if_better(examples, descriptor, params, progress)
-    return _trained(examples, descriptor, params, progress)[0]
+        return _weighted_where_better(examples, descriptor, params, progress)
+    return _by_cost(examples, descriptor, params, progress)[0]
 
 
-def _weighted_if_better(
+def _weighted_where_better(
     examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
 ) -> GestureModel:
-    """Weigh the joints alike unless who was left out is clearly recognised better by weights.
+    """Weigh the joints for those gestures that are clearly recognised better with weights.
 
-    By more than one standard error of the share that is recognised.
+    In people who were left out, by more than one standard error of F1.
     """
-    weighted, f1 = _trained(examples, descriptor, params, progress)
-    plain, plain_f1 = _trained(examples, descriptor, replace(params, method="dtw"), progress)
-    error = _standard_error(plain_f1, len(examples.gestures))
-    return weighted if f1 > plain_f1 + error else replace(plain, method=params.method)
+    weighted, f1 = _by_cost(examples, descriptor, params, progress)
+    plain, plain_f1 = _by_cost(examples, descriptor, replace(params, method="dtw"), progress)
+    counts = np.array([_count(examples, label) for label in range(len(examples.labels))])
+    is_weighed = f1 > plain_f1 + standard_error(plain_f1, counts)
+    thresholds = np.where(is_weighed, weighted.thresholds, plain.thresholds)
+    weights = np.where(is_weighed[:, None], weighted.weights, plain.weights)
+    return replace(weighted, weights=weights, thresholds=thresholds, gates=thresholds)
 
 
-def _trained(
+def _judged(
     examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
-) -> tuple[GestureModel, float]:
-    """Return a recogniser, and the mean F1 of its gestures in people who were left out."""
+) -> GestureModel:
+    """Return a recogniser that learned what the others' examples rightly and wrongly propose."""
+    model, found, folds = _left_out(examples, descriptor, params, progress)
+    return _with_judge(model, examples, params, found, folds)
+
+
+def _by_cost(
+    examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
+) -> tuple[GestureModel, FloatArray]:
+    """Return a recogniser with thresholds, and F1 (labels,) in people who were left out."""
+    model, found, _ = _left_out(examples, descriptor, params, progress)
+    costs = np.array([proposal.cost for proposal in found])
+    right = np.array([target(one, examples)[one.label] > 0 for one in found], bool)
+    labels = np.array([proposal.label for proposal in found], np.int64)
+    thresholds, f1 = np.zeros((2, len(examples.labels)))
+    for label in range(len(examples.labels)):
+        mine, n_wanted = labels == label, _count(examples, label)
+        thresholds[label] = best_threshold(costs[mine], right[mine], n_wanted)
+        f1[label] = f1_by_threshold(costs[mine], right[mine], n_wanted).max(initial=0.0)
+    return replace(model, thresholds=thresholds, gates=thresholds), f1
+
+
+def _left_out(
+    examples: Examples, descriptor: DescriptorParams, params: TrainingParams, progress: Progress
+) -> tuple[GestureModel, list[Segment], tuple[IntArray, IntArray]]:
+    """Return a model without thresholds, and what is proposed in streams of those left out.
+
+    Then the part of each example and of each proposal.
+    """
     rng = np.random.default_rng(params.seed)
     folds = _folds(examples.groups, params.most_folds, rng)
     model = _draft(examples, descriptor, params, rng)
@@ -107,18 +143,7 @@ def _trained(
         proposals = _held_out(examples, descriptor, params, folds == fold)
         found += proposals
         fold_of += [int(fold)] * len(proposals)
-    if params.method in ("likeness", "hmm"):
-        return _with_judge(model, examples, params, found, (folds, np.array(fold_of, np.int64)))
-    costs = np.array([proposal.cost for proposal in found])
-    right = np.array([_target(one, examples)[one.label] > 0 for one in found], bool)
-    labels = np.array([proposal.label for proposal in found], np.int64)
-    thresholds = np.zeros(len(examples.labels))
-    f1 = np.zeros(len(examples.labels))
-    for label in range(len(examples.labels)):
-        mine, n_wanted = labels == label, _count(examples, label)
-        thresholds[label] = best_threshold(costs[mine], right[mine], n_wanted)
-        f1[label] = f1_by_threshold(costs[mine], right[mine], n_wanted).max(initial=0.0)
-    return _finished(model, thresholds, thresholds), float(f1.mean())
+    return model, found, (folds, np.array(fold_of, np.int64))
 
 
 def check_examples(examples: Examples) -> None:
@@ -172,23 +197,16 @@ def _draft(
     labels = np.array([gesture.label for gesture in examples.gestures], np.int64)
     chosen = chosen_examples(examples.groups, labels, params.most_examples, rng)
     frames = [examples.frames_of(examples.gestures[index]) for index in chosen]
-    weights = np.full(N_JOINTS, 1.0 / N_JOINTS)
+    weights = np.full((len(examples.labels), N_JOINTS), 1.0 / N_JOINTS)
     if params.method == "weighted-dtw":
-        weights = joint_weights([at_one_length(one) for one in frames], labels[chosen])
+        weights = cautious_weights(examples, chosen)
     mixtures: tuple[MixtureModel, ...] = ()
     if params.method == "gmm-dtw":
         mixtures = mixtures_of(frames, labels[chosen], len(examples.labels), rng)
     anything = np.full(len(examples.labels), np.inf)
     return GestureModel(
-        params.method, examples.labels, descriptor, tuple(frames), labels[chosen], weights,
-        anything, anything, mixtures=mixtures,
-    )  # fmt: skip
-
-
-def _finished(model: GestureModel, thresholds: FloatArray, gates: FloatArray) -> GestureModel:
-    return GestureModel(
-        model.method, model.labels, model.descriptor, model.examples, model.owners, model.weights,
-        thresholds, gates, mixtures=model.mixtures,
+        params.method, examples.labels, descriptor, tuple(frames), labels[chosen],
+        weights, anything, anything, mixtures=mixtures,
     )  # fmt: skip
 
 
@@ -217,30 +235,16 @@ def _count(examples: Examples, label: int) -> int:
     return sum(gesture.label == label for gesture in examples.gestures)
 
 
-def best_threshold(costs: FloatArray, is_right: BoolArray, n_wanted: int) -> float:
-    """Return the cost up to which most is found with fewest false alarms (F1 of all thresholds).
-
-    In the middle to the next dearer one; the largest right cost and a tenth where all is right.
-    """
-    if not is_right.any():
-        return float(costs.min()) * (1 - BARELY) if len(costs) else BARELY
-    order = np.argsort(costs)
-    best = int(np.argmax(f1_by_threshold(costs, is_right, n_wanted)))
-    here = costs[order[best]]
-    after = costs[order[best + 1]] if best + 1 < len(costs) else 1.1 * here
-    return max(float(0.5 * (here + min(after, 1.1 * here))), BARELY)
-
-
 def _with_judge(
     model: GestureModel,
     examples: Examples,
     params: TrainingParams,
     found: list[Segment],
     folds: tuple[IntArray, IntArray],
-) -> tuple[GestureModel, float]:
+) -> GestureModel:
     """Learn how much a segment is like each gesture, from examples and proposals."""
     n_labels = len(examples.labels)
-    targets = np.array([_target(one, examples) for one in [*examples.gestures, *found]])
+    targets = np.array([target(one, examples) for one in [*examples.gestures, *found]])
     fold_of = np.concatenate(folds)
     n_given = len(examples.gestures)
     whole = np.arange(n_given)
@@ -253,8 +257,8 @@ def _with_judge(
     best = _judging_of(pieces, targets[chosen], fold_of[chosen], chosen < n_given, params)
     is_right = targets[n_given:] > 0
     gates = np.array([_gate(label, found, is_right, params) for label in range(n_labels)])
-    done = _finished(model, np.full(n_labels, best.threshold), gates)
-    return replace(done, judge=best.training.fitted()), best.f1
+    thresholds = np.full(n_labels, best.threshold)
+    return replace(model, thresholds=thresholds, gates=gates, judge=best.training.fitted())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -292,11 +296,7 @@ def _judging_of(
         [*pieces, *more], np.concatenate([targets, targets[right]]), LikenessParams()
     )
     both = _judging(training, targets, np.concatenate([folds, folds[right]]), given)
-    return both if both.f1 > plain.f1 - _standard_error(plain.f1, n_given) else plain
-
-
-def _standard_error(share: float, n: int) -> float:
-    return float(np.sqrt(share * (1.0 - share) / n))
+    return both if both.f1 > plain.f1 - standard_error(plain.f1, n_given) else plain
 
 
 def _judging(
@@ -317,21 +317,6 @@ def _judging(
         best_threshold(costs[counted], right[counted], n_wanted),
         float(f1_by_threshold(costs[counted], right[counted], n_wanted).max()),
     )
-
-
-def f1_by_threshold(costs: FloatArray, is_right: BoolArray, n_wanted: int) -> FloatArray:
-    """Return the F1 of all that costs no more than each, the cheapest first."""
-    hits = np.minimum(np.cumsum(is_right[np.argsort(costs)]), n_wanted)
-    taken = np.arange(1, len(costs) + 1)
-    return np.asarray(2.0 * hits / (taken + n_wanted))
-
-
-def _target(segment: Segment, examples: Examples) -> FloatArray:
-    target = np.zeros(len(examples.labels))
-    for gesture in examples.in_stream(segment.stream):
-        if segment.overlap(gesture) >= RIGHT_OVERLAP:
-            target[gesture.label] = 1.0
-    return target
 
 
 def _balanced(targets: FloatArray, n_given: int, params: TrainingParams) -> IntArray:

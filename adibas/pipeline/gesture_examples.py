@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
+from adibas.arrays import FloatArray
 from adibas.data.events import TimedEvent
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import GestureError
-from adibas.gestures.descriptor import DescribedTrack, DescriptorParams, describe
+from adibas.gestures.described_track import DescribedTrack, describe
+from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.segments import Examples, Segment, split_names
 from adibas.recordings.events_csv import read_events_csv
 from adibas.recordings.joints_csv import SUFFIX, read_joints_csv, recording_name
@@ -155,7 +157,10 @@ def _usable(
 
 
 def _segment(
-    event: TimedEvent, stream: int, streams: Sequence[DescribedTrack], labels: Sequence[str]
+    event: TimedEvent,
+    stream: int,
+    streams: Sequence[DescribedTrack[FloatArray]],
+    labels: Sequence[str],
 ) -> Segment:
     track = streams[stream]
     begin, end = track.index_at(event.begin_s), track.index_at(event.end_s)

@@ -157,7 +157,7 @@ def find_gestures() -> None:
     """Look for the gestures of the program in joints that are nowhere twice."""
     from adibas.data.joints import JOINT_NAMES
     from adibas.data.skeleton_track import track_of
-    from adibas.gestures.descriptor import describe
+    from adibas.gestures.described_track import describe
     from adibas.gestures.model_file import read_model, shipped_gestures
 
     model = read_model(shipped_gestures())

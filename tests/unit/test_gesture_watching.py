@@ -91,7 +91,7 @@ def test_what_is_watched_for_several_gestures_is_described_once(model, moves):
     assert [one for one, _described in found] == [model, other, model]
     first, second, third = (described for _one, described in found)
     assert first is third
-    assert first.frames.shape[1] == 2 * second.frames.shape[1]
+    assert first.frames[:].shape[1] == 2 * second.frames[:].shape[1]
 
 
 @pytest.fixture
