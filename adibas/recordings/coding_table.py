@@ -7,9 +7,17 @@ to when was observed and under which condition.
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 
 from adibas.data.coding import Coding, Occurrence, Section, problems_of
-from adibas.data.ethogram import Behaviour, Ethogram, Subject
+from adibas.data.ethogram import (
+    BETWEEN_VALUES,
+    NO_VALUE,
+    Behaviour,
+    Ethogram,
+    Modifier,
+    Subject,
+)
 from adibas.errors import BehaviourError
 from adibas.recordings.boris_writing import modifier_values, told_modifiers
 from adibas.recordings.coding_times import milliseconds, seconds_text
@@ -166,19 +174,37 @@ def _take_details(session: _Session, text: str) -> None:
 
 
 def _ethogram(rows: Sequence[Row]) -> Ethogram:
-    """Return the ethogram of what occurs; it knows no modifiers, exclusions or keys."""
+    """Return the ethogram of what occurs; it knows no exclusions or keys."""
     kinds: dict[str, str] = {}
+    told: dict[str, list[tuple[str, ...]]] = {}
     subjects: dict[str, None] = {}
     for _line, row in rows:
         kind = row.get("kind") or STATE
         if kind in (STATE, POINT):
             kinds.setdefault(row["label"], kind)
+            told.setdefault(row["label"], []).append(modifier_values(row.get("modifiers", "")))
             subjects[row.get("subject", "")] = None
     subjects.pop("", None)
     behaviours = tuple(
-        Behaviour(name, "point" if kind == POINT else "state") for name, kind in kinds.items()
+        Behaviour(name, "point" if kind == POINT else "state", modifiers=_modifiers(told[name]))
+        for name, kind in kinds.items()
     )
     return Ethogram("", behaviours, tuple(map(Subject, subjects)))
+
+
+def _modifiers(told: Sequence[tuple[str, ...]]) -> tuple[Modifier, ...]:
+    """Return modifiers that know the values of all events of a behaviour."""
+    places = zip_longest(*told, fillvalue=NO_VALUE)
+    found = [{one for one in values if one != NO_VALUE} for values in places]
+    return tuple(
+        Modifier(
+            f"modifier {number}",
+            tuple(sorted({part for one in values for part in one.split(BETWEEN_VALUES)})),
+            "several" if any(BETWEEN_VALUES in one for one in values) else "one",
+        )
+        for number, values in enumerate(found, 1)
+        if any(found)
+    )
 
 
 def _coding(file: str, name: str, observer: str, session: _Session, ethogram: Ethogram) -> Coding:

@@ -236,6 +236,28 @@ def test_tables_of_boris_are_read(tmp_path):
     assert found.occurrences == (Occurrence("fidgets", 1500, 2500, "", ("pen", "left")),)
 
 
+def test_a_table_without_a_scheme_knows_the_modifiers_that_occur(tmp_path):
+    one = coding(
+        ("fidgets", 1, 2, "child", ("pen,hair", "left")),
+        ("fidgets", 3, 4, "child", ("", "left")),
+        ("fidgets", 5, 6, "child"),
+        ("nods", 7, 7, "child", ("2",)),
+        ("seated", 8, 9, "child"),
+    )
+    write_boris_table(tmp_path / "c.tsv", [one])
+    (found,) = read_codings(tmp_path / "c.tsv")
+    assert [event.modifiers for event in found.occurrences] == [
+        event.modifiers for event in one.occurrences
+    ]
+    fidgets, nods, seated = found.ethogram.behaviours
+    assert [(m.values, m.selection) for m in fidgets.modifiers] == [
+        (("hair", "pen"), "several"),
+        (("left",), "one"),
+    ]
+    assert [m.values for m in nods.modifiers] == [("2",)]
+    assert seated.modifiers == ()
+
+
 def test_half_a_state_in_a_table_is_told_with_its_line(tmp_path):
     path = tmp_path / "t.tsv"
     path.write_text("\n".join(TABLE_7.splitlines()[:-1]))
