@@ -539,7 +539,7 @@ def backups(folder):
 def test_a_window_that_stays_open_backs_up_when_the_next_hour_finds_one_due(user, tmp_path):
     kept = tmp_path / "kept"
     user.application.preferences.change(backup_folder=str(kept))
-    timer = user.application._backup_timer
+    timer = user.application._opened._backup_timer
     assert timer.isActive()
     timer.timeout.emit()
     user.until(lambda: "is made" in user.window.told)
@@ -553,7 +553,7 @@ def test_a_window_that_stays_open_backs_up_when_the_next_hour_finds_one_due(user
 def test_no_backup_begins_beside_other_work_nor_behind_the_lock(user, slow, tmp_path):
     let_go, _was_stopped, _results = slow
     user.application.preferences.change(backup_folder=str(tmp_path / "kept"))
-    timer = user.application._backup_timer
+    timer = user.application._opened._backup_timer
     timer.timeout.emit()
     let_go.set()
     user.settle()
