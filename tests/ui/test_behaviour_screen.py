@@ -1,6 +1,5 @@
 """The behaviour screen under mouse and keyboard, over a recording on the disk."""
 
-import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QHelpEvent, QWheelEvent
@@ -22,76 +21,26 @@ from shiboken6 import isValid
 from adibas.data.coding import Occurrence
 from adibas.recordings.codings import read_codings
 from adibas.texts import LANGUAGES, speaking
+from tests.ui.behaviour_observer import (
+    CTRL,
+    LEFT,
+    NO_KEY,
+    SHIFT,
+    Key,
+    Observer,
+    choose,
+    dialog_of,
+    seated_until,
+)
 from tests.ui.behaviour_scene import FRAME_MS, make_recording, time_ms
 from tests.ui.conftest import NoSensor
 from tests.ui.test_mnemonics import assert_each_letter_is_one_control
 from ui.behaviour.scheme_dialog import SchemeDialog
 from ui.behaviour.screen import build_behaviour_screen
 from ui.behaviour.section_dialog import SectionDialog
-from ui.behaviour.timeline import TimelineView
 from ui.behaviour.transport import Transport
 from ui.behaviour.video_view import VideoView
 from ui.workspace import Workspace
-
-LEFT = Qt.MouseButton.LeftButton
-SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
-NO_KEY = Qt.KeyboardModifier.NoModifier
-Key = Qt.Key
-
-
-class Observer:
-    """Somebody who codes."""
-
-    def __init__(self, screen, qtbot, recording):
-        self.screen, self.qtbot, self.recording = screen, qtbot, recording
-        self.shown = []
-        show = screen.show_frame
-
-        def note(picture, position):
-            show(picture, position)
-            self.shown.append((position.index, int(np.ravel(picture)[0])))
-
-        screen.show_frame = note
-        screen.entered()
-        screen.open_file(recording)
-        self.see(0)
-
-    @property
-    def coding(self):
-        return self.screen._presenter.coding
-
-    @property
-    def timeline(self):
-        return self.screen.findChild(TimelineView)
-
-    def see(self, index):
-        self.qtbot.waitUntil(lambda: [one for one, _shade in self.shown[-1:]] == [index])
-
-    def key(self, key, modifiers=NO_KEY):
-        QTest.keyClick(self.timeline, key, modifiers)
-
-    def step_to(self, index):
-        self.coding._go_to(time_ms(index))
-        self.see(index)
-
-    def events(self):
-        return [
-            (one.behaviour, one.begin_ms, one.end_ms)
-            for one in self.coding.draft.coding.occurrences
-        ]
-
-    def begun(self):
-        return [(one.behaviour,) for one in self.coding.draft.begun]
-
-    def bar(self, behaviour):
-        content = self.timeline._content
-        return next(
-            one for one in content.bars if one.occurrence and one.occurrence.behaviour == behaviour
-        )
-
-    def button(self, text):
-        buttons = self.screen.findChildren(QPushButton)
-        return next(one for one in buttons if one.text().replace("&", "").startswith(text))
 
 
 @pytest.fixture
@@ -165,12 +114,6 @@ def test_the_mouse_codes_with_buttons(observer):
     QTest.mouseClick(observer.button("seated"), LEFT)
     assert not observer.button("seated").isChecked()
     assert observer.events() == [("seated", time_ms(0), time_ms(4))]
-
-
-def seated_until(observer, index):
-    observer.key(Key.Key_S)
-    observer.step_to(index)
-    observer.key(Key.Key_S)
 
 
 def test_the_end_of_an_event_is_dragged_and_taken_back(observer):
@@ -274,19 +217,6 @@ def test_the_speed_is_chosen_from_a_list(observer):
     chooser.activated.emit(0)
     assert observer.screen._presenter._playing.speed == 0.25
     assert QApplication.focusWidget() is observer.timeline
-
-
-def dialog_of(kind):
-    (found,) = [one for one in QApplication.topLevelWidgets() if isinstance(one, kind)]
-    return found
-
-
-def choose(observer, button, action):
-    """Choose from the menu of a button."""
-    menu = observer.button(button).menu()
-    (chosen,) = [one for one in menu.actions() if one.text().startswith(action)]
-    assert chosen.isEnabled()
-    chosen.trigger()
 
 
 def test_the_scheme_is_changed_in_a_dialog(observer):
