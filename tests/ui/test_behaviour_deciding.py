@@ -78,7 +78,7 @@ def test_what_the_program_saw_is_decided_by_one_key_each_and_all_is_taken_back(o
     mark_a_section(observer)
     drafts.append(observer.coding.draft)
     scheme = observer.coding.draft.coding.ethogram
-    observer.coding.use_ethogram(replace(scheme, behaviours=scheme.behaviours[1:]))
+    observer.coding.use_ethogram(replace(scheme, name="another"))
     drafts.append(observer.coding.draft)
     assert observer.events() == [
         ("waves", time_ms(10), time_ms(20)),
