@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from adibas.behaviour.editing import Draft, History
+from adibas.data.coding import Occurrence
 from adibas.data.frames import SensorFrame
 from adibas.errors import FileError, RecordingError
 from adibas.pipeline.coding_drafts import BesideRecording, read_draft
 from adibas.recordings import open_recording
 from tests.ui.behaviour_scene import INFO, make_recording
 from tests.unit.coding_samples import coding
+from ui.behaviour.content import Bar, Timeline
 from ui.behaviour.frame_feed import QtFrameFeed, picture_of
 from ui.behaviour.keeping import DraftKeeper
+from ui.behaviour.timeline_painter import bars_to_paint
 from ui.behaviour.timeline_scale import TimeScale
 
 
@@ -122,6 +125,19 @@ def test_a_time_out_of_sight_is_turned_to():
     near = WHOLE.zoomed(4.0, 12_000)
     assert near.showing(12_000) is near
     assert near.showing(60_000).from_ms <= 60_000 <= near.showing(60_000).to_ms
+
+
+def test_of_what_lies_in_one_pixel_one_is_painted_and_the_chosen_one():
+    short = [Occurrence("nods", begin, begin + 1) for begin in (9000, 9002, 9004, 9200)]
+    long = Occurrence("nods", 9006, 9400)
+    bars = [Bar(0, one.begin_ms, one.end_ms, "coded", one) for one in (*short[:3], long, short[3])]
+    bars.append(Bar(1, 9001, 9002, "coded"))
+    content = Timeline(5000, 65_000, bars=tuple(bars), chosen=short[1])
+    assert WHOLE.px_per_ms == 0.01
+    painted = list(bars_to_paint(content, WHOLE))
+    assert painted == [bars[0], bars[1], bars[3], bars[4], bars[5]]
+    assert list(bars_to_paint(content, WHOLE.zoomed(100.0, 9000))) == bars
+    assert list(bars_to_paint(content, WHOLE.zoomed(4.0, 60_000))) == []
 
 
 def test_the_same_session_keeps_its_zoom():

@@ -1,5 +1,6 @@
 """Paints the timeline."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -65,12 +66,25 @@ def paint_still(painter: QPainter, content: Timeline, look: TimelineLook, height
     painter.translate(0, -look.scrolled_px)
     _paint_lines(painter, content, scale, heights, tokens)
     _clip(painter, content, look)
-    for bar in content.bars:
-        is_seen = bar.end_ms >= scale.from_ms and bar.begin_ms <= scale.to_ms
-        if is_seen and bar.layer != "begun":
-            _paint_bar(painter, bar, bar.end_ms, content, look)
+    for bar in bars_to_paint(content, scale):
+        _paint_bar(painter, bar, bar.end_ms, content, look)
     painter.restore()
     _paint_ruler(painter, content, scale, heights, tokens)
+
+
+def bars_to_paint(content: Timeline, scale: TimeScale) -> Iterator[Bar]:
+    """Yield what is in sight and over: of hours not what lies in the pixel that is full already."""
+    full: dict[tuple[int, Layer], int] = {}
+    for bar in content.bars:
+        is_seen = bar.end_ms >= scale.from_ms and bar.begin_ms <= scale.to_ms
+        if not is_seen or bar.layer == "begun":
+            continue
+        left_px, right_px = int(scale.x_of(bar.begin_ms)), int(scale.x_of(bar.end_ms))
+        line = bar.row, bar.layer
+        is_chosen = bar.occurrence is not None and bar.occurrence == content.chosen
+        if is_chosen or not left_px == right_px == full.get(line):
+            full[line] = right_px
+            yield bar
 
 
 def paint_moving(
