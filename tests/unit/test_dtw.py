@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from dtaidistance import dtw_ndim
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -181,6 +182,18 @@ def test_squared_distances_sum_like_the_textbook():
             sums[i + 1, j + 1] = (a[i, 0] - b[j, 0]) ** 2 + sums[i : i + 2, j : j + 2].min()
     costs = pairwise_costs([a, b, c], is_squared=True)
     assert costs[0, 1] == pytest.approx(np.sqrt(sums[9, 6]), abs=1e-12)
+
+
+def test_alignments_are_those_of_dtaidistance():
+    rng = np.random.default_rng(1)
+    series = [rng.normal(0, 1, (n, 6)) for n in (20, 31, 17, 25)]
+    theirs = dtw_ndim.distance_matrix_fast(series)
+    np.testing.assert_allclose(pairwise_costs(series, is_squared=True), theirs, atol=1e-12)
+    model, stream = rng.normal(0, 1, (12, 6)), rng.normal(0, 1, (80, 6))
+    anywhere = {"psi": [0, 0, 80, 80], "psi_neg": False}
+    _best, sums = dtw_ndim.warping_paths(model, stream, inner_dist="euclidean", **anywhere)
+    costs, _starts = StreamAligner([model], steps="free").feed(stream)
+    np.testing.assert_allclose(len(model) * costs[:, 0], sums[-1, 1:], atol=1e-12)
 
 
 def test_wrong_input_is_refused():
