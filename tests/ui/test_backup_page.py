@@ -5,7 +5,7 @@ from pathlib import Path
 from unittest.mock import create_autospec
 
 import pytest
-from PySide6.QtWidgets import QFileDialog, QPlainTextEdit, QPushButton, QTabWidget
+from PySide6.QtWidgets import QFileDialog, QPlainTextEdit, QPushButton
 
 from adibas.data.patients import Identity
 from adibas.sessions import key_state
@@ -17,7 +17,6 @@ from ui.scheduled_backup import back_up_if_due
 from ui.settings import backup_presenter
 from ui.settings.backup_presenter import BackupPresenter, BackupView
 from ui.settings.screen import build_settings_screen
-from ui.settings.view import PROTECTION_TAB
 
 
 @pytest.fixture
@@ -110,16 +109,18 @@ def screen(qtbot, workspace):
     qtbot.addWidget(screen)
     screen.resize(1000, 800)
     screen.show()
-    screen.findChild(QTabWidget).setCurrentIndex(PROTECTION_TAB)
+    screen._tabs.setCurrentWidget(screen.protected)
     yield screen
     screen.closed()
     use_language("en")
 
 
 def press(screen, text, chosen):
-    (button,) = [b for b in screen.backup.findChildren(QPushButton) if b.text().startswith(text)]
+    (button,) = [
+        b for b in screen.protected.backup.findChildren(QPushButton) if b.text().startswith(text)
+    ]
     button.click()
-    dialog = screen.backup.findChildren(QFileDialog)[-1]
+    dialog = screen.protected.backup.findChildren(QFileDialog)[-1]
     dialog.fileSelected.emit(str(chosen))
     dialog.close()
 
@@ -130,11 +131,15 @@ def test_buttons_back_up_check_and_restore(screen, workspace, tmp_path):
     assert workspace.preferences.now.backup_folder == str(tmp_path / "kept")
     press(screen, "Back up now", path)
     assert path.exists()
-    (result,) = screen.backup.findChildren(QPlainTextEdit)
+    (result,) = screen.protected.backup.findChildren(QPlainTextEdit)
     press(screen, "Try a backup out", path)
     assert "is whole" in result.toPlainText()
     press(screen, "Add what is missing", path)
     assert "Added from the backup" in result.toPlainText()
-    (none,) = [b for b in screen.backup.findChildren(QPushButton) if "Make no backups" in b.text()]
+    (none,) = [
+        b
+        for b in screen.protected.backup.findChildren(QPushButton)
+        if "Make no backups" in b.text()
+    ]
     none.click()
     assert workspace.preferences.now.backup_folder == ""

@@ -140,13 +140,13 @@ def texts(page):
 
 
 def test_a_user_learns_from_corrections_and_goes_back(screen, store):
-    press(screen.protocols, "Who names the markers")
-    page, table = screen.names, screen.names.findChild(QTableWidget)
+    press(screen.marks.protocols, "Who names the markers")
+    page, table = screen.marks.names, screen.marks.names.findChild(QTableWidget)
     assert "No session has corrected names yet" in texts(page)
     assert set(buttons(page)) == {"Back to the protocols"}
     session = add_examples(store, 9)
     press(page, "Back to the protocols")
-    press(screen.protocols, "Who names the markers")
+    press(screen.marks.protocols, "Who names the markers")
     assert table.item(0, 0).text() == "Sessions without a protocol"
     assert "9 captures are corrected, and a model needs 10" in texts(page)
     assert not buttons(page)["Learn from these sessions"].isEnabled()
@@ -173,8 +173,8 @@ def test_a_model_of_a_file_and_one_that_was_held_against_the_shipped_are_told(
     keep_own_model(model)
     object.__setattr__(model, "provenance", {"source": "points.csv"})
     keep_own_model(model)
-    press(screen.protocols, "Who names the markers")
-    page, table = screen.names, screen.names.findChild(QTableWidget)
+    press(screen.marks.protocols, "Who names the markers")
+    page, table = screen.marks.names, screen.marks.names.findChild(QTableWidget)
     assert "from points.csv" in texts(page)
     table.selectRow(1)
     assert "the shipped model 8 and 2" in texts(page)

@@ -117,8 +117,8 @@ def test_settings_offer_an_operator_nothing_of_administrators(qtbot, as_operator
     as_operator.preferences.change(operator="somebody else")
     assert who_works.text() == "Carla"
     tabs.setCurrentIndex(1)
-    assert not screen.people.isVisible()
-    for page in (screen.backup, screen.retention):
+    assert not screen.protected.people.isVisible()
+    for page in (screen.protected.backup, screen.protected.retention):
         assert not page.isEnabled()
         assert page.toolTip() == ADMINISTRATORS
     screen.closed()
@@ -130,7 +130,7 @@ def test_an_administrator_adds_somebody_in_the_settings(qtbot, workspace):
     screen.show()
     screen.entered()
     screen.findChild(QTabWidget).setCurrentIndex(1)
-    page = screen.people
+    page = screen.protected.people
     page.show_person(PersonEntry("Anna", Role.ADMINISTRATOR), is_new=True, can_choose_role=False)
     for field in (vars(page)["_passphrase"], vars(page)["_again"]):
         field.setText(ANNA)

@@ -201,7 +201,7 @@ def test_what_is_typed_is_checked_after_a_pause_and_saved_with_a_button(
     screen.resize(1140, 740)
     screen.show()
     screen.findChild(QTabWidget).setCurrentIndex(PROTOCOLS_TAB)
-    page = screen.protocols
+    page = screen.marks.protocols
     names = page.findChild(QComboBox)
     names.setCurrentIndex(names.findText("upper-quadrant"))
     names.activated.emit(names.currentIndex())
@@ -231,7 +231,7 @@ def test_the_button_asks_before_it_deletes(workspace, qtbot, own_folder):
     screen = build_settings_screen(workspace)
     qtbot.addWidget(screen)
     screen.findChild(QTabWidget).setCurrentIndex(PROTOCOLS_TAB)
-    page = screen.protocols
+    page = screen.marks.protocols
     (delete,) = [one for one in page.findChildren(QPushButton) if one.text() == "Delete"]
     assert not delete.isEnabled()
     page.saved.emit(mine())
@@ -251,9 +251,9 @@ def test_the_button_asks_before_it_deletes(workspace, qtbot, own_folder):
 def test_what_is_typed_outlives_a_lock_and_another_protocol(workspace, qtbot):
     screen = build_settings_screen(workspace)
     qtbot.addWidget(screen)
-    screen.protocols.show_text(mine())
+    screen.marks.protocols.show_text(mine())
     assert screen.draft() == ""
-    screen.protocols.findChild(QPlainTextEdit).insertPlainText(" ")
+    screen.marks.protocols.findChild(QPlainTextEdit).insertPlainText(" ")
     draft = screen.draft()
     assert draft == "\n " + mine()
     screen.closed()
@@ -261,9 +261,9 @@ def test_what_is_typed_outlives_a_lock_and_another_protocol(workspace, qtbot):
     qtbot.addWidget(again)
     again.take_back(draft)
     assert again.draft() == draft
-    again.protocols.show_text("another")
-    again.protocols.findChild(QPlainTextEdit).undo()
-    assert again.protocols.findChild(QPlainTextEdit).toPlainText() == draft[1:]
+    again.marks.protocols.show_text("another")
+    again.marks.protocols.findChild(QPlainTextEdit).undo()
+    assert again.marks.protocols.findChild(QPlainTextEdit).toPlainText() == draft[1:]
     again.closed()
 
 
@@ -272,8 +272,8 @@ def page(workspace, qtbot):
     screen = build_settings_screen(workspace)
     qtbot.addWidget(screen)
     screen.show()
-    screen.protocols.show_text(new_protocol_text())
-    yield screen.protocols
+    screen.marks.protocols.show_text(new_protocol_text())
+    yield screen.marks.protocols
     screen.closed()
 
 

@@ -10,7 +10,6 @@ from adibas.texts import use_language
 from tests.ui.conftest import NoSensor
 from tests.unit.store_samples import add_session, open_sample
 from ui.settings.screen import build_settings_screen
-from ui.settings.view import PROTECTION_TAB
 from ui.widgets.typed_consent import TypedConsent
 from ui.workspace import Workspace
 
@@ -35,8 +34,8 @@ def page(qtbot, years):
     qtbot.addWidget(screen)
     screen.resize(1000, 900)
     screen.show()
-    screen._tabs.setCurrentIndex(PROTECTION_TAB)
-    yield screen.retention
+    screen._tabs.setCurrentWidget(screen.protected)
+    yield screen.protected.retention
     screen.closed()
     use_language("en")
 

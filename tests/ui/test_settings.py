@@ -179,7 +179,7 @@ def test_a_check_is_shown_and_goes_with_its_language(screen, workspace):
     screen.findChild(QTabWidget).setCurrentIndex(1)
     (button,) = [one for one in screen.findChildren(QPushButton) if "Check" in one.text()]
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
-    result = screen._protection.findChild(QPlainTextEdit)
+    result = screen.protected.protection.findChild(QPlainTextEdit)
     assert "All is well" in result.toPlainText()
     workspace.preferences.change(language="es")
     assert result.isHidden()
@@ -214,7 +214,7 @@ def test_what_is_said_of_a_protocol_follows_the_language(screen):
     said = next(one for one in screen.findChildren(QLabel) if one.text().startswith("No mistake"))
     use_language("es")
     screen.retranslate()
-    assert said.text() == "Ningún error: 15 puntos de referencia, 1470 medidas."
+    assert said.text() == "Ningún error: 15 puntos anatómicos, 1470 medidas."
 
 
 def test_the_text_of_a_protocol_grows_with_the_letters_in_the_font_of_code(screen, request):

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 
 from adibas.sessions.audit_words import action_text, subject_text
 from adibas.texts import translate as _
+from ui.settings.audit_presenter import AuditPresenter
 from ui.widgets.dates import moment_text
 from ui.widgets.line_table import TEXTS
 
@@ -65,6 +66,16 @@ class AuditPage(QWidget):
         self.search.textChanged.connect(self.searched)
         self.export.clicked.connect(self._ask_place)
         self.retranslate()
+
+    def bind(self, presenter: AuditPresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.searched.connect(presenter.search)
+        self.exported.connect(presenter.export)
+
+    def entered(self) -> None:
+        """Show what is so now."""
+        self._presenter.enter()
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 from adibas.sessions.defaults import BACKUP_ENDING
 from adibas.texts import translate as _
 from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
+from ui.settings.backup_presenter import BackupPresenter
 from ui.settings.preference_page import PreferencePage
 from ui.widgets.number_fields import WholeNumberField
 
@@ -102,6 +103,18 @@ class BackupPage(PreferencePage):
         self._make.clicked.connect(self._ask_place)
         self._check.clicked.connect(lambda: self._ask_backup(self.checked.emit))
         self._restore.clicked.connect(lambda: self._ask_backup(self.restored.emit))
+
+    def bind(self, presenter: BackupPresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.changed.connect(lambda name, value: presenter.change(**{name: value}))
+        self.made.connect(presenter.back_up)
+        self.checked.connect(presenter.check)
+        self.restored.connect(presenter.restore)
+
+    def entered(self) -> None:
+        """Show what is so now."""
+        self._presenter.enter()
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

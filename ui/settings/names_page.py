@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
+from ui.settings.names_presenter import NamesPresenter
 from ui.view_names import VIEW_NAMES
 from ui.widgets.dates import day_text
 from ui.widgets.flow import FlowLayout
@@ -72,6 +73,16 @@ class NamesPage(QWidget):
         column.addWidget(self._table, 1)
         column.addWidget(self._told)
         column.addLayout(below)
+
+    def bind(self, presenter: NamesPresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.learned.connect(presenter.learn)
+        self.left.connect(presenter.go_back)
+
+    def entered(self) -> None:
+        """Show what is so now."""
+        self._presenter.enter()
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

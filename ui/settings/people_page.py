@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit, QWidget
 from adibas.sessions.roles import TITLES, WORDS, Role, allowed
 from adibas.texts import translate as _
 from ui.settings.listed_things import ListedThings
-from ui.settings.people_presenter import PersonEntry
+from ui.settings.people_presenter import PeoplePresenter, PersonEntry
 from ui.widgets.question import ask
 
 
@@ -36,6 +36,17 @@ class PeoplePage(ListedThings):
         for role in Role:
             self._role.addItem("", role)
         self.retranslate()
+
+    def bind(self, presenter: PeoplePresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.chosen.connect(presenter.choose)
+        self.saved.connect(presenter.save)
+        self.removed.connect(presenter.remove)
+
+    def entered(self) -> None:
+        """Show what is so now."""
+        self._presenter.enter()
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

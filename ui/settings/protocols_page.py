@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from adibas.measures.protocol_edits import NewEntry, NewMeasure
 from adibas.texts import translate as _
 from ui.settings.protocol_forms import LandmarkForm, MeasureForm
-from ui.settings.protocols_presenter import Mistake
+from ui.settings.protocols_presenter import Mistake, ProtocolsPresenter
 from ui.widgets.flow import FlowLayout, in_a_flow
 from ui.widgets.question import ask
 
@@ -94,6 +94,31 @@ class ProtocolsPage(QWidget):
         column.addWidget(self._summary)
         column.addWidget(self._mistakes, 1)
         column.addWidget(self._save, 0, Qt.AlignmentFlag.AlignLeft)
+
+    def bind(self, presenter: ProtocolsPresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.opened.connect(presenter.open)
+        self.begun.connect(presenter.begin)
+        self.typed.connect(presenter.check)
+        self.saved.connect(presenter.save)
+        self.delete_asked.connect(presenter.ask_delete)
+        self.landmark_asked.connect(presenter.ask_landmark)
+        self.measure_asked.connect(presenter.ask_measure)
+
+    def entered(self) -> None:
+        """Show what is so now."""
+        self._presenter.enter()
+
+    def draft(self) -> str:
+        """Return what was typed and is not saved, below the name of its protocol."""
+        text = self.changed_text
+        return f"{self._presenter.chosen}\n{text}" if text else ""
+
+    def take_back(self, draft: str) -> None:
+        """Go on with what was typed before."""
+        chosen, text = draft.split("\n", 1)
+        self._presenter.take_back(chosen, text)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

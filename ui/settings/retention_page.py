@@ -19,6 +19,7 @@ from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.preferences import MOST_RETENTION_YEARS, Preferences
 from ui.settings.preference_page import PreferencePage
+from ui.settings.retention_presenter import RetentionPresenter
 from ui.widgets.number_fields import WholeNumberField
 from ui.widgets.typed_consent import TypedConsent
 
@@ -68,6 +69,13 @@ class RetentionPage(PreferencePage):
         column = QVBoxLayout(self)
         column.setContentsMargins(9, 4, 9, 4)
         column.addWidget(self._group)
+
+    def bind(self, presenter: RetentionPresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.changed.connect(lambda name, value: presenter.change(**{name: value}))
+        self.looked.connect(presenter.look)
+        self.removed.connect(presenter.remove)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""

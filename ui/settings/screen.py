@@ -17,15 +17,14 @@ from ui.workspace import Workspace
 def build_settings_screen(workspace: Workspace, parent: QWidget | None = None) -> SettingsScreen:
     """Return the settings screen, wired to `workspace`."""
     view = SettingsScreen(parent)
-    view.bind(
-        SettingsPresenter(view, workspace),
-        AuditPresenter(view.audit, workspace),
-        ProtocolsPresenter(view.protocols, workspace),
-        NamesPresenter(view.names, workspace),
-    )
-    view.bind_backup(BackupPresenter(view.backup, workspace))
-    view.bind_retention(RetentionPresenter(view.retention, workspace))
-    view.bind_servers(ServersPresenter(view.servers, workspace))
-    view.bind_people(PeoplePresenter(view.people, workspace))
+    view.bind(SettingsPresenter(view, workspace))
+    view.audit.bind(AuditPresenter(view.audit, workspace))
+    view.servers.bind(ServersPresenter(view.servers, workspace))
+    protected, marks = view.protected, view.marks
+    protected.people.bind(PeoplePresenter(protected.people, workspace))
+    protected.backup.bind(BackupPresenter(protected.backup, workspace))
+    protected.retention.bind(RetentionPresenter(protected.retention, workspace))
+    marks.protocols.bind(ProtocolsPresenter(marks.protocols, workspace))
+    marks.names.bind(NamesPresenter(marks.names, workspace))
     view.keep_for_roles(workspace.store.may)
     return view

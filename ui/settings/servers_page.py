@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QCheckBox, QFileDialog, QLineEdit, QPushButton, QW
 
 from adibas.texts import translate as _
 from ui.settings.listed_things import ListedThings
-from ui.settings.servers_presenter import ServerEntry
+from ui.settings.servers_presenter import ServerEntry, ServersPresenter
 from ui.widgets.flow import in_a_flow
 from ui.widgets.number_fields import WholeNumberField
 
@@ -45,6 +45,18 @@ class ServersPage(ListedThings):
         self._test.clicked.connect(lambda: self.tested.emit(self._entry()))
         self.remove.clicked.connect(self.removed)
         self.retranslate()
+
+    def bind(self, presenter: ServersPresenter) -> None:
+        """Send what is wanted to the presenter, and own it."""
+        self._presenter = presenter
+        self.chosen.connect(presenter.choose)
+        self.saved.connect(presenter.save)
+        self.tested.connect(presenter.test)
+        self.removed.connect(presenter.remove)
+
+    def entered(self) -> None:
+        """Show what is so now."""
+        self._presenter.enter()
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
