@@ -4,13 +4,12 @@ Depth comes in as the sensor gives it. Time is CPU time of all threads, and the 
 machine that does other work the latter is of the machine. Memory is the most that the process held.
 """
 
-import importlib
-import importlib.util
 import multiprocessing
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -81,7 +80,7 @@ def _measure(n_frames: int) -> _Spent:
             if number >= WARM_FRAMES:
                 times.append((*spent, time.process_time() - cpu))
     cpu_ms, clock_ms, limbs_ms = 1000 * np.array(times).T
-    return _Spent(cpu_ms, clock_ms, limbs_ms, _memory_mib())
+    return _Spent(cpu_ms, clock_ms, limbs_ms, peak_memory_mib())
 
 
 def _frames(name: str, n_frames: int) -> tuple[list[Float32Array], CameraCalibration, Plane | None]:
@@ -95,9 +94,15 @@ def _frames(name: str, n_frames: int) -> tuple[list[Float32Array], CameraCalibra
     return frames, calibration.depth, calibration.floor
 
 
-def _memory_mib() -> float:
-    """Return the most that the process held; 0 where the system does not tell."""
-    if importlib.util.find_spec("resource") is None:
+def peak_memory_mib() -> float:
+    """Return the most that this process held; 0 where the system does not tell.
+
+    Not `getrusage`: Linux hands its figure on to a new process, which so begins with the most that
+    the process held that started it.
+    """
+    status = Path("/proc/self/status")
+    if not status.is_file():
         return 0.0
-    resource = importlib.import_module("resource")
-    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024
+    lines = status.read_text(encoding="ascii").splitlines()
+    peak = next((line for line in lines if line.startswith("VmHWM:")), "VmHWM: 0 kB")
+    return float(peak.split()[1]) / 1024
