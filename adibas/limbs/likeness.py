@@ -120,7 +120,7 @@ def describe_parts(
 
 def _step_of(pixels: BoolArray) -> int:
     """Return of how many rows and columns one was looked at."""
-    rows, columns = np.nonzero(pixels)
+    rows, columns = (np.flatnonzero(pixels.any(axis=axis)) for axis in (1, 0))
     return max(1, int(np.gcd(np.gcd.reduce(rows), np.gcd.reduce(columns))))
 
 
@@ -146,6 +146,8 @@ def _pieces(labels: AnyArray, n_pixels: int) -> tuple[float, float, float]:
         n_here = int(here.sum())
         if n_here < max(LEAST_PIXELS, LEAST_SHARE * n_pixels):
             continue
+        left, top, width, height = cv2.boundingRect(here)
+        here = np.ascontiguousarray(here[top : top + height, left : left + width])
         sizes = cv2.connectedComponentsWithStats(here, connectivity=8)[2][1:, cv2.CC_STAT_AREA]
         n_limbs += 1
         n_pieces += int((sizes >= max(LEAST_PIXELS, LEAST_PIECE_SHARE * n_pixels)).sum())
