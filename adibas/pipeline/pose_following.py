@@ -103,6 +103,16 @@ class PoseNow:
     notices: tuple[Sentence, ...]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """Somebody's limbs, where the person's middle is, and how high over the camera the top."""
+
+    pixels: BoolArray
+    parts: LimbParts
+    middle_m: FloatArray
+    top_m: float
+
+
 def forest_segmenter(
     model: LimbModel, camera: CameraCalibration, params: LimbParams | None = None
 ) -> Segmenter:
@@ -209,10 +219,10 @@ class PoseEstimator:
         notices: tuple[Sentence, ...] = () if masks else self._absence(depth_m)
         seen = []
         for pixels in masks:
-            parts, said = self._parts(depth_m, pixels, time_s)
+            one, said = self._seen(depth_m, pixels, time_s)
             notices += said
-            if parts is not None:
-                seen.append((pixels, parts))
+            if one is not None:
+                seen.append(one)
         return PoseNow(tuple(self._named(depth_m, seen, time_s)), notices)
 
     def _absence(self, depth_m: Float32Array) -> tuple[Sentence, ...]:
@@ -220,43 +230,39 @@ class PoseEstimator:
             why_nobody(depth_m, self.camera, self.floor, self._params.people.body)
         ).notices
 
-    def _parts(
+    def _seen(
         self, depth_m: Float32Array, pixels: BoolArray, time_s: float
-    ) -> tuple[LimbParts | None, tuple[Sentence, ...]]:
+    ) -> tuple[_Seen | None, tuple[Sentence, ...]]:
         judgement = judge_mask(depth_m, pixels)
         if not judgement.is_person:
             return None, judgement.notices
         parts = self._segmenter(depth_m, pixels)
-        found = self._verdict(depth_m, pixels, parts, time_s)
-        return (parts if found.is_person else None), (*judgement.notices, *found.notices)
+        one = _Seen(pixels, parts, *self._place(depth_m, pixels))
+        found = self._verdict(depth_m, one, time_s)
+        return (one if found.is_person else None), (*judgement.notices, *found.notices)
 
-    def _verdict(
-        self, depth_m: Float32Array, pixels: BoolArray, parts: LimbParts, time_s: float
-    ) -> Judgement:
+    def _verdict(self, depth_m: Float32Array, one: _Seen, time_s: float) -> Judgement:
         """Judge limbs; of somebody new the most of some frames decide."""
-        middle_m, _ = self._place(depth_m, viewing_rays(self.camera), pixels)
-        if self._judge is None or self._trust.is_trusted(middle_m, time_s):
-            found = judge_parts(parts, pixels)
+        if self._judge is None or self._trust.is_trusted(one.middle_m, time_s):
+            found = judge_parts(one.parts, one.pixels)
         else:
-            found = self._judge(depth_m, pixels, parts)
-            is_person = self._trust.judged(middle_m, time_s, is_person=found.is_person)
+            found = self._judge(depth_m, one.pixels, one.parts)
+            is_person = self._trust.judged(one.middle_m, time_s, is_person=found.is_person)
             if is_person != found.is_person:
                 found = Judgement(is_person, () if is_person else (Sentence(UNLIKE),))
-        self._trust.saw(middle_m, time_s)
+        self._trust.saw(one.middle_m, time_s)
         return found
 
-    def _named(
-        self, depth_m: Float32Array, seen: list[tuple[BoolArray, LimbParts]], time_s: float
-    ) -> list[PersonNow]:
+    def _named(self, depth_m: Float32Array, seen: list[_Seen], time_s: float) -> list[PersonNow]:
         rays = viewing_rays(self.camera)
-        places = [self._place(depth_m, rays, pixels) for pixels, _ in seen]
-        tops_m = np.array([top_m for _, top_m in places])
-        middles_m = np.array([middle_m for middle_m, _ in places]).reshape(-1, 3)
+        tops_m = np.array([one.top_m for one in seen])
+        middles_m = np.array([one.middle_m for one in seen]).reshape(-1, 3)
         people = []
         box = seen_box(np.asarray(np.isfinite(depth_m)))
         self._known_m = middles_m
         numbers = self._identities.match(middles_m, tops_m, time_s)
-        for person, (pixels, parts) in zip(numbers, seen, strict=True):
+        for person, one in zip(numbers, seen, strict=True):
+            pixels, parts = one.pixels, one.parts
             points = part_points(depth_m, parts, rays, self._params.proposals)
             proposals = propose_joints(points, self._joints.offsets, self._params.proposals)
             if person not in self._followers:
@@ -283,13 +289,11 @@ class PoseEstimator:
         top, bottom, left, right = (cut_px(pixels, box) > least_px).tolist()
         return Picture(self.camera, box, (top, bottom, left, right))
 
-    def _place(
-        self, depth_m: Float32Array, rays: Float32Array, pixels: BoolArray
-    ) -> tuple[FloatArray, float]:
+    def _place(self, depth_m: Float32Array, pixels: BoolArray) -> tuple[FloatArray, float]:
         """Return where a person is, and how high the person reaches over the camera."""
         every = np.s_[::PLACE_STEP, ::PLACE_STEP]
         measured = pixels[every] & np.isfinite(depth_m[every])
-        points_m = rays[every][measured] * depth_m[every][measured][:, None]
+        points_m = viewing_rays(self.camera)[every][measured] * depth_m[every][measured][:, None]
         up = np.array(UP) if self.floor is None else self.floor.normal
         heights_m = points_m @ up
         return np.median(points_m, axis=0), float(np.percentile(heights_m, TOP_PERCENTILE))
