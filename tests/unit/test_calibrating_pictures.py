@@ -9,7 +9,7 @@ from adibas.data.board import Board
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.frames import SourceInfo
 from adibas.geometry.planes import Plane
-from adibas.pipeline import calibration_session
+from adibas.pipeline import sensor_calibration
 from adibas.pipeline.calibrating_depth import DepthOutcome
 from adibas.pipeline.calibrating_pictures import NO_DEPTH, calibrate_depth_of, check_scales, joined
 from tests.unit.board_pictures import (
@@ -90,7 +90,7 @@ def test_the_vertical_by_a_floor_in_view_stands_in_the_calibration(session, outc
         floor_flatness_m=0.003,
     )
     depth = replace(outcome.depth, calibration=seen)
-    monkeypatch.setattr(calibration_session, "calibrate_depth_of", lambda *_: depth)
+    monkeypatch.setattr(sensor_calibration, "calibrate_depth_of", lambda *_: depth)
     found = session.outcome().calibration
     np.testing.assert_array_equal(found.gravity, down)
     assert found.floor.offset_m == 1.1
