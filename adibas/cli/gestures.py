@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.exercise import add_check_arguments
+from adibas.cli.gestures_evaluation import evaluation_lines
 from adibas.cli.options import add_json, add_out, sentence
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -13,7 +14,6 @@ from adibas.texts import translate as _
 if TYPE_CHECKING:
     from adibas.gestures.training import TrainingParams
     from adibas.pipeline.gesture_learning import Trained
-    from adibas.pipeline.gesture_work import Evaluated
 
 SUMMARY = message("learn gestures from examples, and find when they begin and end")
 TRAIN = message("learn gestures from a folder of examples")
@@ -194,38 +194,7 @@ def _evaluate(arguments: argparse.Namespace, console: Console) -> int:
         evaluated = evaluate_folder(arguments.folder, arguments.test, params, advance)
     for notice in evaluated.notices:
         console.warn(notice.text)
-    for line in _table(evaluated, params):
+    for line in evaluation_lines(evaluated, params):
         console.say(line)
     console.give(evaluation_document(evaluated, params))
     return 0
-
-
-def _table(evaluated: "Evaluated", params: "TrainingParams") -> list[str]:
-    result = evaluated.result
-    precision, recall, f1 = result.rates_of(range(len(result.labels)))
-    lines = [
-        _("{protocol}, {n} groups, method {method}, seed {seed}").format(
-            protocol=evaluated.protocol,
-            n=evaluated.groups,
-            method=params.method,
-            seed=params.seed,
-        ),
-        _("Best class right: {percent:.1f} %; by equation 7.7: {by_7_7:.1f} %").format(
-            percent=100 * result.accuracy, by_7_7=result.accuracy_7_7
-        ),
-        _(
-            "Precision {precision:.2f}, recall {recall:.2f}, F1 {f1:.2f}; {missed} not "
-            "classified, {alarms} false alarms"
-        ).format(
-            precision=precision,
-            recall=recall,
-            f1=f1,
-            missed=int(result.missed.sum()),
-            alarms=result.false_alarms,
-        ),
-    ]
-    width = max(map(len, result.labels))
-    for number, label in enumerate(result.labels):
-        rates = "  ".join(f"{rate:5.2f}" for rate in result.rates_of([number]))
-        lines.append(f"{label:{width}}  {rates}  {result.accuracy_of(number):6.1f} %")
-    return lines

@@ -171,8 +171,8 @@ def _gaps(path: Path, track: SkeletonTrack, params: DescriptorParams) -> list[Se
     return [
         Sentence(
             message(
-                "{file}: {n} gaps of more than {longest} s (the longest {most} s); no gesture is "
-                "looked for across them."
+                "{file}: gaps of more than {longest} s in the joints: {n} (the longest {most} s); "
+                "no gesture is looked for across them."
             ),
             {
                 "file": path.name,

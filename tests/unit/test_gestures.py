@@ -309,7 +309,7 @@ def test_gaps_and_joints_that_never_appear_are_said(tmp_path, capsys, trained):
     assert main(["gestures", "detect", str(path), "--model", str(model), "--out", str(out)]) == 0
     said = capsys.readouterr().err
     assert "right foot never appear" in said
-    assert "1 gaps of more than 0.5 s" in said
+    assert "gaps of more than 0.5 s in the joints: 1 (the longest 9.0 s)" in said
     joints[:, JOINT_NAMES.index("neck")] = np.nan
     write_joints_csv(path, [track_of(times_s, joints)])
     assert main(["gestures", "detect", str(path), "--model", str(model), "--out", str(out)]) == 1
