@@ -98,7 +98,7 @@ def _measured(
     params = SagittalParams()
     share = y_m / stature_m
     low, high = params.thoracolumbar
-    itl = _argmax(slopes, (share >= low) & (share <= high))
+    itl = _argmax(slopes, (share >= low) & (share <= high) & _is_peak(slopes))
     ict = _argmax(-slopes, (y_m > y_m[itl]) & (y_m < top_m))
     ils = _argmax(-slopes, (y_m < y_m[itl]) & (share >= params.lowest))
     angles_deg = np.degrees(np.arctan(slopes[[ict, itl, ils]]))
@@ -115,3 +115,10 @@ def _measured(
 def _argmax(values: FloatArray, allowed: BoolArray) -> int:
     places = np.flatnonzero(allowed)
     return int(places[values[places].argmax()])
+
+
+def _is_peak(values: FloatArray) -> BoolArray:
+    """Return where a curve turns; at the border of what is allowed it only goes on."""
+    is_peak = np.zeros(len(values), np.bool_)
+    is_peak[1:-1] = (values[1:-1] > values[:-2]) & (values[1:-1] > values[2:])
+    return is_peak

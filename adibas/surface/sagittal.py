@@ -142,7 +142,7 @@ def _places(
 ) -> tuple[int, ...] | None:
     """Return the rows of ICT, KA, ITL, LA, ILS and the neck's foremost place."""
     low, high = (share * stature_m for share in params.thoracolumbar)
-    itl = _extreme(slope, (y_m >= low) & (y_m <= high))
+    itl = _highest_peak(slope, (y_m >= low) & (y_m <= high))
     if itl is None:
         return None
     ict = _extreme(-slope, y_m > y_m[itl])
@@ -175,3 +175,14 @@ def _extreme(values: FloatArray, allowed: BoolArray) -> int | None:
         return None
     best = int(places[values[places].argmax()])
     return None if best in (0, len(values) - 1) else best
+
+
+def _highest_peak(values: FloatArray, allowed: BoolArray) -> int | None:
+    """Return the highest of the allowed peaks; None where there is none.
+
+    The border of what is allowed is no peak: towards the seat the slope rises again, beyond that of
+    a flat back's inflection, without a turn between.
+    """
+    peaks = 1 + np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] > values[2:]))
+    peaks = peaks[allowed[peaks]]
+    return int(peaks[values[peaks].argmax()]) if len(peaks) else None

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.special import erf
 
 from adibas.geometry.planes import Plane
 from adibas.surface.back_grid import BackGrid, grid_of
 from adibas.surface.patient_axes import axes_of_back, turned
-from adibas.surface.sagittal import sagittal_shape
+from adibas.surface.sagittal import SagittalParams, sagittal_shape
 from adibas.surface.spine_profile import ProfileParams, fit_profile
 from adibas.surface.symmetry_line import find_symmetry_line
 from tests.unit.back_surfaces import (
@@ -94,6 +95,18 @@ def test_angles_and_fleches_are_those_of_the_sine(still):
     assert shape.kyphosis_rad.value == pytest.approx(2 * STEEPEST_RAD, abs=np.radians(0.5))
     assert shape.lordosis_rad.value == pytest.approx(2 * STEEPEST_RAD, abs=np.radians(0.8))
     assert shape.fleche_lombaire_m.value == pytest.approx(2 * SWING_M, abs=0.001)
+
+
+def test_a_slope_that_rises_beyond_the_border_is_no_inflection():
+    points_m = back_points()
+    away = (points_m[:, 1] - 0.95) / 0.04
+    points_m[:, 2] += 0.04 * np.sqrt(np.pi) / 2 * erf(away)
+    line = find_symmetry_line(grid_of(points_m))
+    profile = fit_profile(points_m, line, WINDOW)
+    border_m = SagittalParams().thoracolumbar[0] * STATURE_M
+    steeper = profile.inclination(np.array([border_m, CROSSING_M]))
+    assert steeper[0] > steeper[1]
+    assert sagittal_shape(profile, STATURE_M).itl_m == pytest.approx(CROSSING_M, abs=0.02)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
