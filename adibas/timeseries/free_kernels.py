@@ -32,17 +32,15 @@ def feed_free(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfac
     sums, began, cost, seen = memory[0], memory[1], memory[2:6], memory[6, :n_columns]
     whole = n_frames - n_frames % LANES
     for t in range(0, whole, LANES):
-        for lane in range(LANES):
-            local_costs(
-                stream[t + lane], columns, squared_weights, least_share, seen,
-                cost[lane, :n_columns],
-            )  # fmt: skip
+        local_costs(
+            stream, t, t + LANES, columns, squared_weights, least_share, seen, cost, 0, LANES
+        )
         for k in range(len(offsets) - 1):
             at, end = offsets[k], offsets[k + 1]
             _four_frames(cost[:, at:end], sums[at:end], began[at:end], first + t,
                          costs_out[t : t + LANES, k], starts_out[t : t + LANES, k])  # fmt: skip
     for t in range(whole, n_frames):
-        local_costs(stream[t], columns, squared_weights, least_share, seen, cost[0, :n_columns])
+        local_costs(stream, t, t + 1, columns, squared_weights, least_share, seen, cost, 0, LANES)
         for k in range(len(offsets) - 1):
             at, end = offsets[k], offsets[k + 1]
             _one_frame(cost[0, at:end], sums[at:end], began[at:end], first + t)
@@ -141,13 +139,13 @@ def whole_cost(
     cost, sums, seen = scratch[:LANES], scratch[LANES], scratch[LANES + 1]
     for t in range(0, len(frames), LANES):
         n_rows = min(LANES, len(frames) - t)
-        for lane in range(n_rows):
-            if is_squared:
-                squared_distances(frames[t + lane], columns, cost[lane])
-            else:
-                local_costs(
-                    frames[t + lane], columns, squared_weights, least_share, seen, cost[lane]
-                )
+        if is_squared:
+            for lane in range(n_rows):
+                squared_distances(frames, t + lane, columns, cost, lane)
+        else:
+            local_costs(
+                frames, t, t + n_rows, columns, squared_weights, least_share, seen, cost, 0, LANES
+            )
         if t > 0 and n_rows == LANES:
             _four_rows(cost, sums)
         else:

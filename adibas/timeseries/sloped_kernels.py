@@ -44,13 +44,13 @@ def feed_sloped(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interf
     The sum of the best path that ends with each frame, and where it began, go to `costs_out` and
     `starts_out` (n, k).
     """
+    seen = memory[SCRATCH]
     for block in range(0, len(stream), AT_ONCE):
         end = min(block + AT_ONCE, len(stream))
-        for t in range(block, end):
-            local_costs(
-                stream[t], columns, squared_weights, least_share, memory[SCRATCH],
-                memory[(first + t) % N_COSTS],
-            )  # fmt: skip
+        local_costs(
+            stream, block, end, columns, squared_weights, least_share, seen,
+            memory, (first + block) % N_COSTS, N_COSTS,
+        )  # fmt: skip
         for t in range(block, end):
             advance(first + t, t, offsets, memory, costs_out, starts_out)
 

@@ -46,6 +46,7 @@ class StreamAligner:
     ) -> None:
         stack = stacked(models, weights)
         self._factors = weights_of(weights, stack.frames.shape[1])
+        self._is_weighted = bool((self._factors != 1.0).any())
         self._columns, self._offsets = stack.columns, stack.offsets
         self._has_gaps, self._shares = stack.has_gaps, stack.column_shares()
         self._is_sloped = steps == "sloped"
@@ -77,7 +78,7 @@ class StreamAligner:
             The number of the frame where that path begins, counted from the last `reset`.
         """
         check_shape("frames", frames, (None, len(self._factors)))
-        weighted = np.ascontiguousarray(frames * self._factors)
+        weighted = np.ascontiguousarray(frames * self._factors if self._is_weighted else frames)
         gaps = self._has_gaps or bool(np.isnan(weighted).any())
         shares = self._shares if gaps else NOTHING_MISSING
         costs = np.empty((len(frames), len(self.lengths)))
