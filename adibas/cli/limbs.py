@@ -24,8 +24,8 @@ PROPOSE = message("label the limbs in a recording by its joints, to be corrected
 EVALUATE = message("measure on labelled images that had no part in the training")
 SETS = ("full-body-15", "upper-body-7", "hand-6")
 CUTS = ("omega_1", "omega_2", "none")
-N_FRAMES = 3500
-SHIPPED_FOREST, THESIS_FOREST = (2, 24, 250), (3, 20, 1000)
+N_FRAMES = 12_000
+SHIPPED_FOREST, THESIS_FOREST = (3, 24, 600), (3, 20, 1000)
 """Trees, depth, pixels of an image."""
 
 
@@ -109,9 +109,9 @@ def _add_cut(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--smoothness",
         type=positive,
-        default=4.0,
+        default=2.0,
         metavar="N",
-        help=_("lambda of the graph cut; 4 if not given"),
+        help=_("lambda of the graph cut; 2 if not given"),
     )
 
 

@@ -83,8 +83,8 @@ class PersonNow:
         joint model knows how reliable they are.
     raw : ChosenJoints
         As they were chosen, before that.
-    is_cut : (top, bottom, left, right)
-        Where the picture cuts the person off.
+    picture : Picture
+        What the depth picture shows of the person.
     """
 
     person: int
@@ -92,7 +92,7 @@ class PersonNow:
     parts: LimbParts
     joints: ChosenJoints
     raw: ChosenJoints
-    is_cut: tuple[bool, bool, bool, bool]
+    picture: Picture
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -275,13 +275,13 @@ class PoseEstimator:
                 *(proposals, time_s, facing, points.cloud()), picture
             )
             people.append(
-                PersonNow(person, pixels, parts, self._reliable(raw, picture), raw, picture.is_cut)
+                PersonNow(person, pixels, parts, self._reliable(raw, picture), raw, picture)
             )
         return people
 
     def _reliable(self, raw: ChosenJoints, picture: Picture) -> ChosenJoints:
         reliability = self._joints.reliability
-        return raw if reliability is None else reliability.applied(raw, picture.is_cut)
+        return raw if reliability is None else reliability.applied(raw, picture)
 
     def _picture(self, box: Box, pixels: BoolArray) -> Picture:
         """Return what the picture, which can show anything within a box, shows of somebody."""

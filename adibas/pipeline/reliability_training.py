@@ -107,12 +107,13 @@ def _of_person(
 ) -> Iterator[SaidJoint]:
     joints = found.raw
     is_front = joints.front_probability > 0.5  # noqa: PLR2004  (more likely than not)
-    given = joints if reliability is None else reliability.applied(joints, found.is_cut)
+    inside_m = found.picture.inside_m(joints.joints_m)
+    given = joints if reliability is None else reliability.applied(joints, found.picture)
     for joint in np.flatnonzero(np.isfinite(joints.confidence)).tolist():
         far_m = float(np.linalg.norm(joints.joints_m[joint] - truth.joints_m[joint]))
         yield SaidJoint(
             name,
-            tuple(situations(joint, found.is_cut, is_front=is_front)),
+            tuple(situations(joint, found.picture.is_cut, inside_m[joint], is_front=is_front)),
             float(joints.confidence[joint]),
             float(given.confidence[joint]),
             far_m < NEAR_M,
@@ -138,12 +139,16 @@ def fit(said: list[SaidJoint], provenance: dict[str, object]) -> Reliability:
     curves = {}
     for name in all_situations():
         mine = [one for one in said if name in one.names]
-        alike = [one for one in said if any(of.split()[0] == name.split()[0] for of in one.names)]
+        alike = [one for one in said if any(_where(of) == _where(name) for of in one.names)]
         expected = float(np.mean([one.is_right for one in alike])) if alike else 0.0
         raw = np.array([one.raw for one in mine])
         is_right = np.array([one.is_right for one in mine], np.bool_)
         curves[name] = fit_curve(raw, is_right, expected)
     return Reliability(curves, provenance)
+
+
+def _where(situation: str) -> str:
+    return situation.rpartition(" ")[0]
 
 
 if __name__ == "__main__":

@@ -51,7 +51,7 @@ from adibas.simulation.rotations import about
 STEP = 2
 CLUTTER = len(BODY_PART_NAMES) + 1
 """Value of furniture in images of labels."""
-FRAMES_A_PERSON = 25
+FRAMES_A_PERSON = 12
 _TURNED_RAD = math.radians(75.0)
 _FAR_TURNED_RAD = math.radians(110.0)
 _BODY_BAND_M = 0.12

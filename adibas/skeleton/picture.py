@@ -33,11 +33,17 @@ class Picture:
 
     def shows(self, joints_m: FloatArray) -> BoolArray:
         """Say of (N, 3) joints, metres, whether the picture can show them; not of NaN."""
+        least_m = np.where(self.is_cut, CUT_MARGIN_M, 0.0)
+        return np.asarray((self.inside_m(joints_m) >= least_m).all(axis=1))
+
+    def inside_m(self, joints_m: FloatArray) -> FloatArray:
+        """Return how far (N, 3) joints lie inside of each edge: (N, 4), `is_cut`'s order, metres.
+
+        Lengths at the joint's depth; negative beyond the edge, NaN where the joint is.
+        """
         camera = self.camera
         u, v = project_distorted(joints_m, camera.intrinsics, camera.distortion).T
-        margin_px = CUT_MARGIN_M * camera.intrinsics.fx / np.maximum(joints_m[:, 2], CUT_MARGIN_M)
-        top, bottom, left, right = (margin_px * is_cut for is_cut in self.is_cut)
         first_row, past_row, first_column, past_column = self.box
-        shown: BoolArray = (v >= first_row + top) & (v < past_row - bottom)
-        shown &= (u >= first_column + left) & (u < past_column - right)
-        return shown
+        inside_px = np.stack([v - first_row, past_row - v, u - first_column, past_column - u])
+        metres_a_px = np.maximum(joints_m[:, 2], CUT_MARGIN_M) / camera.intrinsics.fx
+        return np.asarray((inside_px * metres_a_px).T)

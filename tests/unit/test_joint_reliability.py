@@ -8,13 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sklearn.isotonic import IsotonicRegression
 
+from adibas.data.calibration import CameraCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.errors import FileError
+from adibas.geometry.pinhole import Intrinsics
 from adibas.pipeline import shipped_json
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.reliability_file import shipped_reliability
 from adibas.skeleton.following import ChosenJoints
+from adibas.skeleton.picture import Picture
 from adibas.skeleton.reliability import (
     LEAST_SHARE,
     PRIOR_JOINTS,
@@ -28,12 +31,18 @@ from adibas.skeleton.reliability import (
     situations,
 )
 
+FAR_M, CLOSE_TO_ALL_M = np.full(4, 1.0), np.full(4, 0.1)
 UNCUT = (False, False, False, False)
 TOP, BOTTOM, LEFT, RIGHT = (tuple(k == edge for k in range(4)) for edge in range(4))
 
 
 def number(name):
     return JOINT_NAMES.index(name)
+
+
+def picture(is_cut):
+    camera = CameraCalibration(640, 480, Intrinsics(600.0, 600.0, 320.0, 240.0))
+    return Picture(camera, (0, 480, 0, 640), is_cut)
 
 
 def made(**shares):
@@ -73,33 +82,53 @@ def test_where_nothing_was_counted_the_whole_situation_speaks():
 
 def test_sides_that_lie_at_the_cut_edge_are_told_from_the_others():
     left, right = number("left_hand"), number("right_hand")
-    assert situations(left, UNCUT, is_front=True) == ["whole hand"]
-    assert situations(right, LEFT, is_front=True) == ["side near hand"]
-    assert situations(left, LEFT, is_front=True) == ["side far hand"]
-    assert situations(left, LEFT, is_front=False) == ["side near hand"]
-    assert situations(left, RIGHT, is_front=True) == ["side near hand"]
-    assert situations(number("head"), RIGHT, is_front=True) == ["side head"]
-    both = situations(left, (False, True, False, True), is_front=True)
+    assert situations(left, UNCUT, FAR_M, is_front=True) == ["whole hand"]
+    assert situations(right, LEFT, FAR_M, is_front=True) == ["side near hand"]
+    assert situations(left, LEFT, FAR_M, is_front=True) == ["side far hand"]
+    assert situations(left, LEFT, FAR_M, is_front=False) == ["side near hand"]
+    assert situations(left, RIGHT, FAR_M, is_front=True) == ["side near hand"]
+    assert situations(number("head"), RIGHT, FAR_M, is_front=True) == ["side head"]
+    both = situations(left, (False, True, False, True), FAR_M, is_front=True)
     assert both == ["bottom hand", "side near hand"]
+
+
+def test_joints_close_to_the_edge_above_or_below_are_told_from_the_others():
+    knee = number("left_knee")
+    assert situations(knee, BOTTOM, CLOSE_TO_ALL_M, is_front=True) == ["bottom close knee"]
+    assert situations(knee, BOTTOM, FAR_M, is_front=True) == ["bottom knee"]
+    assert situations(knee, UNCUT, CLOSE_TO_ALL_M, is_front=True) == ["whole knee"]
+    at_bottom = np.array([1.0, 0.1, 1.0, 1.0])
+    both = situations(knee, (True, True, False, False), at_bottom, is_front=True)
+    assert both == ["top knee", "bottom close knee"]
 
 
 def test_joints_of_somebody_cut_off_that_are_mostly_wrong_are_not_seen():
     reliability = made(bottom_foot=LEAST_SHARE - 0.01, bottom_head=0.7, whole_hand=0.3)
-    joints = ChosenJoints(np.ones((15, 3)), np.full(15, 0.8), 0.9)
-    cut = reliability.applied(joints, BOTTOM)
+    joints = ChosenJoints(np.tile([0.0, 0.0, 2.0], (15, 1)), np.full(15, 0.8), 0.9)
+    cut = reliability.applied(joints, picture(BOTTOM))
     feet = [number("left_foot"), number("right_foot")]
     assert np.isnan(cut.joints_m[feet]).all()
     assert np.isnan(cut.confidence[feet]).all()
     assert cut.n_seen == 13
     assert cut.confidence[number("head")] == pytest.approx(0.7)
-    whole = reliability.applied(joints, UNCUT)
+    whole = reliability.applied(joints, picture(UNCUT))
     assert whole.n_seen == 15, "of somebody seen whole all are given, with what they are worth"
     assert whole.confidence[number("left_hand")] == pytest.approx(0.3)
 
 
+def test_how_far_inside_of_the_edge_a_joint_lies_decides_which_curve_holds():
+    reliability = made(bottom_close_knee=0.1)
+    heights_m = np.tile([0.0, 0.0, 2.0], (15, 1))
+    left, right = number("left_knee"), number("right_knee")
+    heights_m[left, 1], heights_m[right, 1] = 0.6, 0.4  # the edge is 0.8 m below the axis
+    cut = reliability.applied(ChosenJoints(heights_m, np.full(15, 0.8), 0.9), picture(BOTTOM))
+    assert np.isnan(cut.confidence[left])
+    assert cut.confidence[right] == pytest.approx(0.9)
+
+
 def test_joints_that_were_not_seen_stay_so():
     joints = ChosenJoints(np.full((15, 3), np.nan), np.full(15, np.nan), 0.5)
-    assert made().applied(joints, TOP).n_seen == 0
+    assert made().applied(joints, picture(TOP)).n_seen == 0
 
 
 def test_curves_come_back_out_of_their_file():
