@@ -87,7 +87,7 @@ def is_refused(
     if not judge_mask(depth_m, mask).is_person:
         return True
     parts = segment(depth_m, mask, focal_px, model, LimbParams(step=1))
-    return not judge(depth_m, mask, parts).is_person
+    return not judge(depth_m, mask, parts, None).is_person
 
 
 def _metres(depth_mm: AnyArray) -> Float32Array:

@@ -60,7 +60,7 @@ def described(shown: Shown, camera: CameraCalibration, model: LimbModel) -> Floa
             continue
         parts = segment(depth_m, mask, focal_px, model, LimbParams(step=1))
         if judge_parts(parts, mask).is_person:
-            found.append(describe(depth_m, mask, parts)[None])
+            found.append(describe(depth_m, mask, parts, None)[None])
     return np.concatenate(found)
 
 
@@ -84,7 +84,7 @@ def crowd_described(seeds: range, model: LimbModel) -> FloatArray:
                     continue
                 parts = segmented(depth_m, pixels)
                 if judge_parts(parts, pixels).is_person:
-                    found.append(describe(depth_m, pixels, parts)[None])
+                    found.append(describe(depth_m, pixels, parts, None)[None])
     return np.concatenate(found)
 
 

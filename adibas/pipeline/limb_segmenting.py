@@ -187,7 +187,7 @@ class Looker:
         if not judgement.is_person:
             return None, judgement
         parts = segment(depth_m, mask, self.camera.intrinsics.fx, model, params)
-        found = person_judge(model, self.camera)(depth_m, mask, parts)
+        found = person_judge(model, self.camera)(depth_m, mask, parts, None)
         notices = (*said.notices, *judgement.notices, *found.notices)
         return (parts if found.is_person else None), Judgement(found.is_person, notices)
 

@@ -9,10 +9,11 @@ from adibas.limbs.judging import Judgement, judge_likeness, judge_parts
 from adibas.limbs.likeness import Likeness
 from adibas.limbs.model import LimbModel
 from adibas.pipeline.likeness_file import shipped_likeness
+from adibas.pipeline.person_evidence import PersonEvidence
 from adibas.pipeline.person_quantities import describer
 
-Judge = Callable[[Float32Array, BoolArray, LimbParts], Judgement]
-"""Takes depth, the mask of somebody, and the limbs that were found in it."""
+Judge = Callable[[Float32Array, BoolArray, LimbParts, PersonEvidence | None], Judgement]
+"""Takes depth, the mask of somebody, the limbs in it, and what they tell, if that is known yet."""
 
 
 def person_judge(model: LimbModel, camera: CameraCalibration) -> Judge:
@@ -25,11 +26,16 @@ def person_judge(model: LimbModel, camera: CameraCalibration) -> Judge:
     describe = describer(camera)
     is_learned = model.labels is FULL_BODY and is_of(likeness, model)
 
-    def judged(depth_m: Float32Array, pixels: BoolArray, parts: LimbParts) -> Judgement:
+    def judged(
+        depth_m: Float32Array,
+        pixels: BoolArray,
+        parts: LimbParts,
+        seen: PersonEvidence | None = None,
+    ) -> Judgement:
         found = judge_parts(parts, pixels)
         if not (found.is_person and is_learned):
             return found
-        score = likeness.score(describe(depth_m, pixels, parts))
+        score = likeness.score(describe(depth_m, pixels, parts, seen))
         return judge_likeness(score, likeness.threshold)
 
     return judged

@@ -8,17 +8,16 @@ from adibas.arrays import BoolArray, Float32Array, FloatArray
 from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration
 from adibas.data.limbs import LimbParts
-from adibas.limbs.facing import front_evidence
 from adibas.limbs.figure import FIGURES, describe_figure
 from adibas.limbs.likeness import PART_QUANTITIES, describe_parts
-from adibas.limbs.proposals import part_points, propose_joints
+from adibas.pipeline.person_evidence import PersonEvidence, evidence_of
 from adibas.pipeline.pose_model import shipped_joint_model
 from adibas.skeleton.following import PersonFollower
 from adibas.skeleton.plausibility import PLAUSIBILITIES, describe_joints
 
 QUANTITIES = (*PART_QUANTITIES, *FIGURES, *PLAUSIBILITIES)
-Describe = Callable[[Float32Array, BoolArray, LimbParts], FloatArray]
-"""Takes depth, the mask of somebody, and the limbs that were found in it."""
+Describe = Callable[[Float32Array, BoolArray, LimbParts, PersonEvidence | None], FloatArray]
+"""Takes depth, the mask of somebody, the limbs in it, and what they tell, if that is known yet."""
 
 
 def describer(camera: CameraCalibration) -> Describe:
@@ -26,11 +25,12 @@ def describer(camera: CameraCalibration) -> Describe:
     rays, focal_px = viewing_rays(camera), camera.intrinsics.fx
     model = shipped_joint_model()
 
-    def described(depth_m: Float32Array, mask: BoolArray, parts: LimbParts) -> FloatArray:
-        points = part_points(depth_m, parts, rays)
-        proposals = propose_joints(points, model.offsets)
+    def described(
+        depth_m: Float32Array, mask: BoolArray, parts: LimbParts, seen: PersonEvidence | None = None
+    ) -> FloatArray:
+        seen = seen or evidence_of(depth_m, parts, rays, model.offsets)
         at_first_sight = PersonFollower(model.proportions)
-        joints = at_first_sight.follow(proposals, 0.0, front_evidence(points), points.cloud())
+        joints = at_first_sight.follow(seen.proposals, 0.0, seen.front, seen.cloud)
         return np.concatenate(
             [
                 describe_parts(depth_m, mask, focal_px, parts),

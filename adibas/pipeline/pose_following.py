@@ -16,12 +16,13 @@ from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.sentence import Sentence
 from adibas.geometry.picture_edges import Box, cut_px, seen_box
 from adibas.geometry.planes import Plane
-from adibas.limbs.facing import FacingParams, front_evidence
+from adibas.limbs.facing import FacingParams
 from adibas.limbs.judging import UNLIKE, Judgement, judge_absence, judge_mask, judge_parts
 from adibas.limbs.model import LimbModel
-from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
+from adibas.limbs.proposals import ProposalParams
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.mending import mended
+from adibas.pipeline.person_evidence import PersonEvidence, evidence_of
 from adibas.pipeline.person_judge import Judge
 from adibas.pipeline.pose_model import JointModel, shipped_joint_model
 from adibas.pipeline.trust import Trust
@@ -105,10 +106,11 @@ class PoseNow:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """Somebody's limbs, where the person's middle is, and how high over the camera the top."""
+    """Somebody's limbs and what they tell, the person's middle, and how high the top is."""
 
     pixels: BoolArray
     parts: LimbParts
+    evidence: PersonEvidence
     middle_m: FloatArray
     top_m: float
 
@@ -237,7 +239,8 @@ class PoseEstimator:
         if not judgement.is_person:
             return None, judgement.notices
         parts = self._segmenter(depth_m, pixels)
-        one = _Seen(pixels, parts, *self._place(depth_m, pixels))
+        evidence = self._evidence(depth_m, parts)
+        one = _Seen(pixels, parts, evidence, *self._place(depth_m, pixels))
         found = self._verdict(depth_m, one, time_s)
         return (one if found.is_person else None), (*judgement.notices, *found.notices)
 
@@ -246,15 +249,20 @@ class PoseEstimator:
         if self._judge is None or self._trust.is_trusted(one.middle_m, time_s):
             found = judge_parts(one.parts, one.pixels)
         else:
-            found = self._judge(depth_m, one.pixels, one.parts)
+            found = self._judge(depth_m, one.pixels, one.parts, one.evidence)
             is_person = self._trust.judged(one.middle_m, time_s, is_person=found.is_person)
             if is_person != found.is_person:
                 found = Judgement(is_person, () if is_person else (Sentence(UNLIKE),))
         self._trust.saw(one.middle_m, time_s)
         return found
 
+    def _evidence(self, depth_m: Float32Array, parts: LimbParts) -> PersonEvidence:
+        rays, offsets = viewing_rays(self.camera), self._joints.offsets
+        return evidence_of(
+            depth_m, parts, rays, offsets, self._params.proposals, self._params.facing
+        )
+
     def _named(self, depth_m: Float32Array, seen: list[_Seen], time_s: float) -> list[PersonNow]:
-        rays = viewing_rays(self.camera)
         tops_m = np.array([one.top_m for one in seen])
         middles_m = np.array([one.middle_m for one in seen]).reshape(-1, 3)
         people = []
@@ -263,16 +271,14 @@ class PoseEstimator:
         numbers = self._identities.match(middles_m, tops_m, time_s)
         for person, one in zip(numbers, seen, strict=True):
             pixels, parts = one.pixels, one.parts
-            points = part_points(depth_m, parts, rays, self._params.proposals)
-            proposals = propose_joints(points, self._joints.offsets, self._params.proposals)
             if person not in self._followers:
                 self._followers[person] = PersonFollower(
                     self._joints.proportions, self._params.view, self._params.follow
                 )
-            facing = front_evidence(points, self._params.facing)
             picture = self._picture(box, pixels)
+            evidence = one.evidence
             raw = self._followers[person].follow(
-                *(proposals, time_s, facing, points.cloud()), picture
+                evidence.proposals, time_s, evidence.front, evidence.cloud, picture
             )
             people.append(
                 PersonNow(person, pixels, parts, self._reliable(raw, picture), raw, picture)

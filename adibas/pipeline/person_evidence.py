@@ -1,0 +1,50 @@
+"""What limbs of one person in one frame tell of the joints: for the judge and for the choice."""
+
+from dataclasses import dataclass
+
+from adibas.arrays import Float32Array
+from adibas.data.joint_proposals import JointProposals
+from adibas.data.limbs import LimbParts
+from adibas.data.part_cloud import PartCloud
+from adibas.limbs.facing import FacingParams, front_evidence
+from adibas.limbs.joint_offsets import JointOffsets
+from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PersonEvidence:
+    """One person in one frame.
+
+    Attributes
+    ----------
+    proposals : JointProposals
+        Where each joint may be.
+    front : float
+        Log odds that the front is shown.
+    cloud : PartCloud
+        Surface that arms and legs are laid into.
+    """
+
+    proposals: JointProposals
+    front: float
+    cloud: PartCloud
+
+
+def evidence_of(
+    depth_m: Float32Array,
+    parts: LimbParts,
+    rays: Float32Array,
+    offsets: JointOffsets,
+    proposing: ProposalParams | None = None,
+    facing: FacingParams | None = None,
+) -> PersonEvidence:
+    """Return what limbs tell of joints; (H, W) depth in metres, `rays` as in `part_points`.
+
+    Raises
+    ------
+    LimbError
+        The labels are not those of the whole body.
+    """
+    points = part_points(depth_m, parts, rays, proposing)
+    proposals = propose_joints(points, offsets, proposing)
+    return PersonEvidence(proposals, front_evidence(points, facing), points.cloud())
