@@ -7,7 +7,7 @@ import numpy as np
 from adibas.arrays import FloatArray
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.data.part_cloud import PartCloud
-from adibas.skeleton.limb_fit_kernels import fit_limb
+from adibas.skeleton.limb_fit_kernels import fit_limbs_from
 
 LIMBS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = tuple(
     (tuple(f"{side}_{joint}" for joint in joints), tuple(f"{side}_{part}" for part in parts))
@@ -129,11 +129,10 @@ def _fitted(
     sizes = np.array(
         [lengths_m[1], lengths_m[2], params.length_weight, params.width_m, params.least_part]
     )
-    best_m, least = joints_m, np.inf
-    for start_m in _starts(points, joints_m, latest_m, lengths_m):
-        cost = fit_limb(points, both, start_m, pulls, sizes)
-        if cost < least:
-            best_m, least = start_m, cost
+    starts_m = _starts(points, joints_m, latest_m, lengths_m)
+    costs = fit_limbs_from(points, both, starts_m, pulls, sizes)
+    known = np.where(np.isfinite(costs), costs, np.inf)
+    best_m = starts_m[int(known.argmin())] if np.isfinite(known).any() else joints_m
     seen_m = _seen_only(points, both, best_m, params)
     is_bare = ~np.isfinite(joints_m[:, 0])
     own_m = cloud.points_m[total > params.bare_share * cloud.weights_m2.sum(axis=1)]
@@ -149,8 +148,8 @@ _LEGS = [k for k, name in enumerate(BODY_PART_NAMES) if name.endswith("upper_leg
 
 def _starts(
     points: FloatArray, joints_m: FloatArray, latest_m: FloatArray, lengths_m: FloatArray
-) -> list[FloatArray]:
-    """Return (3, 3) starts: as chosen, as a moment ago, and stretched to the farthest point."""
+) -> FloatArray:
+    """Return (S, 3, 3) starts: as chosen, a moment ago, stretched to the farthest point, bent."""
     root_m = joints_m[0]
     away_m = points[:, :3] - root_m
     far_m = np.linalg.norm(away_m, axis=1)
@@ -168,7 +167,7 @@ def _starts(
         if len(ends_m):
             beside_m = np.linalg.norm(ends_m - 0.5 * (root_m + middle_m), axis=1)
             starts.append(np.stack([root_m, middle_m, ends_m[beside_m.argmax()]]))
-    return [np.ascontiguousarray(start_m) for start_m in starts]
+    return np.stack(starts)
 
 
 def _spread_out(points_m: FloatArray) -> FloatArray:

@@ -11,10 +11,21 @@ import math
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.kernels import compiled
+from adibas.kernels import compiled, compiled_parallel, parallel_range
 
 N_ROUNDS = 8
 LEAST = 1e-9
+
+
+@compiled_parallel
+def fit_limbs_from(
+    points: FloatArray, shares: FloatArray, starts: FloatArray, pulls: FloatArray, sizes: FloatArray
+) -> FloatArray:
+    """Do as `fit_limb` with each of (S, 3, 3) starts, on all cores; return the (S,) costs."""
+    costs = np.empty(starts.shape[0])
+    for number in parallel_range(starts.shape[0]):
+        costs[number] = fit_limb(points, shares, starts[number], pulls, sizes)
+    return costs
 
 
 @compiled
@@ -39,10 +50,8 @@ def fit_limb(
     """
     matrix, right = np.zeros((3, 3)), np.zeros((3, 3))
     cost = 0.0
-    for _round in range(N_ROUNDS):
-        matrix[:] = 0.0
-        right[:] = 0.0
-        cost = _match(points, shares, start, sizes, matrix, right)
+    for number in range(N_ROUNDS):
+        cost = _match(points, shares, start, sizes, matrix, right, number == N_ROUNDS - 1)
         for joint in range(3):
             matrix[joint, joint] += pulls[joint, 3] + LEAST
             for axis in range(3):
@@ -67,56 +76,72 @@ def _squared(a: FloatArray, b: FloatArray) -> float:
 
 
 @compiled
-def _along(point: FloatArray, a: FloatArray, b: FloatArray) -> tuple[float, float]:
-    """Return where on the bone from a to b a point is nearest (0 to 1), and how far squared."""
-    length = max(_squared(a, b), LEAST)
-    t = 0.0
-    for axis in range(3):
-        t += (point[axis] - a[axis]) * (b[axis] - a[axis])
-    t = min(max(t / length, 0.0), 1.0)
-    far = 0.0
-    for axis in range(3):
-        far += (point[axis] - a[axis] - t * (b[axis] - a[axis])) ** 2
-    return t, far
+def _along(
+    px: float, py: float, pz: float, joints: FloatArray, bone: int, length: float
+) -> tuple[float, float]:
+    """Return where on a bone a point is nearest (0 to 1), and how far squared.
+
+    `length` is squared.
+    """
+    ax, ay, az = joints[bone, 0], joints[bone, 1], joints[bone, 2]
+    bx, by, bz = joints[bone + 1, 0] - ax, joints[bone + 1, 1] - ay, joints[bone + 1, 2] - az
+    dx, dy, dz = px - ax, py - ay, pz - az
+    t = min(max((dx * bx + dy * by + dz * bz) / length, 0.0), 1.0)
+    ex, ey, ez = dx - t * bx, dy - t * by, dz - t * bz
+    return t, ex * ex + ey * ey + ez * ez
 
 
 @compiled
-def _match(
+def _match(  # noqa: PLR0913, PLR0915, PLR0917  (a kernel: sums in numbers of their own)
     points: FloatArray,
     shares: FloatArray,
     joints: FloatArray,
     sizes: FloatArray,
     matrix: FloatArray,
     right: FloatArray,
+    is_last: bool,
 ) -> float:
-    """Add what the points say of the joints; return the cost of the points."""
+    """Put down what the points say of the joints; return the cost of the points, if `is_last`.
+
+    The sums are kept in numbers of their own: sums in an array wait for what was just written, and
+    take twice as long.
+    """
     half = 0.5 / (sizes[3] * sizes[3])
+    # Beyond three widths all is as far: what is no part of the limb must not drag it away.
+    far_away = math.exp(-4.5) * sizes[4]
+    length1 = max(_squared(joints[0], joints[1]), LEAST)
+    length2 = max(_squared(joints[1], joints[2]), LEAST)
+    m00 = m01 = m11 = m12 = m22 = 0.0
+    x0 = y0 = z0 = x1 = y1 = z1 = x2 = y2 = z2 = 0.0
     cost = 0.0
     for i in range(points.shape[0]):
-        t1, far1 = _along(points[i], joints[0], joints[1])
-        t2, far2 = _along(points[i], joints[1], joints[2])
-        # Beyond three widths all is as far: what is no part of the limb must not drag it away.
+        px, py, pz, weight = points[i, 0], points[i, 1], points[i, 2], points[i, 3]
+        t1, far1 = _along(px, py, pz, joints, 0, length1)
+        t2, far2 = _along(px, py, pz, joints, 1, length2)
         like1 = (shares[i, 0] + sizes[4]) * math.exp(-half * far1)
         like2 = (shares[i, 1] + sizes[4]) * math.exp(-half * far2)
-        total = like1 + like2 + math.exp(-4.5) * sizes[4]
-        cost -= points[i, 3] * math.log(total) / half
-        _add(points[i], t1, points[i, 3] * like1 / total, 0, matrix, right)
-        _add(points[i], t2, points[i, 3] * like2 / total, 1, matrix, right)
+        total = like1 + like2 + far_away
+        if is_last:
+            cost -= weight * math.log(total) / half
+        w1, w2 = weight * like1 / total, weight * like2 / total
+        a1, a2 = 1.0 - t1, 1.0 - t2
+        m00 += w1 * a1 * a1
+        m01 += w1 * a1 * t1
+        m11 += w1 * t1 * t1
+        m11 += w2 * a2 * a2
+        m12 += w2 * a2 * t2
+        m22 += w2 * t2 * t2
+        x0, y0, z0 = x0 + w1 * a1 * px, y0 + w1 * a1 * py, z0 + w1 * a1 * pz
+        x1, y1, z1 = x1 + w1 * t1 * px, y1 + w1 * t1 * py, z1 + w1 * t1 * pz
+        x1, y1, z1 = x1 + w2 * a2 * px, y1 + w2 * a2 * py, z1 + w2 * a2 * pz
+        x2, y2, z2 = x2 + w2 * t2 * px, y2 + w2 * t2 * py, z2 + w2 * t2 * pz
+    matrix[0, 0], matrix[0, 1], matrix[0, 2] = m00, m01, 0.0
+    matrix[1, 0], matrix[1, 1], matrix[1, 2] = m01, m11, m12
+    matrix[2, 0], matrix[2, 1], matrix[2, 2] = 0.0, m12, m22
+    right[0, 0], right[0, 1], right[0, 2] = x0, y0, z0
+    right[1, 0], right[1, 1], right[1, 2] = x1, y1, z1
+    right[2, 0], right[2, 1], right[2, 2] = x2, y2, z2
     return cost
-
-
-@compiled
-def _add(
-    point: FloatArray, t: float, weight: float, bone: int, matrix: FloatArray, right: FloatArray
-) -> None:
-    a, b = 1.0 - t, t
-    matrix[bone, bone] += weight * a * a
-    matrix[bone, bone + 1] += weight * a * b
-    matrix[bone + 1, bone] += weight * a * b
-    matrix[bone + 1, bone + 1] += weight * b * b
-    for axis in range(3):
-        right[bone, axis] += weight * a * point[axis]
-        right[bone + 1, axis] += weight * b * point[axis]
 
 
 @compiled
