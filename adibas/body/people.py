@@ -116,7 +116,7 @@ def find_people(
     heights_m = None if floor is None else heights_over(depth_m, rays, floor)
     inverse_depth = standing_free(depth_m, heights_m, params.body)
     if floor is not None and heights_m is not None:
-        inverse_depth[tables(depth_m, depth_camera, floor, params)] = 0.0
+        inverse_depth[tables(depth_m, heights_m, depth_camera, floor, params)] = 0.0
     labels, n_labels = label_surfaces(inverse_depth, params.body.step_per_m, params.body.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
     pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
@@ -227,25 +227,32 @@ def has_head(surfaces: Surfaces, label: int, params: PeopleParams) -> bool:
 
 
 def tables(
-    depth_m: Float32Array, camera: CameraCalibration, floor: Plane, params: PeopleParams
+    depth_m: Float32Array,
+    heights_m: Float32Array,
+    camera: CameraCalibration,
+    floor: Plane,
+    params: PeopleParams,
 ) -> BoolArray:
-    """Return the (H, W) pixels of level surfaces too large for a part of a person."""
+    """Return the (H, W) pixels of level surfaces too large for a part of a person.
+
+    `heights_m` (H, W) are those over the floor.
+    """
     points_m, normals = level_grid(depth_m, camera, params.grid_px)
-    heights_m = floor.signed_distance_m(points_m)
+    grid_m = floor.signed_distance_m(points_m)
     with np.errstate(invalid="ignore"):
         level = normals @ floor.normal > np.cos(np.radians(25.0))
-        level &= (heights_m > params.table_heights_m[0]) & (heights_m < params.table_heights_m[1])
+        level &= (grid_m > params.table_heights_m[0]) & (grid_m < params.table_heights_m[1])
     found = np.zeros(depth_m.shape, np.bool_)
     if not level.any():
         return found
     areas_m2 = _level_areas_m2(points_m, floor, camera, params.grid_px)
-    full_m = heights_over(depth_m, viewing_rays(camera), floor)
-    for height_m in _table_heights_m(heights_m[level], areas_m2[level], params):
-        near = level & (np.abs(heights_m - height_m) < 2.0 * params.table_band_m)
-        where = _grown(near, areas_m2, depth_m.shape, params)
+    for height_m in _table_heights_m(grid_m[level], areas_m2[level], params):
+        near = level & (np.abs(grid_m - height_m) < 2.0 * params.table_band_m)
+        # A table is a small part of the picture: only its surroundings are looked at.
+        here = np.nonzero(_grown(near, areas_m2, depth_m.shape, params))
         with np.errstate(invalid="ignore"):
-            band_m = params.table_band_m + params.body.floor_band_per_m * depth_m**2
-            found |= where & (np.abs(full_m - height_m) < band_m)
+            band_m = params.table_band_m + params.body.floor_band_per_m * depth_m[here] ** 2
+            found[here] |= np.abs(heights_m[here] - height_m) < band_m
     return found
 
 
