@@ -1,15 +1,13 @@
 """Analyses a table of joints in a process of its own; prints processor seconds and peak MB."""
 
 import json
-import resource
 import sys
 import time
 from pathlib import Path
 
 from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
 from adibas.resources import resource_path
-
-KB_PER_MB = 1024.0
+from benchmarks.peak_memory import peak_memory_mib
 
 
 def main(joints: str) -> None:
@@ -18,8 +16,7 @@ def main(joints: str) -> None:
     request = BehaviourRequest(Path(joints), (resource_path("models", "gestures.json"),))
     analyse_behaviour(request, lambda _done, _total: None)
     spent_s = time.process_time() - start
-    peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KB_PER_MB
-    print(json.dumps({"seconds": spent_s, "mb": peak_mb}))  # noqa: T201
+    print(json.dumps({"seconds": spent_s, "mb": peak_memory_mib()}))  # noqa: T201
 
 
 if __name__ == "__main__":

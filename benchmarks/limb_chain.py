@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.simulation.scenes import open_scene
+from benchmarks.peak_memory import peak_memory_mib
 from benchmarks.table import Row
 
 SCENES = ("greet", "clap", "bend")
@@ -92,17 +92,3 @@ def _frames(name: str, n_frames: int) -> tuple[list[Float32Array], CameraCalibra
     unit_m = scene.info.depth_unit_m
     frames = [depth_in_metres(one, unit_m) for one in raw if one is not None]
     return frames, calibration.depth, calibration.floor
-
-
-def peak_memory_mib() -> float:
-    """Return the most that this process held; 0 where the system does not tell.
-
-    Not `getrusage`: Linux hands its figure on to a new process, which so begins with the most that
-    the process held that started it.
-    """
-    status = Path("/proc/self/status")
-    if not status.is_file():
-        return 0.0
-    lines = status.read_text(encoding="ascii").splitlines()
-    peak = next((line for line in lines if line.startswith("VmHWM:")), "VmHWM: 0 kB")
-    return float(peak.split()[1]) / 1024
