@@ -7,7 +7,7 @@ from pathlib import Path
 
 from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
 from adibas.resources import resource_path
-from benchmarks.peak_memory import peak_memory_mib
+from benchmarks.process_memory import peak_memory_mib
 
 
 def main(joints: str) -> None:

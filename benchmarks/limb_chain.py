@@ -23,7 +23,7 @@ from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.simulation.scenes import open_scene
-from benchmarks.peak_memory import peak_memory_mib
+from benchmarks.process_memory import peak_memory_mib
 from benchmarks.table import Row
 
 SCENES = ("greet", "clap", "bend")

@@ -18,6 +18,12 @@ from adibas.recordings.joints_csv import SUFFIX, write_joints_csv
 from adibas.timeseries.dtw import pairwise_costs
 from adibas.timeseries.stream import StreamAligner
 from benchmarks.gesture_actors import streams
+from benchmarks.gesture_lengths import (
+    EXAMPLE_FRAMES,
+    FRAMES_A_MINUTE,
+    N_EXAMPLES,
+    length_rows,
+)
 from benchmarks.speed_registration import medians_ms
 from benchmarks.table import Row
 
@@ -35,7 +41,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _begin_to_end(rng, STREAM_FRAMES // (10 if quick else 1), n_rounds)
     yield from _live(rng)
     yield from _pairs(rng, 40 if quick else N_SEQUENCES, n_rounds)
-    yield from _lengths((1, 10) if quick else (1, 10, 60, 600))
+    yield from _lengths(quick=quick)
     if not quick:
         yield from _hour()
 
@@ -119,18 +125,11 @@ def _pairs(rng: np.random.Generator, n_sequences: int, n_rounds: int) -> Iterato
         yield Row("same: largest difference", float(abs(ours - theirs)[upper].max()), "")
 
 
-def _lengths(minutes: Iterable[int]) -> Iterator[Row]:
-    """Yield what hours of stream cost: ten gestures of twelve examples at 15 frames a second."""
+def _lengths(*, quick: bool) -> Iterator[Row]:
+    """Yield what hours of stream cost."""
     rng = np.random.default_rng(SEED)
-    aligner = StreamAligner([_walk(rng, 30) for _ in range(120)])
-    chunk = _walk(rng, 900)
-    for length in minutes:
-        aligner.reset()
-        start = time.thread_time()
-        for _ in range(length):
-            aligner.feed(chunk)
-        spent_s = time.thread_time() - start
-        yield Row(f"stream of {length} min at 15 frames/s, 120 examples", spent_s, "s")
+    examples = [_walk(rng, EXAMPLE_FRAMES) for _ in range(N_EXAMPLES)]
+    yield from length_rows(examples, _walk(rng, FRAMES_A_MINUTE), quick=quick)
 
 
 def _hour() -> Iterator[Row]:

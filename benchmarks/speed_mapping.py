@@ -4,9 +4,6 @@ Time is told as it passed and as work of both cores, for another program may be 
 of both is left in `build/benchmarks`.
 """
 
-import os
-import resource
-import sys
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -21,6 +18,7 @@ from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.mapping import MappedRecording, MapRequest, map_recording
 from benchmarks.mapping_steps import step_rows
 from benchmarks.mapping_walk import FOLDER, walk
+from benchmarks.process_memory import resident_memory_mib
 from benchmarks.table import Row
 
 N_FRAMES, QUICK_FRAMES = 1000, 60
@@ -104,16 +102,7 @@ def _path(mapped: MappedRecording, camera_from_world: tuple[RigidTransform, ...]
 
 
 def _now(done: int) -> Reached:
-    return Reached(done, time.perf_counter(), time.process_time(), _memory_mb())
-
-
-def _memory_mb() -> float:
-    """Return what is resident; where the system does not tell, the most that ever was."""
-    status = Path("/proc/self/statm")
-    if status.exists():
-        return int(status.read_text("ascii").split()[1]) * os.sysconf("SC_PAGESIZE") / 2**20
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most / 2**20 if sys.platform == "darwin" else most / 2**10
+    return Reached(done, time.perf_counter(), time.process_time(), resident_memory_mib())
 
 
 def _draw(path: Path, log: list[Reached]) -> None:

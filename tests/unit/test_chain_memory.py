@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 import pytest
 
-from benchmarks.peak_memory import peak_memory_mib
+from benchmarks.process_memory import peak_memory_mib
 
 PARENT_MIB = 500
 
