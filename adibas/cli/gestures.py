@@ -8,7 +8,7 @@ from adibas.cli.console import Console
 from adibas.cli.exercise import add_check_arguments
 from adibas.cli.gestures_evaluation import evaluation_lines
 from adibas.cli.options import add_json, add_out, sentence
-from adibas.texts import message, translate_plural
+from adibas.texts import decimal_text, message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -143,8 +143,9 @@ def _said(trained: "Trained") -> list[str]:
         lines.append(_("{label} is told by: {joints}").format(label=label, joints=joints))
     if trained.tested is not None:
         lines.append(
-            _("Left out in turn: {percent:.1f} % recognised, {alarms} false alarms").format(
-                percent=100 * trained.tested.accuracy, alarms=trained.tested.false_alarms
+            _("Left out in turn: {percent} % recognised, {alarms} false alarms").format(
+                percent=decimal_text(100 * trained.tested.accuracy, 1),
+                alarms=trained.tested.false_alarms,
             )
         )
     return lines

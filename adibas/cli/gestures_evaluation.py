@@ -24,16 +24,18 @@ def evaluation_lines(evaluated: "Evaluated", params: "TrainingParams") -> list[s
 
 def _summary(evaluated: "Evaluated", params: "TrainingParams") -> list[str]:
     result = evaluated.result
-    precision, recall, f1 = result.rates_of(range(len(result.labels)))
+    every = range(len(result.labels))
+    precision, recall, f1 = (decimal_text(rate, 2) for rate in result.rates_of(every))
     return [
         _("{protocol}, {n} groups, method {method}, seed {seed}").format(
             protocol=evaluated.protocol, n=evaluated.groups, method=params.method, seed=params.seed
         ),
-        _("Best class right: {percent:.1f} %; by equation 7.7: {by_7_7:.1f} %").format(
-            percent=100 * result.accuracy, by_7_7=result.accuracy_7_7
+        _("Best class right: {percent} %; by equation 7.7: {by_7_7} %").format(
+            percent=decimal_text(100 * result.accuracy, 1),
+            by_7_7=decimal_text(result.accuracy_7_7, 1),
         ),
         _(
-            "Precision {precision:.2f}, recall {recall:.2f}, F1 {f1:.2f}; {missed} not "
+            "Precision {precision}, recall {recall}, F1 {f1}; {missed} not "
             "classified, {alarms} false alarms"
         ).format(
             precision=precision,
