@@ -101,7 +101,7 @@ class Texts:
 
     def _translated(self, fields: Mapping[str, object]) -> dict[str, object]:
         return {
-            name: self.translate(value) if isinstance(value, Message) else value
+            name: self.translate(value) if isinstance(value, Message) else spoken(value)
             for name, value in fields.items()
         }
 
@@ -126,6 +126,18 @@ def spoken_language() -> str:
 def decimal_text(value: float, n_decimals: int) -> str:
     """Return a number as a reader of the language in use expects it on paper; never a ``-0``."""
     return f"{value:z.{n_decimals}f}".replace(".", decimal_mark())
+
+
+class SpokenNumber(float):
+    """A number that a sentence with ``{name:.1f}`` shows as the language in use writes it."""
+
+    def __format__(self, spec: str) -> str:
+        return super().__format__(spec).replace(".", decimal_mark())
+
+
+def spoken(value: object) -> object:
+    """Return what a sentence shows of a value: numbers that are no integers as `SpokenNumber`."""
+    return SpokenNumber(value) if isinstance(value, float) else value
 
 
 def decimal_mark() -> str:

@@ -8,7 +8,7 @@ from adibas.cli.options import add_json
 from adibas.cli.recording_options import add_calibration, add_frames
 from adibas.cli.report_options import add_language, add_patient, check_report, check_surface
 from adibas.data.posture import VIEWS
-from adibas.texts import message, translate_plural
+from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
 SUMMARY = message("join standing views of a patient into one surface, and measure the back")
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         if mark.apart_m is not None:
             console.say(
                 _("{name}: seen in {n} views, {mm:.1f} mm from their mean.").format(
-                    name=mark.name, n=len(mark.places_m), mm=1e3 * mark.apart_m
+                    name=mark.name, n=len(mark.places_m), mm=SpokenNumber(1e3 * mark.apart_m)
                 )
             )
     console.give(body_to_json(body))

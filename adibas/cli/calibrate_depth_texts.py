@@ -12,8 +12,8 @@ from adibas.pipeline.calibrating_depth import DepthOutcome
 from adibas.pipeline.calibration_report import report_of_depth_outcome
 from adibas.reports.calibration_depth_rows import bias_rows, depth_parameter_rows, shot_rows
 from adibas.reports.calibration_rows import SURE
+from adibas.texts import SpokenNumber, translate_plural
 from adibas.texts import translate as _
-from adibas.texts import translate_plural
 
 MILLIMETRES = 1000.0
 STATED_M = (1.0, 2.0, 3.0)
@@ -39,9 +39,9 @@ def describe_depth(outcome: DepthOutcome) -> Iterator[str]:
     for correction in bias_rows(report):
         if correction.measured_m in STATED_M and correction.high_mm is not None:
             yield _("Depth of {distance:g} m is corrected by {added:+.1f} ± {half:.1f} mm.").format(
-                distance=correction.measured_m,
-                added=correction.added_mm,
-                half=correction.high_mm - correction.added_mm,
+                distance=SpokenNumber(correction.measured_m),
+                added=SpokenNumber(correction.added_mm),
+                half=SpokenNumber(correction.high_mm - correction.added_mm),
             )
     yield from _checks(outcome)
 
@@ -59,8 +59,8 @@ def _checks(outcome: DepthOutcome) -> Iterator[str]:
             "By the floor, down is known within {half:.2f} degrees; the floor is flat within "
             "{flatness:.1f} mm."
         ).format(
-            half=math.degrees(SURE * vertical.sd_rad),
-            flatness=MILLIMETRES * vertical.flatness_m,
+            half=SpokenNumber(math.degrees(SURE * vertical.sd_rad)),
+            flatness=SpokenNumber(MILLIMETRES * vertical.flatness_m),
         )
 
 

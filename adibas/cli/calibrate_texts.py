@@ -16,6 +16,7 @@ from adibas.data.camera_fit import CameraFit
 from adibas.pipeline.calibrating import CameraOutcome, SearchedImage, parameter_intervals
 from adibas.reports.calibration_facts import DEFINITIONS
 from adibas.reports.calibration_rows import LENGTH_M, SURE, UncertaintyRow, uncertainty_rows
+from adibas.texts import SpokenNumber
 from adibas.texts import translate as _
 
 
@@ -68,7 +69,7 @@ def document(outcome: CameraOutcome, out: Path | None) -> dict[str, object]:
 
 def _describe_fit(fit: CameraFit) -> Iterator[str]:
     yield _("Lens model: {model}. {n} images, error {rms:.3f} pixels (rms over points).").format(
-        model=fit.model, n=len(fit.used_views), rms=fit.rms_px
+        model=fit.model, n=len(fit.used_views), rms=SpokenNumber(fit.rms_px)
     )
     for name, value, sd in zip(
         fit.parameter_names, fit.values, fit.standard_deviations, strict=True
@@ -76,7 +77,7 @@ def _describe_fit(fit: CameraFit) -> Iterator[str]:
         yield f"  {name:3} {value:12.6g} ± {SURE * sd:.2g}"
     q_m = mean_board_error_m(board_errors(fit))
     if not math.isnan(q_m):
-        yield _("Mean error on the board (Q): {q:.3f} mm.").format(q=1000.0 * q_m)
+        yield _("Mean error on the board (Q): {q:.3f} mm.").format(q=SpokenNumber(1000.0 * q_m))
     outliers = sum(len(view.outlier_corners) for view in fit.used_views)
     if outliers:
         yield _("Corners that contradict the rest and took no part: {n}.").format(n=outliers)

@@ -8,7 +8,7 @@ from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, positive, sentence
 from adibas.cli.report_options import add_language, check_report
 from adibas.files import check_place
-from adibas.texts import decimal_text, message, spoken_language, translate_plural
+from adibas.texts import SpokenNumber, decimal_text, message, spoken_language, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -178,7 +178,8 @@ def _tell_session(session: "ComparedSession", method: str, console: Console) -> 
     seconds = sum(one.end_ms - one.begin_ms for one in session.result.differences) / MS_PER_S
     console.say(
         _("  {events} not agreed on, and {seconds:.1f} s of states seen by one alone").format(
-            events=translate_plural("{n} event", "{n} events", n).format(n=n), seconds=seconds
+            events=translate_plural("{n} event", "{n} events", n).format(n=n),
+            seconds=SpokenNumber(seconds),
         )
     )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
 from adibas.cli.recording_options import add_calibration, add_frames, add_recording
-from adibas.texts import message, translate_plural
+from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -344,14 +344,15 @@ def _table(result: "LimbEvaluation") -> list[str]:
             protocol=result.protocol, n=result.n_groups, images=result.n_images
         ),
         _("Mean per label: forest {forest:.1f} %, with graph cut {cut:.1f} %").format(
-            forest=100 * result.forest.mean_per_class, cut=100 * result.cut.mean_per_class
+            forest=SpokenNumber(100 * result.forest.mean_per_class),
+            cut=SpokenNumber(100 * result.cut.mean_per_class),
         ),
     ]
     labels = result.forest.labels
     width = max(map(len, labels))
     pairs = zip(labels, result.forest.per_class, result.cut.per_class, strict=True)
     lines += [
-        f"{label:{width}}  {100 * forest:6.1f} %  {100 * cut:6.1f} %"
+        f"{label:{width}}  {SpokenNumber(100 * forest):6.1f} %  {SpokenNumber(100 * cut):6.1f} %"
         for label, forest, cut in pairs
     ]
     worse = [

@@ -9,7 +9,7 @@ from adibas.cli.recording_options import add_calibration, add_oldest_calibration
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.data.posture import VIEWS
 from adibas.errors import MarkerError
-from adibas.texts import message, translate_plural
+from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
 SUMMARY = message("measure joint angles over time and how far each joint moves")
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             _("{file}: {angles} over {seconds:.1f} s.").format(
                 file=path,
                 angles=translate_plural("{n} angle", "{n} angles", n_angles).format(n=n_angles),
-                seconds=float(movement.times_s[-1]),
+                seconds=SpokenNumber(movement.times_s[-1]),
             )
         )
     console.give(movement_to_json(movement))

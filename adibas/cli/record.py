@@ -15,7 +15,7 @@ from adibas.cli.options import (
 )
 from adibas.errors import RecordingError, SensorError
 from adibas.files import check_place
-from adibas.texts import message, translate_plural
+from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -171,7 +171,7 @@ def _tell(summary: "RecordingSummary", console: Console) -> None:
         ).format(
             file=summary.path,
             n_frames=summary.n_frames,
-            seconds=summary.seconds,
+            seconds=SpokenNumber(summary.seconds),
             n_dropped=summary.n_dropped,
         )
     )

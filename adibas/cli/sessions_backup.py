@@ -19,8 +19,8 @@ from adibas.errors import FileError
 from adibas.files import cannot_write
 from adibas.sessions.defaults import DAYS_BETWEEN_BACKUPS, N_BACKUPS_KEPT
 from adibas.sessions.merge_words import merge_texts
+from adibas.texts import spoken, translate_plural
 from adibas.texts import translate as _
-from adibas.texts import translate_plural
 
 if TYPE_CHECKING:
     from adibas.sessions import SessionStore, VerifyReport
@@ -113,7 +113,9 @@ def _backup(arguments: argparse.Namespace, console: Console) -> int:
         made = _made(store, arguments, console)
         days = None if arguments.if_due is None else store.backups.days_since(arguments.if_due)
     if made is None:
-        console.say(_("No backup is due: the newest one is {days:.1f} days old.").format(days=days))
+        console.say(
+            _("No backup is due: the newest one is {days:.1f} days old.").format(days=spoken(days))
+        )
         console.give({"out": None, "days": days})
         return 0
     out, summary = made

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from adibas.data.sentence import Sentence
-from adibas.texts import DECIMAL_COMMA, Message, message, spoken_language, translate
+from adibas.texts import Message, message, spoken, translate
 
 
 class Grade(Enum):
@@ -119,14 +119,6 @@ GRADES: dict[Grade, Message] = {
 }
 
 
-class _Spoken(float):
-    """A number that a sentence shows as the language in use writes it."""
-
-    def __format__(self, spec: str) -> str:
-        text = super().__format__(spec)
-        return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text
-
-
 @dataclass(frozen=True, slots=True)
 class Finding:
     """One thing that is wrong, and how bad that makes the calibration.
@@ -153,10 +145,7 @@ class Finding:
         """The sentence in the language in use: what is wrong, and what to do."""
         if self.sentence is not None:
             return self.sentence.text
-        fields = {
-            name: _Spoken(value) if isinstance(value, float) else value
-            for name, value in self.fields.items()
-        }
+        fields = {name: spoken(value) for name, value in self.fields.items()}
         return translate(SENTENCES[self.reason]).format(**fields)
 
 

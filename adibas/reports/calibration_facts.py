@@ -29,7 +29,7 @@ from adibas.reports.calibration_rows import (
     length_interval_mm,
 )
 from adibas.reports.facts import intended_use
-from adibas.texts import DECIMAL_COMMA, decimal_text, message, spoken_language, translate_plural
+from adibas.texts import SpokenNumber, decimal_text, message, translate_plural
 from adibas.texts import translate as _
 
 Pairs = list[tuple[str, str]]
@@ -216,8 +216,7 @@ def age_days(report: CalibrationReport) -> int | None:
 
 def plain_number(value: float) -> str:
     """Return a number as short as it can be, in the language in use."""
-    text = f"{value:.6g}"
-    return text.replace(".", ",") if spoken_language() in DECIMAL_COMMA else text
+    return f"{SpokenNumber(value):.6g}"
 
 
 def _fit_figures(fit: CameraFit) -> Iterator[Figure]:

@@ -6,7 +6,15 @@ from threading import Thread
 import pytest
 
 from adibas.errors import AdibasError, RecordingError
-from adibas.texts import Texts, decimal_text, message, speaking, system_language
+from adibas.texts import (
+    Texts,
+    decimal_text,
+    describe,
+    message,
+    speaking,
+    spoken,
+    system_language,
+)
 
 
 def write_catalogue(folder, texts):
@@ -138,3 +146,13 @@ def test_numbers_on_paper_have_the_decimal_mark_of_the_language(language, text):
 
 def test_what_is_rounded_to_nothing_has_no_sign():
     assert [decimal_text(value, 1) for value in (-0.04, -0.06, 0.04)] == ["0.0", "-0.1", "0.0"]
+
+
+@pytest.mark.parametrize(
+    ("language", "text"), [("en", "-1.25 of 3 in 0.5"), ("pt", "-1,25 of 3 in 0,5")]
+)
+def test_numbers_in_sentences_have_the_decimal_mark_of_the_language(language, text):
+    with speaking(language):
+        assert f"{spoken(-1.25):.2f} of {spoken(3)} in {spoken(0.5)}" == text
+        error = RecordingError("{file} lasts {seconds:.2f} s.", file="a.b", seconds=-1.25)
+        assert describe(error) == f"a.b lasts {text.split()[0]} s."
