@@ -13,6 +13,7 @@ from typing import Protocol, cast
 
 from adibas import __version__
 from adibas.cli.console import Console
+from adibas.cli.interrupts import no_interrupt_lost
 from adibas.cli.options import sentence
 from adibas.errors import AdibasError
 from adibas.resources import resource_path
@@ -67,7 +68,8 @@ def main(argv: Sequence[str]) -> int:
     try:
         arguments = build_parser().parse_args(argv)
         console = Console(is_json=getattr(arguments, "json", False))
-        code = cast(CommandModule, arguments.module).run(arguments, console)
+        with no_interrupt_lost():
+            code = cast(CommandModule, arguments.module).run(arguments, console)
         console.flush()
     except AdibasError as error:
         console.warn(describe(error))

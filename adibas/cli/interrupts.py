@@ -1,9 +1,17 @@
-"""Ctrl-C and the signal to end, for work that finishes its file when it is told to stop."""
+"""Ctrl-C and the signal to end: none is lost, and some work finishes its file first."""
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
+
+AGAIN_S = 0.02
+"""How long after an ignored Ctrl-C it comes again; longer than most finalizers take."""
 
 
 @contextmanager
@@ -20,3 +28,34 @@ def stop_by_signals() -> Iterator[threading.Event]:
     finally:
         for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)
+
+
+@contextmanager
+def no_interrupt_lost() -> Iterator[None]:
+    """Let a Ctrl-C come again that fell into a finalizer, where Python ignores every exception.
+
+    Otherwise a command that frees many objects, as a client of a cluster does, sometimes goes on
+    as though nobody had pressed a key, with a traceback on the screen.
+    """
+    before, main_thread = sys.unraisablehook, threading.get_ident()
+
+    def hook(unraisable: "UnraisableHookArgs") -> None:
+        if issubclass(unraisable.exc_type, KeyboardInterrupt):
+            again = threading.Timer(AGAIN_S, _interrupt, [main_thread])
+            again.daemon = True
+            again.start()
+        else:
+            before(unraisable)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+
+
+def _interrupt(thread: int) -> None:
+    if sys.platform == "win32":
+        signal.raise_signal(signal.SIGINT)
+    else:  # to that thread itself, so that it wakes up if it waits
+        signal.pthread_kill(thread, signal.SIGINT)

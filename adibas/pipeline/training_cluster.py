@@ -33,6 +33,8 @@ ANSWER_S = 10.0
 """How long a scheduler may take to answer, at first and later."""
 LOOK_S = 2.0
 """How often it is asked, during a count, whether all workers are still there."""
+LOGGERS = ("distributed", "distributed.client", "distributed.gc", "tornado", "tornado.application")
+"""What Dask writes to the screen."""
 
 
 class Share:
@@ -225,11 +227,12 @@ def _is_address(address: str) -> bool:
 def _connect(address: str) -> "Client":
     import dask
 
-    # Its own lines on the screen would stand between ours; what fails is told in words.
-    dask.config.set({"logging": {"distributed": "critical"}})
+    # Their own lines on the screen would stand between ours; what fails is told in words, and
+    # Tornado's speak of a wait that Ctrl-C has ended. Children have levels of their own.
+    dask.config.set({"logging": dict.fromkeys(LOGGERS, "critical")})
     from distributed import Client
 
-    for name in ("distributed", "tornado"):  # Tornado's speaks of a wait that Ctrl-C has ended
+    for name in LOGGERS:  # of another connection before
         logging.getLogger(name).setLevel(logging.CRITICAL)
     return Client(address, timeout=ANSWER_S)  # type: ignore[no-untyped-call]
 
