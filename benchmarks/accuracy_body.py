@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import RgbdCalibration
@@ -23,7 +22,8 @@ from adibas.simulation.rotations import about
 from adibas.surface.back_measures import ROTATION_RMS
 from adibas.surface.trunk import back_points
 from benchmarks.body_scenes import BackScene, burst, draw_back_scene, true_midline_m
-from benchmarks.body_truth import plain_truth, smoothed_truth, true_rotation_rad
+from benchmarks.body_truth import distances_mm, plain_truth, smoothed_truth, true_rotation_rad
+from benchmarks.body_turns import turn_rows
 from benchmarks.table import Row
 
 BACK_SEEDS = range(3000, 3250)
@@ -33,7 +33,6 @@ QUICK_BODIES = 2
 N_FRAMES = 30
 VIEWS: tuple[View, ...] = ("posterior", "anterior", "right_lateral", "left_lateral")
 SWAY_M, SWAY_RAD = 0.005, np.radians(1.0)
-N_SAMPLES = 400_000
 FAR_MM = 5.0
 LANDMARKS = ("c7", "left_acromion", "right_acromion", "left_greater_trochanter", "sternal_notch")
 
@@ -44,6 +43,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
     seeds = BODY_SEEDS[:QUICK_BODIES] if quick else BODY_SEEDS
     yield from _bodies(seeds, "statue", 0.0)
     yield from _bodies(seeds, "5 mm and 1 deg of sway between views", 1.0)
+    yield from turn_rows(seeds)
 
 
 def _backs(seeds: range) -> Iterator[Row]:
@@ -203,25 +203,8 @@ def _off_mm(scene: BackScene, whole: WholeBody) -> FloatArray:
     posed = scene.posed("posterior")
     axes = whole.patient_from_camera["posterior"]
     vertices_m = axes.apply(scene.depth_from_world.apply(posed.vertices_m))
-    points_m, normals = _mesh_samples(vertices_m, scene.patient.body.model.triangles)
-    surface = whole.surface
-    nearest = np.asarray(cKDTree(points_m).query(surface.points_m)[1])
-    off_m = ((surface.points_m - points_m[nearest]) * normals[nearest]).sum(axis=1)
-    return np.asarray(1e3 * off_m)
-
-
-def _mesh_samples(vertices_m: FloatArray, triangles: np.ndarray) -> tuple[FloatArray, FloatArray]:
-    """Return points spread evenly over a mesh, and the triangles' normals there."""
-    rng = np.random.default_rng(0)
-    a, b, c = (vertices_m[triangles[:, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
-    area = np.linalg.norm(cross, axis=1)
-    chosen = rng.choice(len(area), N_SAMPLES, p=area / area.sum())
-    u, v = rng.random((2, N_SAMPLES))
-    over = u + v > 1.0
-    u[over], v[over] = 1.0 - u[over], 1.0 - v[over]
-    points_m = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
-    return points_m, cross[chosen] / area[chosen, None]
+    triangles = scene.patient.body.model.triangles
+    return distances_mm(whole.surface.points_m, vertices_m, triangles)
 
 
 def _poses(

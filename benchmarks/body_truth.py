@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from adibas.arrays import BoolArray, FloatArray
+from adibas.arrays import BoolArray, FloatArray, Int32Array
 from adibas.pipeline.back import Back
 from adibas.surface.sagittal import SagittalParams
 from adibas.surface.spine_profile import ProfileParams, fit_profile
@@ -13,6 +14,7 @@ from adibas.surface.symmetry_line import SymmetryLine
 STEP_M = 0.002
 HALF_TANGENT_M = 0.03
 N_HEIGHTS = 200
+N_SAMPLES = 400_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,28 @@ def plain_truth(midline_m: FloatArray, stature_m: float, top_m: float) -> TrueSp
     ]
     inner = slice(half, len(y_m) - half)
     return _measured(y_m[inner], z_m[inner], np.array(slopes), stature_m, top_m)
+
+
+def distances_mm(points_m: FloatArray, vertices_m: FloatArray, triangles: Int32Array) -> FloatArray:
+    """Return the signed distance of (N, 3) points from a mesh, outward."""
+    on_mesh_m, normals = _mesh_samples(vertices_m, triangles)
+    nearest = np.asarray(cKDTree(on_mesh_m).query(points_m)[1])
+    off_m = ((points_m - on_mesh_m[nearest]) * normals[nearest]).sum(axis=1)
+    return np.asarray(1e3 * off_m)
+
+
+def _mesh_samples(vertices_m: FloatArray, triangles: Int32Array) -> tuple[FloatArray, FloatArray]:
+    """Return points spread evenly over a mesh, and the triangles' normals there."""
+    rng = np.random.default_rng(0)
+    a, b, c = (vertices_m[triangles[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    chosen = rng.choice(len(area), N_SAMPLES, p=area / area.sum())
+    u, v = rng.random((2, N_SAMPLES))
+    over = u + v > 1.0
+    u[over], v[over] = 1.0 - u[over], 1.0 - v[over]
+    points_m = a[chosen] + u[:, None] * (b - a)[chosen] + v[:, None] * (c - a)[chosen]
+    return points_m, cross[chosen] / area[chosen, None]
 
 
 def _measured(

@@ -29,7 +29,8 @@ class Goal(NamedTuple):
 
 
 @compiled
-def _move(motion: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
+def carried(motion: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a point after a (3, 4) motion."""
     return (
         motion[0, 0] * x + motion[0, 1] * y + motion[0, 2] * z + motion[0, 3],
         motion[1, 0] * x + motion[1, 1] * y + motion[1, 2] * z + motion[1, 3],
@@ -38,16 +39,21 @@ def _move(motion: FloatArray, x: float, y: float, z: float) -> tuple[float, floa
 
 
 @compiled
+def place_in(goal: Goal, x: float, y: float) -> tuple[float, float]:
+    """Return where a ray (x, y, 1) is seen: pixel u begins at u and ends before u + 1."""
+    if goal.is_distorted:
+        x, y = distorted(x, y, goal.coefficients)
+    fx, fy, cx, cy = goal.lens
+    return fx * x + cx + 0.5, fy * y + cy + 0.5
+
+
+@compiled
 def cell_of(goal: Goal, x: float, y: float, z: float) -> tuple[int, int]:
     """Return the row and column of the plane that is seen at a point; (-1, -1) beside the image."""
     if z <= 0.0:
         return -1, -1
-    xn, yn = x / z, y / z
-    if goal.is_distorted:
-        xn, yn = distorted(xn, yn, goal.coefficients)
-    fx, fy, cx, cy = goal.lens
-    column = (fx * xn + cx + 0.5) / goal.cell_px
-    row = (fy * yn + cy + 0.5) / goal.cell_px
+    u, v = place_in(goal, x / z, y / z)
+    column, row = u / goal.cell_px, v / goal.cell_px
     height, width, _ = goal.planes.shape
     if not (0.0 <= column < width and 0.0 <= row < height):
         return -1, -1
@@ -120,7 +126,7 @@ def sum_steps(
                 continue
             sums[row, KNOWN] += 1.0
             z = 1.0 / inverse
-            px, py, pz = _move(motion, rays[v, u, 0] * z, rays[v, u, 1] * z, z)
+            px, py, pz = carried(motion, rays[v, u, 0] * z, rays[v, u, 1] * z, z)
             at_row, at_column = cell_of(goal, px, py, pz)
             if at_row < 0 or not np.isfinite(goal.planes[at_row, at_column, 0]):
                 continue

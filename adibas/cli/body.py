@@ -1,17 +1,27 @@
-"""`adibas body`: recordings of standing views in, one surface and the measures of the back out."""
+"""`adibas body`: standing views or a slow turn in, one surface and the measures of the back out."""
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
 from adibas.cli.recording_options import add_calibration, add_frames
 from adibas.cli.report_options import add_language, add_patient, check_report, check_surface
 from adibas.data.posture import VIEWS
+from adibas.errors import BodyError
 from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
-SUMMARY = message("join standing views of a patient into one surface, and measure the back")
+if TYPE_CHECKING:
+    from adibas.pipeline.body_views import ViewRequest
+
+SUMMARY = message(
+    "join standing views, or a slow turn, of a patient into one surface, and measure the back"
+)
+TURN = "turn"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,11 +29,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "views",
         nargs="+",
-        type=_view_of,
+        type=_source_of,
         metavar=_("VIEW=RECORDING"),
         help=_(
-            "anterior, posterior, right_lateral or left_lateral, and the recording that shows it"
+            "anterior, posterior, right_lateral or left_lateral, and the recording that shows it; "
+            "or turn, and one of a patient who turns around slowly"
         ),
+    )
+    parser.add_argument(
+        "--begins",
+        choices=VIEWS,
+        default="posterior",
+        help=_("the view with which a turn begins; posterior if not given"),
     )
     add_calibration(parser)
     add_frames(parser, _("frames of each burst, B not included; all of them if not given"))
@@ -65,14 +82,17 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     check_surface(arguments.out)
     if arguments.report is not None:
         check_report(arguments.report, BODY_KINDS)
+    views = [
+        ViewRequest(view, path, arguments.calibration, arguments.frames)
+        for view, path in arguments.views
+    ]
+    turn = _only_turn([one for one in views if one.view == TURN])
     request = BodyRequest(
-        tuple(
-            ViewRequest(view, path, arguments.calibration, arguments.frames)
-            for view, path in arguments.views
-        ),
+        tuple(one for one in views if one.view != TURN),
         arguments.markers,
         dict(arguments.labels),
         arguments.patient,
+        None if turn is None else replace(turn, view=arguments.begins),
     )
     with console.progress(_("Analysing")) as progress:
         body = measure_body(request, progress)
@@ -102,13 +122,28 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
+def _only_turn(turns: "Sequence[ViewRequest]") -> "ViewRequest | None":
+    if len(turns) > 1:
+        raise BodyError("Two turns are given. Give one.")
+    return turns[0] if turns else None
+
+
+def _source_of(text: str) -> tuple[str, Path]:
+    """Read ``VIEW=PATH`` or ``turn=PATH``."""
+    return _pair_of(text, (*VIEWS, TURN))
+
+
 def _view_of(text: str) -> tuple[str, Path]:
     """Read ``VIEW=PATH``."""
-    view, equals, path = text.partition("=")
-    if not equals or not path or view not in VIEWS:
+    return _pair_of(text, VIEWS)
+
+
+def _pair_of(text: str, names: tuple[str, ...]) -> tuple[str, Path]:
+    name, equals, path = text.partition("=")
+    if not equals or not path or name not in names:
         raise argparse.ArgumentTypeError(
             _("{text} names no view: give one of {views}, = and a file").format(
-                text=text, views=", ".join(VIEWS)
+                text=text, views=", ".join(names)
             )
         )
-    return view, Path(path)
+    return name, Path(path)

@@ -1,6 +1,6 @@
 """From recordings of standing views to one surface, landmarks in one frame, and the back."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -19,6 +19,7 @@ from adibas.pipeline.body_views import BodyView, ViewRequest, see_view
 from adibas.pipeline.posture import PostureParams
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.session import PostureRequest, analyse_recording
+from adibas.pipeline.turning import see_turn
 from adibas.pipeline.whole_body import WholeBody, WholeBodyParams, join_body
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
@@ -31,6 +32,7 @@ ORDER = (POSTERIOR, "anterior", "right_lateral", "left_lateral")
 VIEWS_ALL_AROUND = 3
 NO_BACK = message("Without a posterior view the back is not measured.")
 NOTICE = message("{notice}")
+LOST = message("In {n} of {total} frames of the turn the person was not seen or not followed.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,19 +50,23 @@ class BodyRequest:
     Attributes
     ----------
     views : tuple of ViewRequest
-        Each side once.
+        Each side once; none where a turn is given.
     markers : str
         A file of learned colours, or ``led``; empty: no markers are looked for.
     labels : mapping
         By view: a file that names the markers.
     patient : str
         A pseudonym or empty.
+    turn : ViewRequest or None
+        One recording of a patient who turns around, and the view with which the turn begins.
+    params : BodyParams
     """
 
     views: tuple[ViewRequest, ...]
     markers: str = ""
     labels: Mapping[str, Path] = field(default_factory=dict)
     patient: str = ""
+    turn: ViewRequest | None = None
     params: BodyParams = field(default_factory=BodyParams)
 
 
@@ -120,27 +126,55 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
     RecordingError, CalibrationError
         A recording cannot be used.
     BodyError
-        A view shows nobody, the views do not fit together, or the back is hidden.
+        A view shows nobody, the views do not fit together, nobody turns, or the back is hidden.
     MarkerError
         Markers were asked for and are not found.
     """
-    requests = sorted(request.views, key=lambda one: ORDER.index(one.view))
-    _check_views(request, [one.view for one in requests])
+    _check_views(request)
+    seen = (_standing if request.turn is None else _turned)(request, progress)
+    sources = seen.sources
+    markers = (
+        {view: _markers(one, request) for view, one in sources.items()} if request.markers else {}
+    )
+    provenances = {view.view: _provenance(sources[view.view], view, clock) for view in seen.views}
+    body = measure_views(seen.views, markers, provenances, request.patient, request.params)
+    return replace(body, notices=(*seen.notices, *body.notices))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """Views, where in which recording each was seen, and what is to be told of it."""
+
+    views: Sequence[BodyView]
+    sources: Mapping[str, ViewRequest]
+    notices: tuple[Sentence, ...] = ()
+
+
+def _standing(request: BodyRequest, progress: Progress) -> _Seen:
+    """See each view in its own recording."""
     views: list[BodyView] = []
-    markers: dict[str, tuple[Marker, ...]] = {}
-    total = 100 * len(requests)
-    for number, one in enumerate(requests):
+    total = 100 * len(request.views)
+    for number, one in enumerate(request.views):
 
         def told(done: int, of: int, number: int = number) -> None:
             progress(100 * number + 100 * done // max(of, 1), total)
 
         views.append(see_view(one, told))
-        if request.markers:
-            markers[one.view] = _markers(one, request)
-    provenances = {
-        one.view: _provenance(one, view, clock) for one, view in zip(requests, views, strict=True)
+    return _Seen(views, {one.view: one for one in request.views})
+
+
+def _turned(request: BodyRequest, progress: Progress) -> _Seen:
+    """See the views that come by in a turn; markers are looked for in the middle frames of each."""
+    if request.turn is None:
+        raise ValueError("no turn is asked for")
+    turn = see_turn(request.turn, progress)
+    sources = {
+        view: replace(request.turn, view=view, frames=(max(frame - 1, 0), frame + 2))
+        for view, frame in turn.frames.items()
     }
-    return measure_views(views, markers, provenances, request.patient, request.params)
+    _check_labels(request, sources)
+    lost = Sentence(LOST, {"n": turn.n_lost, "total": turn.n_frames})
+    return _Seen(turn.views, sources, (lost,) if turn.n_lost else ())
 
 
 def measure_views(
@@ -195,9 +229,17 @@ def _girths(whole: WholeBody, n_views: int) -> tuple[BodyMeasure, ...]:
     return slice_measures(surface, float(surface.points_m[:, 1].max()))
 
 
-def _check_views(request: BodyRequest, names: list[str]) -> None:
+def _check_views(request: BodyRequest) -> None:
+    names = [one.view for one in request.views]
     if len(set(names)) < len(names):
         raise BodyError("The same side is given twice. Give each view once.")
+    if request.turn is not None and names:
+        raise BodyError("A turn shows all sides. Give the turn alone, or the views without it.")
+    if request.turn is None:
+        _check_labels(request, names)
+
+
+def _check_labels(request: BodyRequest, names: Iterable[str]) -> None:
     strange = sorted(set(request.labels) - set(names))
     if strange:
         raise BodyError(
@@ -257,5 +299,7 @@ def _provenance(one: ViewRequest, view: BodyView, clock: Clock) -> Provenance:
 
 
 def _notices(views: Sequence[BodyView], back: Back | None) -> tuple[Sentence, ...]:
-    told = [Sentence(NOTICE, {"notice": view.notice}) for view in views if view.notice]
+    # Views of one turn come out of one recording.
+    lost = dict.fromkeys(view.notice for view in views if view.notice)
+    told = [Sentence(NOTICE, {"notice": notice}) for notice in lost]
     return (*told, *(back.notices if back is not None else (Sentence(NO_BACK),)))

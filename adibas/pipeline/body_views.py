@@ -127,7 +127,7 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
                 "{file} holds no depth, and a surface takes depth. Record both streams.",
                 file=request.recording.name,
             )
-        picture_rgb = _picture(recording, wanted[len(wanted) // 2], calibration)
+        picture_rgb = picture_of(recording, wanted[len(wanted) // 2], calibration)
     view = person_in(
         request.view,
         total.result(LEAST_SHARE, GREATEST_SD_PER_M),
@@ -180,12 +180,12 @@ def person_in(
         floor,
         calibration,
         surface.n_frames,
-        is_cut_above=_touches_top(body, floor),
+        is_cut_above=touches_top(body, floor),
         notice=notice,
     )
 
 
-def _picture(
+def picture_of(
     recording: RecordingReader, index: int, calibration: RgbdCalibration
 ) -> UInt8Array | None:
     """Return the colour picture of a frame, where the calibration tells where it belongs."""
@@ -197,7 +197,7 @@ def _picture(
     return picture_rgb
 
 
-def _touches_top(body: BoolArray, floor: Plane) -> bool:
+def touches_top(body: BoolArray, floor: Plane) -> bool:
     """Say whether the person goes on beyond the side of the picture where up is."""
     up_u, up_v = floor.normal[:2]
     if abs(up_v) >= abs(up_u):

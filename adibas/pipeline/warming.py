@@ -175,6 +175,7 @@ def map_a_room() -> None:
     from adibas.alignment.pairing import Moment
     from adibas.alignment.sights import see
     from adibas.alignment.surfels import SurfelMap
+    from adibas.alignment.turn import seen_after
     from adibas.alignment.views import prepare_view
     from adibas.geometry.rigid import IDENTITY
     from adibas.simulation.scenes import open_scene
@@ -196,6 +197,7 @@ def map_a_room() -> None:
     surfels = SurfelMap()
     for _ in range(2):
         surfels.add(view, color_rgb, calibration, IDENTITY)
+    seen_after(view, IDENTITY)
 
 
 def pack_depth() -> None:

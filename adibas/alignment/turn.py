@@ -1,0 +1,194 @@
+"""Somebody who turns before a camera that stands still, followed by the surface alone.
+
+Bare skin has no corners to hold on to, so nothing but the shape tells how far somebody turned. A
+trunk is flat, not round: its shape tells it well as long as little happens between two moments,
+and the floor tells that people neither lean nor rise much.
+
+Source: Newcombe et al., KinectFusion (2011), for projective association; distances in inverse
+depth and robust weights as in `adibas.alignment.joint_fit`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.alignment.joint_fit import cross_matrices, goal_of, moved
+from adibas.alignment.projective_kernels import (
+    FACED,
+    SQUARES,
+    USED,
+    WEIGHTS,
+    normal_equations,
+    sum_steps,
+)
+from adibas.alignment.turn_kernels import moved_image
+from adibas.alignment.views import View
+from adibas.arrays import Float32Array, FloatArray
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
+
+FEWEST = 50
+"""Pixels, less of which tell nothing."""
+NO_MOTION = RigidTransform(np.eye(3), np.zeros(3))
+
+
+@dataclass(frozen=True, slots=True)
+class TurnParams:
+    """Settings; tuples are for the levels from the finest on.
+
+    Attributes
+    ----------
+    strides_px, rounds, scales_per_m : tuples
+        As of `adibas.alignment.joint_fit.JointParams`.
+    key_rad : float
+        Moments that are turned by more against the last key moment become one: 15 degrees. Nearer
+        ones share the sensor's fixed pattern, which tells that nothing moved.
+    tilt_sd_rad, lift_sd_m : float
+        How far somebody leans and rises between two moments: 1 degree and 5 mm.
+    pixels_alike : float
+        Pixels whose errors are as good as one: 63 (Konolige & Mihelich 2011).
+    least_met : float
+        Of the pixels that face the key moment's surface, the share that must lie on it: 0.6.
+    step_sd : float
+        Standard deviation, radians and metres, of one step beforehand: 0.05. It holds back where
+        the surface tells nothing.
+    least_step : float
+        Radians and metres, under which a level ends: 2e-5.
+    """
+
+    strides_px: tuple[int, ...] = (2, 2, 1)
+    rounds: tuple[int, ...] = (4, 3, 4)
+    scales_per_m: tuple[float, ...] = (0.006, 0.012, 0.04)
+    key_rad: float = 0.26
+    tilt_sd_rad: float = 0.0175
+    lift_sd_m: float = 0.005
+    pixels_alike: float = 63.0
+    least_met: float = 0.6
+    step_sd: float = 0.05
+    least_step: float = 2e-5
+
+
+class TurnTracker:
+    """Follows a person from moment to moment.
+
+    Parameters
+    ----------
+    floor : Plane
+        In the camera's axes, normal up.
+    """
+
+    def __init__(self, floor: Plane, params: TurnParams | None = None) -> None:
+        self._floor = floor
+        self._params = params or TurnParams()
+        self._key: tuple[View, RigidTransform] | None = None
+        self._before = self._last = NO_MOTION
+
+    def follow(self, view: View) -> RigidTransform | None:
+        """Return first_from_camera: where the body's points lay in the first moment.
+
+        None where the person cannot be followed; the next moment is then tried from the same
+        guess.
+        """
+        if self._key is None:
+            self._key = view, NO_MOTION
+            return NO_MOTION
+        key, first_from_key = self._key
+        guess = self._last @ self._before.inverse() @ self._last
+        fitted = fit_turn(key, view, first_from_key.inverse() @ guess, self._floor, self._params)
+        if fitted is None:
+            return None
+        pose = first_from_key @ fitted
+        self._before, self._last = self._last, pose
+        if turn_rad(fitted) > self._params.key_rad:
+            self._key = view, pose
+        return pose
+
+
+def turn_rad(motion: RigidTransform) -> float:
+    """Return the angle of a rotation."""
+    cosine = 0.5 * (float(np.trace(motion.rotation)) - 1.0)
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def fit_turn(
+    target: View,
+    source: View,
+    guess: RigidTransform,
+    floor: Plane,
+    params: TurnParams | None = None,
+) -> RigidTransform | None:
+    """Return target_from_source near a guess; None where the surfaces do not fit.
+
+    Parameters
+    ----------
+    target, source : View
+        The person alone, of one camera.
+    floor : Plane
+        In the camera's axes.
+    """
+    params = params or TurnParams()
+    motion = guess
+    if not (source.levels[-1].inverse_per_m > 0).any():
+        return None
+    middle_m = _middle_m(source)
+    for number in reversed(range(len(target.levels))):
+        own = source.levels[number]
+        pixel_px = own.reduction * params.strides_px[number]
+        alike = max(params.pixels_alike / pixel_px**2, 1.0)
+        for _ in range(params.rounds[number]):
+            sums = sum_steps(
+                own.inverse_per_m,
+                own.rays,
+                params.strides_px[number],
+                goal_of(target, number),
+                np.hstack([motion.rotation, motion.translation_m[:, None]]),
+                params.scales_per_m[number],
+            )
+            total = sums.sum(axis=0)
+            if total[USED] < max(params.least_met * total[FACED], FEWEST):
+                return None
+            matrix, right = normal_equations(sums)
+            variance = max(total[SQUARES] / total[WEIGHTS], 1e-10)
+            more, side = _held(motion, middle_m, floor, params)
+            matrix = matrix / (variance * alike) + more + np.eye(6) / params.step_sd**2
+            step = np.linalg.solve(matrix, right / (variance * alike) + side)
+            motion = moved(motion, step)
+            if np.abs(step).max() < params.least_step:
+                break
+    return motion
+
+
+def seen_after(view: View, motion: RigidTransform) -> Float32Array:
+    """Return the (H, W) 1/z of a view's person after a motion; NaN where nothing is seen."""
+    level = view.levels[0]
+    return moved_image(
+        level.inverse_per_m,
+        level.rays,
+        goal_of(view, 0),
+        np.hstack([motion.rotation, motion.translation_m[:, None]]),
+    )
+
+
+def _middle_m(view: View) -> FloatArray:
+    level = view.levels[-1]
+    known = level.inverse_per_m > 0  # false for NaN
+    z = 1.0 / level.inverse_per_m[known].astype(float)
+    middle: FloatArray = np.append((level.rays[known] * z[:, None]).mean(axis=0), z.mean())
+    return middle
+
+
+def _held(
+    motion: RigidTransform, middle_m: FloatArray, floor: Plane, params: TurnParams
+) -> tuple[FloatArray, FloatArray]:
+    """Return normal equations that hold a twist to the floor: no lean, no rise."""
+    up = floor.normal
+    leaned = motion.rotation @ up
+    by_turn = -cross_matrices(leaned[None])[0]
+    place_m = motion.apply(middle_m)
+    rise = np.concatenate([np.cross(place_m, up), up])
+    matrix, right = np.zeros((6, 6)), np.zeros(6)
+    matrix[:3, :3] = by_turn.T @ by_turn / params.tilt_sd_rad**2
+    right[:3] = -by_turn.T @ (leaned - up) / params.tilt_sd_rad**2
+    matrix += np.outer(rise, rise) / params.lift_sd_m**2
+    right -= rise * float(up @ (place_m - middle_m)) / params.lift_sd_m**2
+    return matrix, right

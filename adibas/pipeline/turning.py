@@ -1,0 +1,331 @@
+"""A slow turn before the sensor, cut into the four standing views.
+
+The person is followed through the recording. Where a side faces the sensor, the moments around it
+are moved to where the body stood in the middle one, and averaged there: a view like one of
+somebody who stood still for as many frames.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+from adibas.alignment.turn import TurnParams, TurnTracker, seen_after
+from adibas.alignment.views import View, ViewParams, prepare_view
+from adibas.arrays import Float32Array, FloatArray
+from adibas.body.floor import find_floor
+from adibas.body.mask import find_body, heights_over
+from adibas.body.rays import viewing_rays
+from adibas.calibration.files import check_fits
+from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
+from adibas.data.frames import depth_in_metres
+from adibas.errors import BodyError, CalibrationError, RecordingError
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import RigidTransform
+from adibas.markers.disparity import DisparitySum
+from adibas.pipeline.body_views import (
+    LEAST_SHARE,
+    BodyView,
+    ViewRequest,
+    picture_of,
+    touches_top,
+)
+from adibas.pipeline.session import calibration_of, wanted_frames
+from adibas.progress import Progress
+from adibas.recordings import open_recording
+from adibas.recordings.ports import RecordingReader
+
+TO_THE_LEFT = ("posterior", "left_lateral", "anterior", "right_lateral")
+"""What the sensor sees one after the other of somebody who turns to the own left."""
+QUARTER_RAD = 0.5 * np.pi
+ONE_LEVEL = ViewParams(n_levels=1)
+
+
+@dataclass(frozen=True, slots=True)
+class CutParams:
+    """Settings.
+
+    Attributes
+    ----------
+    tracking : TurnParams
+    half_rad : float
+        Moments turned by at most so much from the middle one make a view: 12 degrees, so that the
+        same side of the body is seen in all.
+    most_frames : int
+        Of a view, evenly chosen: 40.
+    late_rad : float
+        By how much a turn may end before a side faces the sensor squarely: 10 degrees.
+    legs : float
+        What lies lower, as a share of the stature, tells nothing about the turn: 0.45; somebody
+        who turns on the spot takes steps.
+    greatest_sd_per_m : float
+        Of a pixel's 1/z over the moments of a view: 0.005, three times the sensor's noise (half a
+        step of disparity and its rounding); more scatters what did not move with the trunk.
+    most_lost : int
+        Frames one after the other in which the person is not found again: 15.
+    """
+
+    tracking: TurnParams = field(default_factory=TurnParams)
+    half_rad: float = 0.2094
+    most_frames: int = 40
+    late_rad: float = 0.1745
+    legs: float = 0.45
+    greatest_sd_per_m: float = 0.005
+    most_lost: int = 15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenTurn:
+    """What a turn gives.
+
+    Attributes
+    ----------
+    views : tuple of BodyView
+    frames : mapping
+        The middle frame of each view, by its name.
+    turned_rad : float
+        From the first frame to the last, positive to the patient's left.
+    n_lost, n_frames : int
+        Frames in which the person was not found or not followed, and all of them.
+    """
+
+    views: tuple[BodyView, ...]
+    frames: Mapping[str, int]
+    turned_rad: float
+    n_lost: int
+    n_frames: int
+
+
+def see_turn(request: ViewRequest, progress: Progress, params: CutParams | None = None) -> SeenTurn:
+    """Follow somebody who turns, and return the views that come by.
+
+    Parameters
+    ----------
+    request : ViewRequest
+        Its view is the one with which the turn begins.
+
+    Raises
+    ------
+    RecordingError
+        It is missing, broken, or has no such frames, or no depth.
+    CalibrationError
+        There is none of the depth camera, or one for another resolution.
+    BodyError
+        Nobody is seen, no floor, the person is lost, or does not turn.
+    """
+    params = params or CutParams()
+    with open_recording(request.recording) as recording:
+        wanted = wanted_frames(recording, request.frames)
+        moments = _Moments(recording, calibration_of(recording, request.calibration), request)
+        total = len(wanted) + len(TO_THE_LEFT) * params.most_frames
+        path = _followed(moments, wanted, lambda done: progress(done, total), params)
+        views, frames = [], {}
+        for number, (name, index) in enumerate(_sides(path, request, params).items()):
+            views.append(moments.view(name, index, path, params))
+            frames[name] = index
+            progress(len(wanted) + (number + 1) * params.most_frames, total)
+    progress(total, total)
+    return SeenTurn(
+        tuple(views), MappingProxyType(frames), float(path.turned_rad[-1]), path.n_lost, len(wanted)
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Path:
+    """Where the person stood: of the frames that were followed."""
+
+    indices: Sequence[int]
+    first_from_camera: Sequence[RigidTransform]
+    turned_rad: FloatArray
+    n_lost: int
+
+    def around(self, index: int, params: CutParams) -> list[int]:
+        """Return places in the path that are turned little against that of a frame."""
+        low, high = self._span(index, params)
+        n = min(high - low + 1, params.most_frames)
+        return sorted({round(at) for at in np.linspace(low, high, n)})
+
+    def n_around(self, index: int, params: CutParams) -> int:
+        """Return how many there are."""
+        low, high = self._span(index, params)
+        return high - low + 1
+
+    def _span(self, index: int, params: CutParams) -> tuple[int, int]:
+        """Return the first and the last place that follow one another without a gap."""
+        middle = self.indices.index(index)
+        far = np.abs(self.turned_rad - self.turned_rad[middle]) > params.half_rad
+        before, after = np.flatnonzero(far[:middle]), np.flatnonzero(far[middle:])
+        low = int(before[-1]) + 1 if len(before) else 0
+        return low, middle + int(after[0]) - 1 if len(after) else len(far) - 1
+
+
+class _Moments:
+    """Frames of the recording, the person alone."""
+
+    def __init__(
+        self, recording: RecordingReader, calibration: RgbdCalibration, request: ViewRequest
+    ) -> None:
+        if calibration.depth is None:
+            raise CalibrationError(
+                "The calibration lacks the depth camera. Give one of both cameras with "
+                "--calibration FILE."
+            )
+        self._recording, self._calibration = recording, calibration
+        self._camera: CameraCalibration = calibration.depth
+        self.name = request.recording.name
+        self._floor: Plane | None = calibration.floor
+        self.has_depth = False
+
+    @property
+    def floor(self) -> Plane:
+        """In the depth camera's axes, once a frame was read."""
+        if self._floor is None:
+            raise ValueError("the floor is found in the first frame")
+        return self._floor
+
+    def person(self, index: int) -> Float32Array | None:
+        """Return the depth of the person in a frame, else NaN; None where nobody is seen."""
+        raw = self._recording.read(index).depth_raw
+        if raw is None:
+            return None
+        self.has_depth = True
+        depth_m = depth_in_metres(raw, self._recording.info.depth_unit_m)
+        check_fits(self._calibration, None, depth_m.shape)
+        depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
+        if self._floor is None:
+            self._floor = self._found_floor(depth_m)
+        mask = find_body(depth_m, self._camera, self._floor)
+        return None if mask is None else np.where(mask.pixels, depth_m, np.float32(np.nan))
+
+    def above_legs(self, depth_m: Float32Array, params: CutParams) -> View:
+        """Return trunk, arms and head of the person who is all that an image shows."""
+        heights_m = heights_over(depth_m, viewing_rays(self._camera), self.floor)
+        with np.errstate(invalid="ignore"):
+            is_upper = heights_m >= params.legs * np.nanmax(heights_m)
+        return prepare_view(np.where(is_upper, depth_m, np.float32(np.nan)), self._camera)
+
+    def view(self, name: str, index: int, path: _Path, params: CutParams) -> BodyView:
+        """Return one side: the moments around it, where the body stood in frame `index`."""
+        camera_from_first = path.first_from_camera[path.indices.index(index)].inverse()
+        total = DisparitySum(DepthBias())
+        for place in path.around(index, params):
+            depth_m = self.person(path.indices[place])
+            if depth_m is not None:
+                motion = camera_from_first @ path.first_from_camera[place]
+                moment = prepare_view(depth_m, self._camera, ONE_LEVEL)
+                with np.errstate(divide="ignore"):
+                    total.add(np.asarray(1.0 / seen_after(moment, motion), np.float32))
+        surface = total.result(LEAST_SHARE, params.greatest_sd_per_m)
+        body = np.isfinite(surface.mean_per_m)
+        return BodyView(
+            name,
+            surface,
+            body,
+            self.floor,
+            self._calibration,
+            surface.n_frames,
+            is_cut_above=touches_top(body, self.floor),
+            notice=self._recording.notice,
+            picture_rgb=picture_of(self._recording, index, self._calibration),
+        )
+
+    def _found_floor(self, depth_m: Float32Array) -> Plane:
+        gravity = self._calibration.gravity
+        floor = find_floor(depth_m, self._camera, None if gravity is None else -gravity)
+        if floor is None:
+            raise BodyError(
+                "No floor is seen in {file}, and heights are measured from it. Turn the sensor "
+                "down, or give a calibration that knows the floor.",
+                file=self.name,
+            )
+        return floor
+
+
+def _followed(
+    moments: _Moments, wanted: range, told: Callable[[int], None], params: CutParams
+) -> _Path:
+    """Follow the person from the first frame on.
+
+    Raises
+    ------
+    RecordingError
+        There is no depth.
+    BodyError
+        Nobody is seen, or the person is lost for good.
+    """
+    tracker: TurnTracker | None = None
+    indices: list[int] = []
+    poses: list[RigidTransform] = []
+    n_lost = n_missing = 0
+    for done, index in enumerate(wanted, 1):
+        depth_m = moments.person(index)
+        if depth_m is not None:
+            tracker = tracker or TurnTracker(moments.floor, params.tracking)
+            pose = tracker.follow(moments.above_legs(depth_m, params))
+        if depth_m is None or pose is None:
+            n_lost, n_missing = n_lost + 1, n_missing + 1
+            if indices and n_missing > params.most_lost:
+                raise BodyError(
+                    "The person is lost in frame {index} of {file}. Let the patient turn slowly, "
+                    "in 10 to 30 seconds, alone, with the arms hanging still.",
+                    index=index,
+                    file=moments.name,
+                )
+        else:
+            n_missing = 0
+            indices.append(index)
+            poses.append(pose)
+        told(done)
+    if not moments.has_depth:
+        raise RecordingError(
+            "{file} holds no depth, and a surface takes depth. Record both streams.",
+            file=moments.name,
+        )
+    if not indices:
+        raise BodyError(
+            "Nobody is seen in {file}. The patient stands alone, 0.8 to 4 m in front of the "
+            "sensor.",
+            file=moments.name,
+        )
+    return _Path(indices, poses, _turned_rad(poses, moments.floor), n_lost)
+
+
+def _turned_rad(poses: Sequence[RigidTransform], floor: Plane) -> FloatArray:
+    """Return by how much the body is turned to its own left since the first pose."""
+    up = floor.normal
+    ahead = np.array([0.0, 0.0, 1.0])
+    ahead = ahead - up * (up @ ahead)
+    aside = np.cross(up, ahead)
+    # The camera goes round the body the other way.
+    seen = [pose.rotation.T @ ahead for pose in poses]
+    return np.unwrap([float(np.arctan2(one @ aside, one @ ahead)) for one in seen])
+
+
+def _sides(path: _Path, request: ViewRequest, params: CutParams) -> dict[str, int]:
+    """Return the frame in which each side faces the sensor most squarely, by name.
+
+    Raises
+    ------
+    BodyError
+        The person turns by less than a quarter.
+    """
+    furthest = path.turned_rad[int(np.abs(path.turned_rad).argmax())]
+    way = 1 if furthest > 0 else -1
+    number = TO_THE_LEFT.index(request.view)
+    sides: dict[str, int] = {}
+    # A turn shows the side with which it begins once more at its end, where it goes on enough.
+    for quarter in range(int((abs(furthest) + params.late_rad) / QUARTER_RAD) + 1):
+        off_rad = np.abs(way * path.turned_rad - quarter * QUARTER_RAD)
+        index = path.indices[int(off_rad.argmin())]
+        name = TO_THE_LEFT[(number + way * quarter) % len(TO_THE_LEFT)]
+        if name not in sides or path.n_around(index, params) > path.n_around(sides[name], params):
+            sides[name] = index
+    if len(sides) == 1:
+        raise BodyError(
+            "Only {deg} degrees of a turn can be followed in {file}. Let the patient turn once "
+            "around, slowly, in 10 to 30 seconds.",
+            deg=f"{np.degrees(abs(furthest)):.0f}",
+            file=request.recording.name,
+        )
+    return sides
