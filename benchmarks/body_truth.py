@@ -38,8 +38,8 @@ class TrueSpine:
         )
 
 
-def true_rotation_rad(points_m: FloatArray, midline_m: FloatArray, back: Back) -> float:
-    """Return the root mean square of the rotation on the midline of a surface without noise.
+def true_rotation_rad(points_m: FloatArray, midline_m: FloatArray, back: Back) -> FloatArray:
+    """Return the course of the rotation along the midline of a surface without noise.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def true_rotation_rad(points_m: FloatArray, midline_m: FloatArray, back: Back) -
     midline_m : (N, 3) array
         The skin over the spinous processes, from the neck down.
     back : Back
-        The estimate: between its turns the rotation is averaged.
+        The estimate: the course goes from turn to turn.
     """
     if back.shape is None:
         raise ValueError("a back without curves has no rotation")
@@ -58,8 +58,7 @@ def true_rotation_rad(points_m: FloatArray, midline_m: FloatArray, back: Back) -
     x_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 0])
     line = SymmetryLine(y_m, x_m, np.zeros(N_HEIGHTS), np.zeros(N_HEIGHTS))
     between_m = np.arange(max(back.shape.ils_m, bottom_m), min(back.shape.ict_m, top_m), STEP_M)
-    rotation_rad = fit_profile(points_m, line).rotation_rad(between_m)
-    return float(np.sqrt(np.mean(rotation_rad**2)))
+    return fit_profile(points_m, line).rotation_rad(between_m)
 
 
 def smoothed_truth(midline_m: FloatArray, stature_m: float, top_m: float) -> TrueSpine:
@@ -96,13 +95,13 @@ def plain_truth(midline_m: FloatArray, stature_m: float, top_m: float) -> TrueSp
 
 def distances_mm(points_m: FloatArray, vertices_m: FloatArray, triangles: Int32Array) -> FloatArray:
     """Return the signed distance of (N, 3) points from a mesh, outward."""
-    on_mesh_m, normals = _mesh_samples(vertices_m, triangles)
+    on_mesh_m, normals = mesh_samples(vertices_m, triangles)
     nearest = np.asarray(cKDTree(on_mesh_m).query(points_m)[1])
     off_m = ((points_m - on_mesh_m[nearest]) * normals[nearest]).sum(axis=1)
     return np.asarray(1e3 * off_m)
 
 
-def _mesh_samples(vertices_m: FloatArray, triangles: Int32Array) -> tuple[FloatArray, FloatArray]:
+def mesh_samples(vertices_m: FloatArray, triangles: Int32Array) -> tuple[FloatArray, FloatArray]:
     """Return points spread evenly over a mesh, and the triangles' normals there."""
     rng = np.random.default_rng(0)
     a, b, c = (vertices_m[triangles[:, k]] for k in range(3))

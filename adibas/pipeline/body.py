@@ -213,7 +213,7 @@ def measure_views(
     return MeasuredBody(
         whole,
         back,
-        _girths(whole, len(views)),
+        girths_of(whole, views),
         _landmarks(views, markers, whole),
         patient,
         MappingProxyType({view.view: view.n_frames for view in views}),
@@ -222,11 +222,16 @@ def measure_views(
     )
 
 
-def _girths(whole: WholeBody, n_views: int) -> tuple[BodyMeasure, ...]:
-    if n_views < VIEWS_ALL_AROUND:
+def girths_of(whole: WholeBody, views: Sequence[BodyView]) -> tuple[BodyMeasure, ...]:
+    """Return girths and volumes of joined views; none of fewer than three."""
+    if len(views) < VIEWS_ALL_AROUND:
         return ()
-    surface = whole.surface
-    return slice_measures(surface, float(surface.points_m[:, 1].max()))
+    # The joined surface lacks the crown, which every view sees at a slant.
+    stature_m = max(
+        float(whole.patient_from_camera[view.view].apply(view.points_m())[:, 1].max())
+        for view in views
+    )
+    return slice_measures(whole.surface, stature_m)
 
 
 def _check_views(request: BodyRequest) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, label, median_filter
 from scipy.spatial import ConvexHull, QhullError
 
 from adibas.arrays import FloatArray
@@ -17,8 +17,11 @@ from adibas.surface.merging import BodySurface
 
 N_GROWN = 2
 N_SECTORS = 48
+N_AGREEING = 3
 BEHIND = 0.7
 """Of a part's width, so much lies behind another that both are one."""
+FLANKS_DEG = 15.0, 75.0
+"""From straight aside; beyond lie the furrow of the spine, the cleft and the breast."""
 ALL_NEIGHBOURS = np.ones((3, 3), int)
 
 
@@ -39,6 +42,11 @@ class SliceParams:
         Of the directions from a part's middle in which its outline must be seen: 0.7.
     least_area_m2 : float
         Smaller parts are hands or nothing: 20 square centimetres.
+    deepest_m : float
+        Hollow between a flank and what lies beside it that a body alone has: 15 mm. Of 24
+        simulated bodies no slice of the trunk alone had more, and arms that touch have.
+    near_touch_m : float
+        Slices so near to one with a deeper hollow are left out too: 12 mm, the next one.
     """
 
     half_m: float = 0.008
@@ -46,6 +54,8 @@ class SliceParams:
     cell_m: float = 0.004
     least_share: float = 0.7
     least_area_m2: float = 0.002
+    deepest_m: float = 0.015
+    near_touch_m: float = 0.012
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +71,9 @@ class SlicePart:
     girth_m, area_m2 : float
     seen_share : float
         Of the directions around its middle in which the outline was seen, 0 to 1.
+    hollow_m : float
+        Depth of the deepest hollow beside the flanks, under the hull: of a trunk that an arm or a
+        hand touches there is one before and behind it.
     """
 
     height_m: float
@@ -68,6 +81,7 @@ class SlicePart:
     girth_m: float
     area_m2: float
     seen_share: float
+    hollow_m: float
 
 
 def slice_parts(
@@ -88,23 +102,42 @@ def slice_parts(
     return tuple(sorted(found, key=lambda part: part.middle_x_m))
 
 
-def volume_m3(parts: list[SlicePart], step_m: float) -> float:
-    """Return the volume of slices that lie `step_m` apart."""
-    return float(sum(part.area_m2 for part in parts) * step_m)
+def volume_m3(parts: list[SlicePart], low_m: float, high_m: float, step_m: float) -> float:
+    """Return the volume between two heights; areas of slices that lack are interpolated."""
+    heights_m = np.arange(low_m, high_m, step_m) + step_m / 2
+    areas_m2 = np.interp(
+        heights_m, [part.height_m for part in parts], [part.area_m2 for part in parts]
+    )
+    return float(areas_m2.mean() * (high_m - low_m))
+
+
+def steady_girths_m(parts: list[SlicePart]) -> FloatArray:
+    """Return the girths from below, each the median of itself and its neighbours.
+
+    A slice in which a finger was taken for the trunk has none that agree with it.
+    """
+    return np.asarray(median_filter([part.girth_m for part in parts], N_AGREEING, mode="nearest"))
 
 
 def trunk_slices(
     surface: BodySurface, low_m: float, high_m: float, params: SliceParams | None = None
-) -> list[SlicePart]:
-    """Return the largest part of each slice between two heights, where its outline was seen."""
+) -> tuple[list[SlicePart], int]:
+    """Return the largest part of each slice between two heights, where its outline was seen.
+
+    And the number of slices that are left out since an arm or a hand lies at the trunk.
+    """
     params = params or SliceParams()
-    chosen = []
+    seen = []
     for height_m in np.arange(low_m, high_m, params.step_m):
         parts = slice_parts(surface, float(height_m), params)
         whole = [part for part in parts if part.seen_share >= params.least_share]
         if whole:
-            chosen.append(max(whole, key=lambda part: part.area_m2))
-    return chosen
+            seen.append(max(whole, key=lambda part: part.area_m2))
+    heights_m = np.array([part.height_m for part in seen])
+    touched_m = heights_m[[part.hollow_m > params.deepest_m for part in seen]]
+    near = np.abs(heights_m[:, None] - touched_m[None, :]).min(axis=1, initial=np.inf)
+    free = near > params.near_touch_m
+    return [part for part, is_free in zip(seen, free, strict=True) if is_free], int((~free).sum())
 
 
 def leg_slices(
@@ -175,4 +208,28 @@ def _part(flat_m: FloatArray, height_m: float, params: SliceParams) -> SlicePart
         float(hull.area),
         wedge * float((radii_m * np.roll(radii_m, 1)).sum()),
         len(seen) / N_SECTORS,
+        _hollow_m(hull, middle, turn, np.hypot(*way.T)),
     )
+
+
+def _hollow_m(hull: ConvexHull, middle: FloatArray, turn: FloatArray, radii_m: FloatArray) -> float:
+    """Return how far the outline lies under the hull where flanks end: not before, behind, aside.
+
+    Parameters
+    ----------
+    turn, radii_m : (N,) arrays
+        Of each point from the middle; 0 and 0.5 lie aside.
+    """
+    sectors = np.minimum((turn * N_SECTORS).astype(int), N_SECTORS - 1)
+    outer_m = np.full(N_SECTORS, -np.inf)
+    np.maximum.at(outer_m, sectors, radii_m)
+    angles = 2.0 * np.pi * (np.arange(N_SECTORS) + 0.5) / N_SECTORS
+    ways = np.stack([np.cos(angles), np.sin(angles)])
+    outward = hull.equations[:, :2] @ ways
+    room_m = -(hull.equations[:, :2] @ middle + hull.equations[:, 2])
+    with np.errstate(divide="ignore"):
+        hull_m = np.where(outward > 0.0, room_m[:, None] / outward, np.inf).min(axis=0)
+    aside = np.degrees(np.arcsin(np.abs(np.sin(angles))))
+    low, high = FLANKS_DEG
+    looked_at = (aside >= low) & (aside <= high) & np.isfinite(outer_m)
+    return float((hull_m - outer_m)[looked_at].max(initial=0.0))

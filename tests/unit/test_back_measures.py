@@ -65,6 +65,22 @@ def test_intervals_come_from_the_markers_and_the_vertical(back):
     assert same == pytest.approx(np.ptp(found["BACK.PELVIS.TILT"].interval))
 
 
+def test_the_deviation_is_as_sure_as_its_markers(back):
+    vague = {
+        name: PlacedMarker(one.position_m, (0.01 if name == "c7" else 1e-5) ** 2 * np.eye(3))
+        for name, one in MARKERS.items()
+    }
+    for name in ("BACK.DEVIATION.RMS", "BACK.DEVIATION.MAX"):
+        sure, unsure = (measured(back, markers)[name] for markers in (MARKERS, vague))
+        assert sure.interval[0] <= sure.value <= sure.interval[1]
+        assert np.ptp(unsure.interval) > 1.2 * np.ptp(sure.interval)
+
+
+def test_the_greatest_rotation_of_a_straight_back_has_no_sure_sign(back):
+    low_rad, high_rad = measured(back, {})["BACK.ROTATION.MAX"].interval
+    assert low_rad < 0.0 < high_rad
+
+
 def test_the_interval_of_the_rotation_grows_with_noise_and_holds_a_known_turn():
     turn_rad = np.radians(4.0)
     widths_rad = []

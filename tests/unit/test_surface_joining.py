@@ -1,15 +1,23 @@
 """Views of a body in closed form come together; girths and volumes are those of the formula."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
-from adibas.surface.girths import slice_measures
+from adibas.surface.girths import TOUCHED, slice_measures
 from adibas.surface.merging import BodySurface, SeenPoints, merge_points
 from adibas.surface.patient_axes import TURNS_RAD, guessed_axes, turned
-from adibas.surface.slices import leg_slices, slice_parts, trunk_slices, volume_m3
+from adibas.surface.slices import (
+    leg_slices,
+    slice_parts,
+    steady_girths_m,
+    trunk_slices,
+    volume_m3,
+)
 from adibas.surface.view_joining import OrientedPoints, join_views
 
 RADII_M = np.array([0.18, 0.9, 0.11])
@@ -149,10 +157,60 @@ def test_girth_and_area_of_a_slice_are_those_of_the_ellipse():
     assert part.girth_m == pytest.approx(ramanujan_m, rel=0.01)
     assert part.area_m2 == pytest.approx(np.pi * a * b, rel=0.02)
     assert part.seen_share == 1.0
-    parts = trunk_slices(surface, 0.4, 1.4)
+    assert part.hollow_m < 0.004
+    parts, n_touched = trunk_slices(surface, 0.4, 1.4)
+    assert n_touched == 0
     low, high = (np.array([0.4, 1.4]) - CENTER_M[1]) / RADII_M[1]
     exact = np.pi * a * b * RADII_M[1] * ((high - high**3 / 3) - (low - low**3 / 3))
-    assert volume_m3(parts, 0.01) == pytest.approx(exact, rel=0.03)
+    assert volume_m3(parts, 0.4, 1.4, 0.01) == pytest.approx(exact, rel=0.03)
+    some = [one for number, one in enumerate(parts) if number % 7]
+    assert volume_m3(some, 0.4, 1.4, 0.01) == pytest.approx(exact, rel=0.03)
+
+
+def test_a_trunk_that_an_arm_touches_has_no_girth():
+    surface, arm = trunk_with_arm(0.9, 1.1)
+    free = slice_parts(surface, 0.8)[0]
+    touched = max(slice_parts(surface, 1.0), key=lambda part: part.area_m2)
+    assert free.hollow_m < 0.003
+    assert 0.015 < touched.hollow_m < 2 * arm
+    parts, n_touched = trunk_slices(surface, 0.7, 1.3)
+    heights_m = np.arange(0.7, 1.3, 0.01)
+    wanted_m = heights_m[(heights_m < 0.885) | (heights_m > 1.115)]
+    np.testing.assert_allclose([part.height_m for part in parts], wanted_m)
+    assert n_touched == len(heights_m) - len(parts)
+    assert np.ptp([part.girth_m for part in parts]) < 0.002
+
+
+def trunk_with_arm(low_m, high_m):
+    """Return a round trunk that an arm touches between two heights, and the arm's radius."""
+    trunk_m, arm_m = 0.15, 0.045
+    rng = np.random.default_rng(0)
+    columns = []
+    for x_m, radius_m, low, high, n in (
+        (0.0, trunk_m, 0.6, 1.4, 200_000),
+        (trunk_m + arm_m, arm_m, low_m, high_m, 40_000),
+    ):
+        angles, heights = rng.uniform(0, 2 * np.pi, n), rng.uniform(low, high, n)
+        columns.append(
+            np.stack([x_m + radius_m * np.cos(angles), heights, radius_m * np.sin(angles)], axis=1)
+        )
+    points_m = np.concatenate(columns)
+    return uncoloured(points_m, np.tile([1.0, 0.0, 0.0], (len(points_m), 1))), arm_m
+
+
+def test_one_slice_alone_makes_no_girth():
+    part = slice_parts(trunk_with_arm(0.9, 1.1)[0], 0.8)[0]
+    parts = [replace(part, height_m=0.7 + 0.01 * number) for number in range(9)]
+    parts[4] = replace(parts[4], girth_m=2.0 * part.girth_m)
+    np.testing.assert_allclose(steady_girths_m(parts), part.girth_m)
+
+
+def test_a_seat_with_hands_at_it_is_not_measured():
+    surface, _ = trunk_with_arm(0.6, 1.4)
+    found = {one.definition.measure_id: one for one in slice_measures(surface, 2.0)}
+    for name in ("GIRTH.TRUNK.LEAST", "GIRTH.SEAT.GREATEST", "VOLUME.TRUNK"):
+        assert found[name].value is None
+        assert found[name].reason is TOUCHED
 
 
 def test_legs_are_two_and_named_by_the_patient():
@@ -180,6 +238,9 @@ def test_girths_have_names_and_what_is_not_seen_has_a_reason():
     ellipse_m = slice_parts(surface, 0.70 * 1.8 - 0.01)[0].girth_m
     assert least.value == pytest.approx(ellipse_m, abs=0.02)
     assert found["VOLUME.TRUNK"].value > 0.01
+    low, high = least.interval
+    assert low < least.value < high
+    assert high - least.value == pytest.approx(1.96 * 0.012 * least.value, rel=1e-3)
     assert found["GIRTH.CALF.LEFT"].value is None
     assert found["GIRTH.CALF.LEFT"].reason
     half = points_m[:, 2] > 0.0
