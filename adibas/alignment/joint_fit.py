@@ -5,7 +5,8 @@ for projective association. Distances are taken in inverse depth, in which a str
 sensor's noise is even, and features in pixels: each where its own error is even.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +35,8 @@ TUKEY_SDS = 4.685
 LEAST_ERROR_PER_M = 1e-5
 """Of depth in 1/z, whatever the fit says: 0.04 mm at 2 m."""
 Equations = tuple[FloatArray, FloatArray]
+"""Matrix and right side of a twist: a small turn (radians) and a shift (metres)."""
+Also = Callable[[RigidTransform, int], tuple[Equations, int]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,11 +121,40 @@ def fit_joint(
         Features; None: by the surfaces alone.
     """
     params = params or JointParams()
+    if pairs is None or not len(pairs.pixels):
+        return fit_views(target.view, source.view, guess, params)
+    offered = pairs
+
+    def of_pairs(motion: RigidTransform, number: int) -> tuple[Equations, int]:
+        limit_px = TUKEY_SDS * offered.sd_px * params.pair_factors[number]
+        return pair_equations(target, offered, motion, limit_px)
+
+    fit = fit_views(target.view, source.view, guess, params, of_pairs)
+    return None if fit is None else replace(fit, n_pairs=len(pairs.pixels))
+
+
+def fit_views(
+    target: View,
+    source: View,
+    guess: RigidTransform,
+    params: JointParams,
+    also: Also | None = None,
+) -> JointFit | None:
+    """Improve a guess by the surfaces and what else is known; None where hardly anything fits.
+
+    Parameters
+    ----------
+    guess : RigidTransform
+        Target from source.
+    also : callable or None
+        Gives, for a motion and the number of a level, further normal equations of a twist, and how
+        many observations agree with the motion.
+    """
     fit = None
     motion = guess
-    for number in reversed(range(len(target.view.levels))):
+    for number in reversed(range(len(target.levels))):
         for _ in range(params.rounds[number]):
-            stepped = _step(target, source, motion, pairs, number, params)
+            stepped = _step(target, source, motion, number, params, also)
             if stepped is None:
                 return None
             step, fit = stepped
@@ -136,7 +168,8 @@ def look_through(
     target: Sight, source: Sight, motion: RigidTransform, params: JointParams | None = None
 ) -> tuple[float, float]:
     """Return `JointFit.overlap` and `JointFit.before` of a motion, target from source, as it is."""
-    return _shares(_dense_sums(target, source, motion, 0, params or JointParams()).sum(axis=0))
+    sums = _dense_sums(target.view, source.view, motion, 0, params or JointParams())
+    return _shares(sums.sum(axis=0))
 
 
 def _shares(total: FloatArray) -> tuple[float, float]:
@@ -166,12 +199,12 @@ def cross_matrices(points: FloatArray) -> FloatArray:
 
 
 def _step(
-    target: Sight,
-    source: Sight,
+    target: View,
+    source: View,
     motion: RigidTransform,
-    pairs: Pairs | None,
     number: int,
     params: JointParams,
+    also: Also | None,
 ) -> tuple[FloatArray, JointFit] | None:
     """Return one step and what holds after it."""
     sums = _dense_sums(target, source, motion, number, params)
@@ -180,35 +213,29 @@ def _step(
         return None
     matrix, right = normal_equations(sums)
     variance = max(total[SQUARES] / total[WEIGHTS], LEAST_ERROR_PER_M**2)
-    pixel_px = source.view.levels[number].reduction * params.strides_px[number]
+    pixel_px = source.levels[number].reduction * params.strides_px[number]
     alike = max(params.pixels_alike / pixel_px**2, 1.0)
     matrix, right = matrix / (variance * alike), right / (variance * alike)
     n_kept = 0
-    if pairs is not None and len(pairs.pixels):
-        limit_px = TUKEY_SDS * pairs.sd_px * params.pair_factors[number]
-        (more, side), n_kept = pair_equations(target, pairs, motion, limit_px)
+    if also is not None:
+        (more, side), n_kept = also(motion, number)
         matrix, right = matrix + more, right + side
     step = np.linalg.solve(matrix + np.eye(N_UNKNOWNS) / params.step_sd**2, right)
     fit = JointFit(
-        moved(motion, step),
-        matrix,
-        float(np.sqrt(variance)),
-        *_shares(total),
-        0 if pairs is None else len(pairs.pixels),
-        n_kept,
+        moved(motion, step), matrix, float(np.sqrt(variance)), *_shares(total), 0, n_kept
     )
     return step, fit
 
 
 def _dense_sums(
-    target: Sight, source: Sight, motion: RigidTransform, number: int, params: JointParams
+    target: View, source: View, motion: RigidTransform, number: int, params: JointParams
 ) -> FloatArray:
-    own = source.view.levels[number]
+    own = source.levels[number]
     return sum_steps(
         own.inverse_per_m,
         own.rays,
         params.strides_px[number],
-        goal_of(target.view, number),
+        goal_of(target, number),
         np.hstack([motion.rotation, motion.translation_m[:, None]]),
         params.scales_per_m[number],
     )

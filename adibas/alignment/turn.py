@@ -8,64 +8,51 @@ Source: Newcombe et al., KinectFusion (2011), for projective association; distan
 depth and robust weights as in `adibas.alignment.joint_fit`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from adibas.alignment.joint_fit import cross_matrices, goal_of, moved
-from adibas.alignment.projective_kernels import (
-    FACED,
-    SQUARES,
-    USED,
-    WEIGHTS,
-    normal_equations,
-    sum_steps,
+from adibas.alignment.joint_fit import (
+    Equations,
+    JointFit,
+    JointParams,
+    cross_matrices,
+    fit_views,
+    goal_of,
 )
 from adibas.alignment.turn_kernels import moved_image
 from adibas.alignment.views import View
 from adibas.arrays import Float32Array, FloatArray
 from adibas.geometry.planes import Plane
-from adibas.geometry.rigid import RigidTransform
-
-FEWEST = 50
-"""Pixels, less of which tell nothing."""
-NO_MOTION = RigidTransform(np.eye(3), np.zeros(3))
+from adibas.geometry.rigid import IDENTITY, RigidTransform
 
 
 @dataclass(frozen=True, slots=True)
 class TurnParams:
-    """Settings; tuples are for the levels from the finest on.
+    """Settings.
 
     Attributes
     ----------
-    strides_px, rounds, scales_per_m : tuples
-        As of `adibas.alignment.joint_fit.JointParams`.
+    joint : JointParams
+        Errors count up to 0.006 in 1/z at the finest level, 24 mm at 2 m: arms do not stand still.
     key_rad : float
         Moments that are turned by more against the last key moment become one: 15 degrees. Nearer
         ones share the sensor's fixed pattern, which tells that nothing moved.
     tilt_sd_rad, lift_sd_m : float
         How far somebody leans and rises between two moments: 1 degree and 5 mm.
-    pixels_alike : float
-        Pixels whose errors are as good as one: 63 (Konolige & Mihelich 2011).
-    least_met : float
-        Of the pixels that face the key moment's surface, the share that must lie on it: 0.6.
-    step_sd : float
-        Standard deviation, radians and metres, of one step beforehand: 0.05. It holds back where
-        the surface tells nothing.
-    least_step : float
-        Radians and metres, under which a level ends: 2e-5.
+    least_overlap : float
+        Of the pixels that must lie on the surface of the key moment: 0.5.
     """
 
-    strides_px: tuple[int, ...] = (2, 2, 1)
-    rounds: tuple[int, ...] = (4, 3, 4)
-    scales_per_m: tuple[float, ...] = (0.006, 0.012, 0.04)
+    joint: JointParams = field(
+        default_factory=lambda: JointParams(
+            strides_px=(2, 2, 1), rounds=(4, 3, 4), scales_per_m=(0.006, 0.012, 0.04)
+        )
+    )
     key_rad: float = 0.26
     tilt_sd_rad: float = 0.0175
     lift_sd_m: float = 0.005
-    pixels_alike: float = 63.0
-    least_met: float = 0.6
-    step_sd: float = 0.05
-    least_step: float = 2e-5
+    least_overlap: float = 0.5
 
 
 class TurnTracker:
@@ -81,7 +68,7 @@ class TurnTracker:
         self._floor = floor
         self._params = params or TurnParams()
         self._key: tuple[View, RigidTransform] | None = None
-        self._before = self._last = NO_MOTION
+        self._before = self._last = IDENTITY
 
     def follow(self, view: View) -> RigidTransform | None:
         """Return first_from_camera: where the body's points lay in the first moment.
@@ -90,16 +77,16 @@ class TurnTracker:
         guess.
         """
         if self._key is None:
-            self._key = view, NO_MOTION
-            return NO_MOTION
+            self._key = view, IDENTITY
+            return IDENTITY
         key, first_from_key = self._key
         guess = self._last @ self._before.inverse() @ self._last
         fitted = fit_turn(key, view, first_from_key.inverse() @ guess, self._floor, self._params)
         if fitted is None:
             return None
-        pose = first_from_key @ fitted
+        pose = first_from_key @ fitted.target_from_source
         self._before, self._last = self._last, pose
-        if turn_rad(fitted) > self._params.key_rad:
+        if turn_rad(fitted.target_from_source) > self._params.key_rad:
             self._key = view, pose
         return pose
 
@@ -116,46 +103,28 @@ def fit_turn(
     guess: RigidTransform,
     floor: Plane,
     params: TurnParams | None = None,
-) -> RigidTransform | None:
-    """Return target_from_source near a guess; None where the surfaces do not fit.
+) -> JointFit | None:
+    """Improve a guess of where the source lies; None where the surfaces do not fit.
 
     Parameters
     ----------
     target, source : View
         The person alone, of one camera.
+    guess : RigidTransform
+        Target from source.
     floor : Plane
         In the camera's axes.
     """
     params = params or TurnParams()
-    motion = guess
     if not (source.levels[-1].inverse_per_m > 0).any():
         return None
     middle_m = _middle_m(source)
-    for number in reversed(range(len(target.levels))):
-        own = source.levels[number]
-        pixel_px = own.reduction * params.strides_px[number]
-        alike = max(params.pixels_alike / pixel_px**2, 1.0)
-        for _ in range(params.rounds[number]):
-            sums = sum_steps(
-                own.inverse_per_m,
-                own.rays,
-                params.strides_px[number],
-                goal_of(target, number),
-                np.hstack([motion.rotation, motion.translation_m[:, None]]),
-                params.scales_per_m[number],
-            )
-            total = sums.sum(axis=0)
-            if total[USED] < max(params.least_met * total[FACED], FEWEST):
-                return None
-            matrix, right = normal_equations(sums)
-            variance = max(total[SQUARES] / total[WEIGHTS], 1e-10)
-            more, side = _held(motion, middle_m, floor, params)
-            matrix = matrix / (variance * alike) + more + np.eye(6) / params.step_sd**2
-            step = np.linalg.solve(matrix, right / (variance * alike) + side)
-            motion = moved(motion, step)
-            if np.abs(step).max() < params.least_step:
-                break
-    return motion
+
+    def held(motion: RigidTransform, _level: int) -> tuple[Equations, int]:
+        return _held(motion, middle_m, floor, params), 0
+
+    fit = fit_views(target, source, guess, params.joint, held)
+    return None if fit is None or fit.overlap < params.least_overlap else fit
 
 
 def seen_after(view: View, motion: RigidTransform) -> Float32Array:
@@ -179,7 +148,7 @@ def _middle_m(view: View) -> FloatArray:
 
 def _held(
     motion: RigidTransform, middle_m: FloatArray, floor: Plane, params: TurnParams
-) -> tuple[FloatArray, FloatArray]:
+) -> Equations:
     """Return normal equations that hold a twist to the floor: no lean, no rise."""
     up = floor.normal
     leaned = motion.rotation @ up

@@ -102,7 +102,7 @@ def test_what_turns_away_or_leaves_the_picture_is_not_drawn():
 def test_the_turn_of_a_flat_body_is_found(turn_deg):
     motion = about_the_body(np.radians(turn_deg), 0.01, (0.01, 0.0, -0.015))
     target, source = view_of(ellipsoid_image(motion)), view_of(ellipsoid_image(IDENTITY))
-    found = fit_turn(target, source, IDENTITY, FLOOR)
+    found = fit_turn(target, source, IDENTITY, FLOOR).target_from_source
     error = found @ motion.inverse()
     assert np.degrees(turn_rad(error)) < 0.1 + 0.02 * abs(turn_deg)
     np.testing.assert_allclose(error.apply(MIDDLE_M), MIDDLE_M, atol=0.001)
@@ -112,7 +112,8 @@ def test_the_floor_holds_a_body_whose_height_nothing_tells():
     """A wall tells neither how far somebody rose nor how far somebody went aside."""
     wall = view_of(plane_image(np.array([0.0, 0.0, 0.5])))
     guess = RigidTransform(np.eye(3), np.array([0.0, -0.004, 0.01]))
-    found = fit_turn(wall, wall, guess, FLOOR, TurnParams(lift_sd_m=1e-5))
+    params = TurnParams(lift_sd_m=1e-5)
+    found = fit_turn(wall, wall, guess, FLOOR, params).target_from_source
     assert abs(found.translation_m[1]) < 1e-4
     assert abs(found.translation_m[2]) < 1e-4
 
