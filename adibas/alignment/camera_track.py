@@ -7,6 +7,7 @@ import numpy as np
 
 from adibas.alignment.pairing import PairingParams, Unaligned
 from adibas.alignment.pose_graph import Edge, GraphParams
+from adibas.alignment.turn import TurnParams
 from adibas.arrays import FloatArray
 from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
 
@@ -58,6 +59,7 @@ class KeyFrameParams:
     most_still_before: float = 0.03
     n_kept: int = 16
     pairing: PairingParams = field(default_factory=PairingParams)
+    turning: TurnParams = field(default_factory=TurnParams)
     graph: GraphParams = field(default_factory=GraphParams)
 
 

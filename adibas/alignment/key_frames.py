@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from adibas.alignment.camera_track import Following, KeyFrameParams, Track, size_of
 from adibas.alignment.joint_fit import JointFit
-from adibas.alignment.pairing import Moment, Unaligned, align, align_anywhere
+from adibas.alignment.pairing import Aligner, ByPictures, Moment, Unaligned
 from adibas.alignment.pose_graph import Edge, Graph, optimise
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 
@@ -21,6 +21,8 @@ class Tracker:
     ----------
     recall : callable
         Gives a moment that was added again, by its number from 0 on.
+    aligner : Aligner or None
+        By pictures if None.
     before : Following or None
         Where an earlier tracker stood; the next moment is the one after its last.
     """
@@ -30,8 +32,10 @@ class Tracker:
         recall: Callable[[int], Moment],
         params: KeyFrameParams | None = None,
         before: Following | None = None,
+        aligner: Aligner | None = None,
     ) -> None:
         self._params = params or KeyFrameParams()
+        self._aligner = aligner or ByPictures(self._params.pairing)
         self._recall = recall
         before = before or Following()
         self._keys = list(before.keys)
@@ -158,7 +162,7 @@ class Tracker:
         if not isinstance(problem, Unaligned):
             return problem
         for number in self._to_recover():
-            fit = align_anywhere(self._key(number), moment, self._params.pairing)
+            fit = self._aligner.anywhere(self._key(number), moment)
             if isinstance(fit, JointFit):
                 return number, fit
         return problem
@@ -175,7 +179,7 @@ class Tracker:
         """Align with the key-frame of the latest moment that was placed, from where it was."""
         number = next(place[0] for place in reversed(self._places) if place is not None)
         guess = self._world_from_key[number].inverse() @ self._last @ self._step
-        fit = align(self._key(number), moment, guess, self._params.pairing)
+        fit = self._aligner.near(self._key(number), moment, guess)
         return fit if isinstance(fit, Unaligned) else (number, fit)
 
     def _is_far(self, fit: JointFit) -> bool:
@@ -223,9 +227,9 @@ class Tracker:
         for _, number, guess in sorted(distances, key=lambda one: one[:2])[: params.n_loops]:
             if number == before:
                 continue
-            fit = align(self._key(number), self._key(own), guess, params.pairing)
+            fit = self._aligner.near(self._key(number), self._key(own), guess)
             if not isinstance(fit, JointFit):
-                fit = align_anywhere(self._key(number), self._key(own), params.pairing)
+                fit = self._aligner.anywhere(self._key(number), self._key(own))
             if isinstance(fit, JointFit):
                 edges.append(
                     Edge(number, own, fit.target_from_source, fit.information, is_doubtful=True)

@@ -6,6 +6,7 @@ between camera and surface: a place that one saw through cannot hold a surface o
 
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Protocol
 
 import numpy as np
 
@@ -26,8 +27,10 @@ from adibas.alignment.joint_fit import (
 )
 from adibas.alignment.sights import Sight
 from adibas.alignment.start_search import StartParams, search_start
+from adibas.alignment.turn import TurnParams, fit_turn
 from adibas.arrays import FloatArray
-from adibas.geometry.rigid import RigidTransform
+from adibas.geometry.planes import Plane
+from adibas.geometry.rigid import IDENTITY, RigidTransform
 from adibas.texts import message
 
 FEATURE_SD_PX = 0.7
@@ -109,6 +112,51 @@ class Moment:
         if self._features is None:
             self._features = find_features(self.sight, self._params)
         return self._features
+
+
+class Aligner(Protocol):
+    """Tells where one moment lies in another."""
+
+    def near(self, target: Moment, source: Moment, guess: RigidTransform) -> JointFit | Unaligned:
+        """Align from a guess, target from source, that is right to centimetres and degrees."""
+
+    def anywhere(self, target: Moment, source: Moment) -> JointFit | Unaligned:
+        """Align without one."""
+
+
+class ByPictures:
+    """By features and surfaces: of a camera that moves through a room."""
+
+    def __init__(self, params: PairingParams) -> None:
+        self._params = params
+
+    def near(self, target: Moment, source: Moment, guess: RigidTransform) -> JointFit | Unaligned:
+        """See `align`."""
+        return align(target, source, guess, self._params)
+
+    def anywhere(self, target: Moment, source: Moment) -> JointFit | Unaligned:
+        """See `align_anywhere`."""
+        return align_anywhere(target, source, self._params)
+
+
+class ByShape:
+    """By the surface alone, held to the floor: of a person who turns before a camera.
+
+    Bare skin has no features, and what clothes show moves against the skin.
+    """
+
+    def __init__(self, floor: Plane, params: TurnParams) -> None:
+        self._floor, self._params = floor, params
+
+    def near(self, target: Moment, source: Moment, guess: RigidTransform) -> JointFit | Unaligned:
+        """See `fit_turn`."""
+        views = target.sight.view, source.sight.view
+        fit = fit_turn(*views, guess, self._floor, self._params)
+        return Unaligned.TOO_LITTLE_OVERLAP if fit is None else fit
+
+    def anywhere(self, target: Moment, source: Moment) -> JointFit | Unaligned:
+        """Align with a moment in which the person stood nearly the same."""
+        return self.near(target, source, IDENTITY)
 
 
 def align(

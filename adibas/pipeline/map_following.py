@@ -6,7 +6,7 @@ import numpy as np
 
 from adibas.alignment.camera_track import KeyFrameParams, Track
 from adibas.alignment.key_frames import Tracker
-from adibas.alignment.pairing import Moment
+from adibas.alignment.pairing import ByShape, Moment
 from adibas.alignment.sights import see
 from adibas.arrays import IntArray
 from adibas.clock import NS_PER_S
@@ -95,7 +95,8 @@ class Follower:
         self._next_index = known.next_index
         frames = self._frames
         frames.left_out = {index: REASONS[why] for index, why in known.left_out.items()}
-        self._tracker = Tracker(self._recall, self._params, known.following)
+        aligner = ByShape(frames.level, self._params.turning) if frames.is_body else None
+        self._tracker = Tracker(self._recall, self._params, known.following, aligner)
         if known.indices:
             done = known.next_index - frames.wanted.start
             notices.append(Sentence(WENT_ON, {"done": done, "total": len(frames)}))

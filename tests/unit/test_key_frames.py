@@ -1,9 +1,7 @@
 """A camera on a line: who is aligned with whom, what is lost, and what loops do."""
 
 import numpy as np
-import pytest
 
-from adibas.alignment import key_frames
 from adibas.alignment.camera_track import KeyFrameParams
 from adibas.alignment.joint_fit import JointFit
 from adibas.alignment.key_frames import Tracker
@@ -22,7 +20,10 @@ class Line:
         self.asked = []
         self.wrong = {}
 
-    def align(self, target, source, _guess=None, _params=None):
+    def near(self, target, source, _guess):
+        return self.anywhere(target, source)
+
+    def anywhere(self, target, source):
         self.asked.append((target, source))
         apart_m = self.places_m[source] - self.places_m[target]
         if abs(apart_m) > self.reach_m:
@@ -32,7 +33,7 @@ class Line:
         return JointFit(motion, np.eye(6) / 0.005**2, 0.001, 0.8, self.before, 100, 80)
 
     def follow(self, params=PARAMS):
-        tracker = Tracker(lambda number: number, params)
+        tracker = Tracker(lambda number: number, params, aligner=self)
         for number in range(len(self.places_m)):
             tracker.add(number)
         return tracker
@@ -43,24 +44,18 @@ class Line:
         ]
 
 
-@pytest.fixture
-def on_line(monkeypatch):
-    def follow(line, params=PARAMS):
-        monkeypatch.setattr(key_frames, "align", line.align)
-        monkeypatch.setattr(key_frames, "align_anywhere", line.align)
-        return line.follow(params)
-
-    return follow
+def on_line(line, params=PARAMS):
+    return line.follow(params)
 
 
-def test_where_the_key_frame_is_out_of_reach_the_moment_before_becomes_one(on_line):
+def test_where_the_key_frame_is_out_of_reach_the_moment_before_becomes_one():
     line = Line([0.0, 0.2, 0.4, 0.6], reach_m=0.25)
     tracker = on_line(line, KeyFrameParams(largest_shift_m=9.0, least_overlap=0.0))
     np.testing.assert_allclose(line.found_m(tracker), line.places_m, atol=0.02)
     assert tracker.keys == (0, 1, 2)
 
 
-def test_a_world_in_which_nothing_was_placed_is_given_up(on_line):
+def test_a_world_in_which_nothing_was_placed_is_given_up():
     line = Line([9.0, 0.0, 0.1, 0.2])
     tracker = on_line(line)
     assert line.found_m(tracker)[0] is None
@@ -68,7 +63,7 @@ def test_a_world_in_which_nothing_was_placed_is_given_up(on_line):
     assert tracker.track().problems == {0: Unaligned.TOO_LITTLE_OVERLAP}
 
 
-def test_a_camera_that_comes_back_is_found_in_an_old_key_frame(on_line):
+def test_a_camera_that_comes_back_is_found_in_an_old_key_frame():
     out = list(np.arange(0.0, 4.0, 0.2))
     line = Line([*out, 50.0, 50.1, 50.2, 50.3, 50.4, 50.5, 0.1, 0.15, 0.1, 0.2])
     tracker = on_line(line, KeyFrameParams(n_recovered=2, n_revisited=3, n_loops=0))
@@ -77,7 +72,7 @@ def test_a_camera_that_comes_back_is_found_in_an_old_key_frame(on_line):
     np.testing.assert_allclose(found[-1:], [0.2], atol=0.02)
 
 
-def test_loops_take_the_drift_away_and_wrong_ones_are_told_apart(on_line):
+def test_loops_take_the_drift_away_and_wrong_ones_are_told_apart():
     way = [*np.arange(0.0, 2.4, 0.3), *np.arange(2.4, -0.1, -0.3)]
     plain = on_line(Line(way), KeyFrameParams(n_loops=0))
     looped_line = Line(way)
@@ -93,7 +88,7 @@ def test_loops_take_the_drift_away_and_wrong_ones_are_told_apart(on_line):
     assert off_m.max() < 0.05
 
 
-def test_key_frames_that_are_not_at_hand_are_asked_for_again(on_line):
+def test_key_frames_that_are_not_at_hand_are_asked_for_again():
     way = [*np.arange(0.0, 2.4, 0.3), *np.arange(2.4, -0.1, -0.3)]
     few = on_line(Line(way), KeyFrameParams(largest_shift_m=0.25, loop_gap=2, n_kept=1))
     many = on_line(Line(way), KeyFrameParams(largest_shift_m=0.25, loop_gap=2, n_kept=99))
@@ -101,20 +96,20 @@ def test_key_frames_that_are_not_at_hand_are_asked_for_again(on_line):
         np.testing.assert_array_equal(one.translation_m, other.translation_m)
 
 
-def test_what_moves_is_counted(on_line):
+def test_what_moves_is_counted():
     assert on_line(Line([0.0, 0.1, 0.2], before=0.05)).track().n_moving == 2
     assert on_line(Line([0.0, 0.1, 0.2], before=0.005)).track().n_moving == 0
 
 
-def test_a_tracker_goes_on_from_where_another_stood(on_line):
+def test_a_tracker_goes_on_from_where_another_stood():
     way = [*np.arange(0.0, 1.5, 0.1), *np.arange(1.5, -0.1, -0.1)]
     line = Line(way)
     whole = on_line(line)
     for stop in (1, 2, 7, len(way) - 1):
-        begun = Tracker(lambda number: number, PARAMS)
+        begun = Tracker(lambda number: number, PARAMS, aligner=line)
         for number in range(stop):
             begun.add(number)
-        gone_on = Tracker(lambda number: number, PARAMS, begun.following)
+        gone_on = Tracker(lambda number: number, PARAMS, begun.following, line)
         for number in range(stop, len(way)):
             gone_on.add(number)
         for one, other in zip(whole.track().world_from, gone_on.track().world_from, strict=True):
