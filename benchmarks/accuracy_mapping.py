@@ -15,8 +15,8 @@ import numpy as np
 from adibas.alignment.joint_fit import JointFit
 from adibas.alignment.key_frames import Tracker
 from adibas.alignment.pairing import ByShape, Moment, align, align_anywhere
-from adibas.alignment.turn import TurnParams
 from adibas.alignment.sights import see
+from adibas.alignment.turn import TurnParams
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
 from adibas.clock import NS_PER_S
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
