@@ -27,6 +27,7 @@ from adibas.geometry.rigid import IDENTITY, RigidTransform
 from adibas.pipeline.mapping import MapRequest, map_recording
 from benchmarks.mapping_far import SEEDS as FAR_SEEDS
 from benchmarks.mapping_far import WRONG_M, far_rows, motion_error
+from benchmarks.mapping_peer import peer_rows
 from benchmarks.mapping_rooms import room_pair
 from benchmarks.mapping_turn import turn_rows
 from benchmarks.mapping_walk import PERIOD_NS, walk
@@ -56,6 +57,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _near(NEAR_SEEDS[:6] if quick else NEAR_SEEDS)
     yield from _fast_walk()
     yield from turn_rows()
+    if not quick:
+        yield from peer_rows()
     yield from far_rows(FAR_SEEDS[:10] if quick else FAR_SEEDS, keeps=not quick)
 
 

@@ -248,7 +248,7 @@ def _free_results(capture: CaptureReport) -> Iterator[Result]:
 
 
 def _all_distances(analysis: PostureAnalysis) -> Iterator[Result]:
-    for row in distance_rows(analysis):
+    for row in distance_rows(analysis.distances):
         points = (row.a, row.b)
         number = NumberRow(row.mm, row.low_mm, row.high_mm)
         yield Result(id_of_all("distance", points), _name(points), "mm", number)

@@ -5,16 +5,21 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
-
-from adibas.arrays import FloatArray
 from adibas.clock import Clock, utc_now
 from adibas.data.body_measures import BodyMeasure
 from adibas.data.markers import Marker
+from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
 from adibas.errors import BodyError
+from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.back import Back, BackParams, measure_back
+from adibas.pipeline.body_landmarks import (
+    Landmark,
+    as_markers,
+    doubts_about_landmarks,
+    landmarks_of,
+)
 from adibas.pipeline.body_views import BodyView, ViewRequest, see_view
 from adibas.pipeline.posture import PostureParams
 from adibas.pipeline.provenance import provenance_of
@@ -71,24 +76,6 @@ class BodyRequest:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Landmark:
-    """A marker that was named, in the patient axes of the first view.
-
-    Attributes
-    ----------
-    name : str
-    places_m : mapping
-        (3,) position by view.
-    apart_m : float or None
-        Root mean square distance from the mean of the views; None where one view alone saw it.
-    """
-
-    name: str
-    places_m: Mapping[str, FloatArray]
-    apart_m: float | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class MeasuredBody:
     """What the views give.
 
@@ -100,6 +87,8 @@ class MeasuredBody:
     girths : tuple of BodyMeasure
         Girths and volumes; empty of fewer than three views.
     landmarks : tuple of Landmark
+    distances, angles : tuples
+        Between landmarks, wherever they were seen: of every pair and every triplet.
     patient : str
     n_frames : mapping
         By view.
@@ -112,6 +101,8 @@ class MeasuredBody:
     back: Back | None
     girths: tuple[BodyMeasure, ...]
     landmarks: tuple[Landmark, ...]
+    distances: tuple[DistanceMeasure, ...]
+    angles: tuple[AngleMeasure, ...]
     patient: str
     n_frames: Mapping[str, int]
     provenances: Mapping[str, Provenance]
@@ -210,15 +201,19 @@ def measure_views(
         back = measure_back(views[0], markers.get(POSTERIOR, ()), params.back)
     settings = {"back": asdict(params.back), "joining": asdict(params.joining)}
     told = {name: replace(one, parameters=settings) for name, one in provenances.items()}
+    landmarks = landmarks_of(views, markers, whole)
+    fused = as_markers(landmarks)
     return MeasuredBody(
         whole,
         back,
         girths_of(whole, views),
-        _landmarks(views, markers, whole),
+        landmarks,
+        all_distances(fused),
+        all_angles(fused),
         patient,
         MappingProxyType({view.view: view.n_frames for view in views}),
         MappingProxyType(told),
-        _notices(views, back),
+        (*_notices(views, back), *doubts_about_landmarks(landmarks)),
     )
 
 
@@ -265,36 +260,6 @@ def _markers(one: ViewRequest, request: BodyRequest) -> tuple[Marker, ...]:
         lambda _done, _total: None,
     )
     return found.markers
-
-
-def _landmarks(
-    views: Sequence[BodyView], markers: Mapping[str, tuple[Marker, ...]], whole: WholeBody
-) -> tuple[Landmark, ...]:
-    """Return the markers by name, those that are alone in their view and number too."""
-    places: dict[str, dict[str, FloatArray]] = {}
-    for view in views:
-        axes = whole.patient_from_camera[view.view]
-        from_color = axes @ view.calibration.color_from_depth.inverse()
-        for marker in markers.get(view.view, ()):
-            if marker.position_m is not None and not _is_number(marker.label):
-                place = from_color.apply(marker.position_m)
-                places.setdefault(marker.label, {})[view.view] = place
-    return tuple(
-        Landmark(name, MappingProxyType(seen), _apart_m(list(seen.values())))
-        for name, seen in sorted(places.items())
-    )
-
-
-def _is_number(label: str) -> bool:
-    """Say whether a marker was only counted: m01, m02, ... of two views are not the same."""
-    return label.startswith("m") and label[1:].isdecimal()
-
-
-def _apart_m(places: list[FloatArray]) -> float | None:
-    if len(places) <= 1:
-        return None
-    table = np.stack(places)
-    return float(np.sqrt(((table - table.mean(axis=0)) ** 2).sum(axis=1).mean()))
 
 
 def _provenance(one: ViewRequest, view: BodyView, clock: Clock) -> Provenance:

@@ -1,16 +1,21 @@
 """The Excel report on the back."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 from openpyxl import Workbook
 
+from adibas.data.landmark_texts import landmark_text
 from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
+from adibas.pipeline.body_landmarks import Landmark
 from adibas.reports.body_facts import HEADING, body_facts, general_facts
 from adibas.reports.body_files import measures_of
 from adibas.reports.body_numbers import on_paper
 from adibas.reports.body_plots import back_figure
+from adibas.reports.excel import angle_cells, angle_columns, distance_cells, distance_columns
+from adibas.reports.facts import view_name
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
@@ -22,7 +27,7 @@ STEP_M = 0.01
 
 
 def write_body_workbook(body: MeasuredBody, path: Path, language: str) -> None:
-    """Write the sheets Summary, Measures and Profile.
+    """Write the sheets Summary, Measures, those of landmarks where there are any, and Profile.
 
     Raises
     ------
@@ -50,6 +55,15 @@ def _add_sheets(workbook: Workbook, body: MeasuredBody) -> None:
         Column(_("Remark"), 40),
     )
     add_table(workbook, _("Measures"), columns, _measures(body), footer)
+    if body.landmarks:
+        add_table(
+            workbook, _("Landmarks"), _landmark_columns(), list(_landmarks(body.landmarks)), footer
+        )
+    if body.distances:
+        cells = list(distance_cells(body.distances))
+        add_table(workbook, _("Distances"), distance_columns(), cells, footer)
+    if body.angles:
+        add_table(workbook, _("Angles"), angle_columns(), list(angle_cells(body.angles)), footer)
     if body.back is not None:
         profile = (
             Column(_("Height over the floor [mm]"), 14, ONE),
@@ -70,6 +84,30 @@ def _measures(body: MeasuredBody) -> list[tuple[Value, ...]]:
         told = (_(definition.name), _(definition.meaning))
         rows.append((*told, value, low, high, unit, definition.source, remark))
     return rows
+
+
+def _landmark_columns() -> tuple[Column, ...]:
+    return (
+        Column(_("Landmark"), 24),
+        Column(_("To the right [mm]"), 14, ONE),
+        Column(_("Height over the floor [mm]"), 14, ONE),
+        Column(_("To the back [mm]"), 14, ONE),
+        *(Column(_("sd {axis} [mm]").format(axis=axis), 11, TWO) for axis in "xyz"),
+        Column(_("Views"), 30),
+        Column(_("Views apart [mm]"), 14, TWO),
+    )
+
+
+def _landmarks(landmarks: Sequence[Landmark]) -> Iterator[tuple[Value, ...]]:
+    for mark in landmarks:
+        deviations_mm = 1e3 * np.sqrt(np.diag(mark.fused.covariance_m2))
+        yield (
+            landmark_text(mark.name),
+            *(1e3 * mark.fused.position_m).tolist(),
+            *deviations_mm.tolist(),
+            ", ".join(view_name(view) for view in mark.places_m),
+            None if mark.apart_m is None else 1e3 * mark.apart_m,
+        )
 
 
 def _profile(back: Back) -> list[tuple[Value, ...]]:

@@ -11,6 +11,7 @@ from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
 from adibas.reports.body_numbers import GREY, on_paper
 from adibas.reports.map_files import write_ply
+from adibas.reports.rows import angle_rows, distance_rows
 from adibas.surface.merging import BodySurface
 
 RADIUS_M = 0.003
@@ -63,8 +64,29 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
                     view: np.round(place, 5).tolist() for view, place in mark.places_m.items()
                 },
                 "apart_mm": None if mark.apart_m is None else round(1e3 * mark.apart_m, 2),
+                "place_m": np.round(mark.fused.position_m, 5).tolist(),
+                "sd_mm": np.round(1e3 * np.sqrt(np.diag(mark.fused.covariance_m2)), 3).tolist(),
             }
             for mark in body.landmarks
+        ],
+        "distances": [
+            {
+                "a": row.a,
+                "b": row.b,
+                "mm": round(row.mm, 3),
+                "ci95": _rounded(row.low_mm, row.high_mm),
+            }
+            for row in distance_rows(body.distances)
+        ],
+        "angles": [
+            {
+                "a": row.a,
+                "vertex": row.vertex,
+                "c": row.c,
+                "deg": round(row.deg, 3),
+                "ci95": _rounded(row.low_deg, row.high_deg),
+            }
+            for row in angle_rows(body.angles)
         ],
         "notices": [notice.text for notice in body.notices],
         "provenance": {
@@ -77,6 +99,10 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
             for view, one in body.provenances.items()
         },
     }
+
+
+def _rounded(*values: float) -> list[float]:
+    return [round(value, 3) for value in values]
 
 
 def measures_of(body: MeasuredBody) -> tuple[BodyMeasure, ...]:

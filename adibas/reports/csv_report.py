@@ -127,12 +127,12 @@ def _markers(capture: CaptureReport) -> Iterator[Line]:
 
 
 def _distances(analysis: PostureAnalysis) -> Iterator[Line]:
-    for row in distance_rows(analysis):
+    for row in distance_rows(analysis.distances):
         yield Line("distance", row.a, "", row.b, row.mm, "mm", row.low_mm, row.high_mm)
 
 
 def _angles(analysis: PostureAnalysis) -> Iterator[Line]:
-    for row in angle_rows(analysis):
+    for row in angle_rows(analysis.angles):
         yield Line("angle", row.a, row.vertex, row.c, row.deg, "deg", row.low_deg, row.high_deg)
 
 

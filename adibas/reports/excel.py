@@ -8,6 +8,7 @@ from openpyxl import Workbook
 
 from adibas.arrays import UInt8Array
 from adibas.data.landmark_texts import landmark_text
+from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.reports.excel_changes import add_changes
 from adibas.reports.facts import (
@@ -64,8 +65,16 @@ def _add_sheets(workbook: Workbook, report: SessionReport) -> None:
     add_parts(workbook, _("Summary"), _("Posture report"), _summary(report), footer)
     tables = [
         (_("Markers"), _marker_columns(), [_markers(capture) for capture in report.captures]),
-        (_("Distances"), _distance_columns(), [_distances(one) for one in report.captures]),
-        (_("Angles"), _angle_columns(), [_angles(capture) for capture in report.captures]),
+        (
+            _("Distances"),
+            distance_columns(),
+            [distance_cells(one.analysis.distances) for one in report.captures],
+        ),
+        (
+            _("Angles"),
+            angle_columns(),
+            [angle_cells(one.analysis.angles) for one in report.captures],
+        ),
     ]
     if any(capture.analysis.measures for capture in report.captures):
         measures = [_measures(capture) for capture in report.captures]
@@ -140,7 +149,8 @@ def _markers(capture: CaptureReport) -> Rows:
         )
 
 
-def _distance_columns() -> tuple[Column, ...]:
+def distance_columns() -> tuple[Column, ...]:
+    """Return the columns of `distance_cells`."""
     return (
         Column("A", 18),
         Column("B", 18),
@@ -149,12 +159,14 @@ def _distance_columns() -> tuple[Column, ...]:
     )
 
 
-def _distances(capture: CaptureReport) -> Rows:
-    for row in distance_rows(capture.analysis):
+def distance_cells(distances: Iterable[DistanceMeasure]) -> Rows:
+    """Yield the cells of each distance."""
+    for row in distance_rows(distances):
         yield landmark_text(row.a), landmark_text(row.b), row.mm, row.low_mm, row.high_mm
 
 
-def _angle_columns() -> tuple[Column, ...]:
+def angle_columns() -> tuple[Column, ...]:
+    """Return the columns of `angle_cells`."""
     return (
         Column("A", 18),
         Column(_("Vertex"), 18),
@@ -165,8 +177,9 @@ def _angle_columns() -> tuple[Column, ...]:
     )
 
 
-def _angles(capture: CaptureReport) -> Rows:
-    for row in angle_rows(capture.analysis):
+def angle_cells(angles: Iterable[AngleMeasure]) -> Rows:
+    """Yield the cells of each angle."""
+    for row in angle_rows(angles):
         corners = map(landmark_text, (row.a, row.vertex, row.c))
         yield *corners, row.deg, row.low_deg, row.high_deg, row.bias_deg
 

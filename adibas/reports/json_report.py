@@ -125,7 +125,7 @@ def posture_to_json(analysis: PostureAnalysis) -> dict[str, Any]:
         "rejected": [{"u": b.u, "v": b.v, "reason": b.reason} for b in analysis.rejected],
         "distances": [
             {"a": row.a, "b": row.b, "mm": row.mm, "ci95_mm": [row.low_mm, row.high_mm]}
-            for row in distance_rows(analysis)
+            for row in distance_rows(analysis.distances)
         ],
         "angles": [
             {
@@ -136,7 +136,7 @@ def posture_to_json(analysis: PostureAnalysis) -> dict[str, Any]:
                 "ci95_deg": [row.low_deg, row.high_deg],
                 "bias_deg": row.bias_deg,
             }
-            for row in angle_rows(analysis)
+            for row in angle_rows(analysis.angles)
         ],
         **_followed_protocol(analysis),
         "notices": list(analysis.notices),

@@ -195,7 +195,7 @@ def _numbers(value: float | None, low: float | None, high: float | None) -> tupl
 
 def _distances(capture: CaptureReport) -> Iterator[Flowable]:
     """Yield the table of all pairs, several of them in a line."""
-    rows = list(distance_rows(capture.analysis))
+    rows = list(distance_rows(capture.analysis.distances))
     yield title(_("Distances [mm], with the interval of 95 %, instrument only"), level=2)
     if not rows:
         yield note(_("No two markers have a position."))

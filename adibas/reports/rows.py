@@ -1,13 +1,14 @@
 """The numbers of a report in clinical units: one place, so that every format shows the same."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker, is_numbered
+from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import Estimate
 from adibas.data.protocols import CONVENTION, MeasureDefinition, ReferenceValue
@@ -195,9 +196,9 @@ def names_line(analysis: PostureAnalysis) -> str:
     return _("Names of markers: {parts}").format(parts=", ".join(parts)) if parts else ""
 
 
-def distance_rows(analysis: PostureAnalysis) -> Iterator[DistanceRow]:
+def distance_rows(distances: Iterable[DistanceMeasure]) -> Iterator[DistanceRow]:
     """Yield the distances in their order."""
-    for distance in analysis.distances:
+    for distance in distances:
         low_m, high_m = distance.interval_m
         yield DistanceRow(
             distance.a,
@@ -208,9 +209,9 @@ def distance_rows(analysis: PostureAnalysis) -> Iterator[DistanceRow]:
         )
 
 
-def angle_rows(analysis: PostureAnalysis) -> Iterator[AngleRow]:
+def angle_rows(angles: Iterable[AngleMeasure]) -> Iterator[AngleRow]:
     """Yield the angles in their order."""
-    for angle in analysis.angles:
+    for angle in angles:
         low_rad, high_rad = angle.interval_rad
         yield AngleRow(
             angle.a,
@@ -225,8 +226,12 @@ def angle_rows(analysis: PostureAnalysis) -> Iterator[AngleRow]:
 
 def free_rows(capture: CaptureReport) -> Iterator[FreeRow]:
     """Yield the free measures in their order, with the numbers of the tables."""
-    distances = {frozenset((row.a, row.b)): row for row in distance_rows(capture.analysis)}
-    angles = {(row.vertex, frozenset((row.a, row.c))): row for row in angle_rows(capture.analysis)}
+    distances = {
+        frozenset((row.a, row.b)): row for row in distance_rows(capture.analysis.distances)
+    }
+    angles = {
+        (row.vertex, frozenset((row.a, row.c))): row for row in angle_rows(capture.analysis.angles)
+    }
     for measure in capture.measures:
         a, c = measure.labels[0], measure.labels[-1]
         numbers: tuple[float, float, float] | tuple[None, None, None] = (None, None, None)

@@ -2,21 +2,27 @@
 
 import json
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
+import openpyxl
 import pytest
 from scipy.spatial import cKDTree
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.data.markers import Marker
+from adibas.data.posture import Provenance
 from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 from adibas.pipeline.back import measure_back
-from adibas.pipeline.body import _landmarks
+from adibas.pipeline.body import measure_views
+from adibas.pipeline.body_landmarks import doubts_about_landmarks, landmarks_of
 from adibas.pipeline.body_views import person_in
 from adibas.pipeline.whole_body import WholeBody, join_body
 from adibas.recordings import create_recording
+from adibas.reports.body import write_body
+from adibas.reports.body_files import body_to_json
 from adibas.simulation.depth_noise import EXACT
 from benchmarks.body_scenes import burst, draw_back_scene
 from tests.unit.test_back_command import run
@@ -133,6 +139,49 @@ def test_landmarks_seen_twice_tell_how_far_they_are_apart(views):
         )
         for side in poses
     }
-    (found,) = _landmarks(views[:2], markers, whole)
+    (found,) = landmarks_of(views[:2], markers, whole)
     assert found.name == "c7"
     assert found.apart_m == pytest.approx(0.002, abs=1e-6)
+    assert not doubts_about_landmarks([found])
+    far = replace(found, fused=replace(found.fused, apart_sds=4.0))
+    (doubt,) = doubts_about_landmarks([far])
+    assert "c7 lies 2.0 mm apart" in doubt.text
+
+
+def test_landmarks_of_all_views_are_measured_between_and_written(views, scene, tmp_path):
+    turns = {"posterior": ("c7", "left_psis"), "anterior": ("c7", "sternal_notch")}
+    markers = {}
+    for view in views:
+        marks = scene.posed(view.view).landmarks
+        to_color = view.calibration.color_from_depth @ scene.depth_from_world
+        markers[view.view] = tuple(
+            Marker(
+                *(name, 1.0, 1.0, 2.0, np.eye(2)),
+                position_m=to_color.apply(marks[name]),
+                covariance_m2=1e-6 * np.eye(3),
+            )
+            for name in turns.get(view.view, ())
+        )
+    told = Provenance("0" * 64, "sha256:0", "0", "2026-01-01T00:00:00+00:00", {})
+    body = measure_views(views, markers, {view.view: told for view in views}, "P1")
+    marks = scene.posed("posterior").landmarks
+    wanted_m = {
+        frozenset(pair): np.linalg.norm(marks[pair[0]] - marks[pair[1]])
+        for pair in combinations(("c7", "left_psis", "sternal_notch"), 2)
+    }
+    assert {frozenset((one.a, one.b)) for one in body.distances} == set(wanted_m)
+    for one in body.distances:
+        assert one.value_m == pytest.approx(wanted_m[frozenset((one.a, one.b))], abs=0.004)
+        assert one.interval_m[0] < one.value_m < one.interval_m[1]
+    assert len(body.angles) == 3
+    document = body_to_json(body)
+    assert len(document["distances"]) == len(document["angles"]) == 3
+    assert {one["name"] for one in document["landmarks"]} == {"c7", "left_psis", "sternal_notch"}
+    write_body(body, tmp_path / "r.xlsx", "en")
+    book = openpyxl.load_workbook(tmp_path / "r.xlsx")
+    assert book.sheetnames == [
+        *("Summary", "Measures", "Landmarks", "Distances", "Angles", "Profile")
+    ]
+    rows = list(book["Landmarks"].iter_rows(values_only=True))
+    assert len(rows) == 4
+    assert rows[1][0] == "C7"
