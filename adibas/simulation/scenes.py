@@ -42,6 +42,8 @@ Mounting: TypeAlias = Literal["landscape", "portrait"]
 BOARD, WALL = "board", "wall"
 VIEWS: tuple[View, ...] = ("anterior", "posterior", "left_lateral", "right_lateral")
 
+FIRST_STILL_S, TURN_S = 1.0, 10.0
+
 _BOTH = ("left_", "right_")
 VIEW_MARKERS: dict[str, tuple[str, ...]] = {
     "anterior": (
@@ -106,6 +108,9 @@ class SceneSettings:
         One of `adibas.simulation.postures.POSTURES`.
     gesture : str or None
         Done over and over instead of standing in the posture.
+    turn_s : float or None
+        After a second the patient turns to the right, on the spot, once in so many seconds; None:
+        the view stays.
     is_swaying : bool
         As living people do.
     has_patient : bool
@@ -140,6 +145,7 @@ class SceneSettings:
     view: View = "anterior"
     posture: str = "relaxed"
     gesture: str | None = None
+    turn_s: float | None = None
     is_swaying: bool = True
     has_patient: bool = True
     distance_m: float = 2.0
@@ -287,7 +293,14 @@ class SimulatedScene:
         pose = _pose(self._gesture, self.settings.posture, time_s)
         if self._sway is not None:
             pose = self._sway.applied(pose, time_s)
-        return self._patient.body.posed(pose.facing(self.settings.view))
+        return self._patient.body.posed(self._headed(pose, time_s))
+
+    def _headed(self, pose: Pose, time_s: float) -> Pose:
+        facing = pose.facing(self.settings.view)
+        if self.settings.turn_s is None:
+            return facing
+        turns = max(time_s - FIRST_STILL_S, 0.0) / self.settings.turn_s
+        return replace(facing, heading_rad=facing.heading_rad + 2.0 * math.pi * turns)
 
     def _joints_m(self, posed: PosedBody | None) -> FloatArray:
         if posed is None:
@@ -364,6 +377,7 @@ def _scenes() -> dict[str, SceneSettings]:
     scenes["standing"] = scenes["anterior"]
     for gesture in gesture_names():
         scenes[gesture] = SceneSettings(gesture=gesture, distance_m=2.7)
+    scenes["turn"] = replace(scenes["posterior"], turn_s=TURN_S, mounting="portrait")
     scenes["empty"] = SceneSettings(has_patient=False)
     return scenes
 
@@ -376,7 +390,7 @@ def _patient(shape: BodyShape, look: Look) -> Patient:
 def _pose(gesture: Gesture | None, posture: str, time_s: float) -> Pose:
     if gesture is None:
         return POSTURES[posture].pose()
-    return gesture.pose((time_s - 1.0) % (gesture.duration_s + 0.5))
+    return gesture.pose((time_s - FIRST_STILL_S) % (gesture.duration_s + 0.5))
 
 
 def _sensor_pose(settings: SceneSettings) -> RigidTransform:

@@ -12,6 +12,7 @@ from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.geometry.pinhole import project
 from adibas.simulation.color_noise import EXACT_COLOR
 from adibas.simulation.depth_noise import EXACT
+from adibas.simulation.frame_times import frame_time_ns
 from adibas.simulation.layouts import analysis_settings, marker_layouts
 from adibas.simulation.light import Illumination
 from adibas.simulation.looks import Look, linear_from_srgb
@@ -287,3 +288,23 @@ def test_the_200_analyses_differ_and_spread_the_markers_over_the_body():
         assert {"glabella", "head", "menton", "sternal_notch", "neck"} & set(names)
         assert legs & {name.partition("_")[2] for name in names}
     assert SceneSettings().markers.diameter_m == 0.008
+
+
+def test_a_turning_patient_shows_one_side_after_the_other():
+    scene = open_scene("turn", seed=3, has_color=False, is_swaying=False)
+    start = scene.person(0)[1].joints_m
+    for index in (0, 40, 100, 255):
+        time_s = frame_time_ns(3, index) / 1e9
+        turn_rad = 2.0 * np.pi * max(time_s - 1.0, 0.0) / 10.0
+        # The axis points down: to the patient's right.
+        cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+        wanted = start @ np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]).T
+        np.testing.assert_allclose(scene.person(index)[1].joints_m, wanted, atol=1e-3)
+
+
+def test_who_turns_to_the_right_shows_the_right_side_next():
+    scene = open_scene("turn", seed=3, has_color=False, is_swaying=False)
+    begin, quarter = (scene.person(index)[1].joints_m for index in (0, 75))
+    left, right = JOINT_NAMES.index("left_shoulder"), JOINT_NAMES.index("right_shoulder")
+    assert begin[left, 0] < begin[right, 0]  # the back to the sensor
+    assert quarter[right, 2] < quarter[left, 2] - 0.2  # the right one is nearer
