@@ -9,10 +9,12 @@ from scipy.spatial.transform import Rotation
 from adibas.alignment.surfels import Distances
 from adibas.cli.command_line import main
 from adibas.geometry.planes import Plane
-from adibas.geometry.rigid import RigidTransform
+from adibas.geometry.rigid import RigidTransform, fit_rigid, rotation_vector
 from adibas.pipeline.map_body import body_motion
+from adibas.pipeline.mapping import MapRequest, map_recording
 from adibas.recordings import create_recording
 from adibas.reports.map_files import ROW
+from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 
 FLOOR = Plane(np.array([0.0, -1.0, 0.0]), 1.2)
@@ -86,3 +88,25 @@ def test_the_person_alone_becomes_the_surface(tmp_path, capsys):
     whole = json.loads(capsys.readouterr().out)
     assert whole["body"] is None
     assert deepest_m(out) > 2.9, "the wall"
+
+
+def test_bare_skin_is_followed_through_a_turn_by_its_shape(tmp_path):
+    """Every sixth of a second of a turn by 36 degrees a second; no stickers, the camera stands."""
+    scene = open_scene(
+        "turn", seed=3, color_size=(480, 640), markers=MarkerSettings(), is_swaying=False
+    )
+    path = tmp_path / "turn.mcap"
+    numbers = range(30, 110, 5)
+    with create_recording(path, scene.info) as recording:
+        for number in numbers:
+            recording.write(scene.frame(number).sensor_frame)
+    mapped = map_recording(MapRequest(path, is_body=True), lambda _done, _total: None)
+    assert len(mapped.world_from_camera) == len(numbers)
+    bodies_m = [
+        scene.depth_from_world.apply(scene.person(number)[1].joints_m) for number in numbers
+    ]
+    for pose, body_m in zip(mapped.world_from_camera, bodies_m, strict=True):
+        true = fit_rigid(bodies_m[0], body_m)
+        turn_rad = np.linalg.norm(rotation_vector((pose @ true.inverse()).rotation))
+        assert np.degrees(turn_rad) < 4.0
+        assert np.linalg.norm(pose.apply(body_m) - bodies_m[0], axis=1).mean() < 0.03
