@@ -10,6 +10,14 @@ import pytest
 from adibas.cli.interrupts import no_interrupt_lost
 
 
+@pytest.fixture(autouse=True)
+def ctrl_c_raises():
+    """As in a command: a window that was closed in this process before may have left its own."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 class PressedWhileFreed:
     """Ctrl-C falls into its finalizer, where Python ignores exceptions."""
 
