@@ -86,7 +86,7 @@ def _backs(seeds: range) -> Iterator[Row]:
     )
     yield from _rotation_rows(told, [one.rotation for one in spines])
     yield from deviations.rows(told)
-    yield Row(f"{told}: line of the spine, aside, rms", _rms(aside_mm), "mm")
+    yield Row(f"{told}: line of the spine, aside, rms", rms(aside_mm), "mm")
     yield Row(f"{told}: not measured", float(len(seeds) - len(spines)), f"of {len(seeds)}")
 
 
@@ -119,18 +119,18 @@ def _spine(scene: BackScene, view: BodyView, seed: int) -> Spine | None:
 def _spine_rows(told: str, errors: FloatArray, plain: FloatArray) -> Iterator[Row]:
     for column, name in enumerate(("kyphosis", "lordosis")):
         some = errors[:, column]
-        yield Row(f"{told}: {name}, rms", _rms(some), "deg", 2.0, "goal <=")
+        yield Row(f"{told}: {name}, rms", rms(some), "deg", 2.0, "goal <=")
         yield Row("same, within 2 deg", 100.0 * float((np.abs(some) <= 2.0).mean()), "%")
         yield Row("same, mean", float(some.mean()), "deg")
-        yield Row("same, against tangents on 60 mm of the skin, rms", _rms(plain[:, column]), "deg")
+        yield Row("same, against tangents on 60 mm of the skin, rms", rms(plain[:, column]), "deg")
     for column, name in enumerate(("fleche cervicale", "fleche lombaire"), 2):
-        yield Row(f"{told}: {name}, rms", _rms(errors[:, column]), "mm")
+        yield Row(f"{told}: {name}, rms", rms(errors[:, column]), "mm")
 
 
 def _aside_mm(back: Back, midline_m: FloatArray) -> float:
     y_m = np.linspace(0.58, 0.84, 60) * back.stature_m
     true_m = np.interp(y_m, midline_m[::-1, 1], midline_m[::-1, 0])
-    return 1e3 * _rms(back.line.at(y_m) - true_m)
+    return 1e3 * rms(back.line.at(y_m) - true_m)
 
 
 def _rotation_rows(told: str, found: Sequence[Rotation]) -> Iterator[Row]:
@@ -138,7 +138,7 @@ def _rotation_rows(told: str, found: Sequence[Rotation]) -> Iterator[Row]:
         off_deg, is_held = (
             np.array(column) for column in zip(*(one[number] for one in found), strict=True)
         )
-        yield Row(f"{told}: surface rotation, {name}: error, rms", _rms(off_deg), "deg")
+        yield Row(f"{told}: surface rotation, {name}: error, rms", rms(off_deg), "deg")
         share = 100.0 * float(np.mean(is_held))
         held = f"{told}: intervals of this that hold the truth ({len(is_held)})"
         yield Row(held, share, "%", 95.0, "goal 93-97")
@@ -190,13 +190,13 @@ def _bodies(seeds: range, told: str, sway: float) -> Iterator[Row]:
         apart += some_apart
         landmarks += some_marks
     name = f"four views, {told}, seeds {seeds[0]}-{seeds[-1]}"
-    error = _rms(np.concatenate(squares))
+    error = rms(np.concatenate(squares))
     yield Row(f"{name}: surface seen at 65 deg or less, rms", error, "mm", 2.0, "goal <=")
     far = 100.0 * float(np.concatenate(slanted).mean())
     yield Row("same: farther off than 5 mm", far, "%")
-    yield Row("same: a view's place, 1 m over the floor, rms", _rms(np.array(apart)), "mm")
+    yield Row("same: a view's place, 1 m over the floor, rms", rms(np.array(apart)), "mm")
     yield Row(
-        "same: true landmarks of two views apart, rms", _rms(np.array(landmarks)), "mm", 2.0, "goal"
+        "same: true landmarks of two views apart, rms", rms(np.array(landmarks)), "mm", 2.0, "goal"
     )
     yield Row("same: not joined", float(n_refused), f"of {len(seeds)}")
     yield from girths.rows(name)
@@ -272,7 +272,3 @@ def _poses(
             place_m = first.apply(marks[name])
             landmarks.append(1e3 * float(np.linalg.norm(error.apply(place_m) - place_m)))
     return apart, landmarks
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -28,6 +28,7 @@ from adibas.simulation.poses import DOWN, FORWARD, HEADINGS_RAD, LEFT, LegPose
 from adibas.simulation.room import draw_room
 from adibas.simulation.rotations import about
 from adibas.simulation.studio import DepthStudio
+from adibas.surface.course_errors import rms
 from benchmarks.body_scenes import BackScene, draw_back_scene, true_midline_m
 from benchmarks.body_truth import distances_mm, smoothed_truth
 from benchmarks.table import Row
@@ -96,13 +97,11 @@ def _rows(seeds: range, told: str, *, steps: bool, sway: float) -> Iterator[Row]
         counts.append(np.mean([view.n_frames for view in seen.views]))
         angles += _spine(turning, seen)
     name = f"slow turn of {told}, {TURN_S:.0f} s, seeds {seeds[0]}-{seeds[-1]}"
-    yield Row(
-        f"{name}: surface above the hips, rms", _rms(np.concatenate(above)), "mm", 2.0, "goal"
-    )
+    yield Row(f"{name}: surface above the hips, rms", rms(np.concatenate(above)), "mm", 2.0, "goal")
     far = 100.0 * float((np.abs(np.concatenate(above)) > FAR_MM).mean())
     yield Row("same: farther off than 5 mm", far, "%")
-    yield Row("same: the whole body's surface, rms", _rms(np.concatenate(everywhere)), "mm")
-    yield Row("same: kyphosis and lordosis, rms", _rms(np.array(angles)), "deg", 2.0, "goal")
+    yield Row("same: the whole body's surface, rms", rms(np.concatenate(everywhere)), "mm")
+    yield Row("same: kyphosis and lordosis, rms", rms(np.array(angles)), "deg", 2.0, "goal")
     yield Row("same: frames of a view, mean", float(np.mean(counts)), "")
     yield Row("same: refused", float(n_refused), f"of {len(seeds)}")
 
@@ -172,7 +171,3 @@ def _spine(turning: Turning, seen: SeenTurn) -> list[float]:
     truth = smoothed_truth(midline_m, back.stature_m, back.profile.top_m).values()[:2]
     found = np.degrees([one.value for one in back.measures[:2] if one.value is not None])
     return [float(error) for error in found - truth]
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

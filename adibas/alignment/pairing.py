@@ -219,7 +219,7 @@ def _judged(
         return Unaligned.TOO_LITTLE_OVERLAP
     if max(fit.before, before) > params.most_before:
         return Unaligned.CONTRADICTION
-    return _doubt(fit, target.sight.middle_m, params) or fit
+    return _doubt(fit, target.sight.view.middle_m, params) or fit
 
 
 def _doubt(fit: JointFit, middle_m: FloatArray, params: PairingParams) -> Unaligned | None:

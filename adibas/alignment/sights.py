@@ -49,17 +49,6 @@ class Sight:
         """The camera of `gray`."""
         return color_camera(self.calibration)
 
-    @property
-    def middle_m(self) -> FloatArray:
-        """The (3,) mean of all points that are seen, depth camera's axes; 0 where none is."""
-        level = self.view.levels[-1]
-        known = level.inverse_per_m > 0  # false for NaN
-        if not known.any():
-            return np.zeros(3)
-        z = 1.0 / level.inverse_per_m[known].astype(float)
-        middle: FloatArray = np.append((level.rays[known] * z[:, None]).mean(axis=0), z.mean())
-        return middle
-
     def points_m(self, pixels: FloatArray) -> FloatArray:
         """Return (N, 3) points, in the depth camera's axes, that (N, 2) pixels of colour see.
 

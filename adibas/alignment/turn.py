@@ -24,7 +24,7 @@ from adibas.alignment.turn_kernels import moved_image
 from adibas.alignment.views import View
 from adibas.arrays import Float32Array, FloatArray
 from adibas.geometry.planes import Plane
-from adibas.geometry.rigid import IDENTITY, RigidTransform
+from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +93,7 @@ class TurnTracker:
 
 def turn_rad(motion: RigidTransform) -> float:
     """Return the angle of a rotation."""
-    cosine = 0.5 * (float(np.trace(motion.rotation)) - 1.0)
-    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return float(np.linalg.norm(rotation_vector(motion.rotation)))
 
 
 def fit_turn(
@@ -118,7 +117,7 @@ def fit_turn(
     params = params or TurnParams()
     if not (source.levels[-1].inverse_per_m > 0).any():
         return None
-    middle_m = _middle_m(source)
+    middle_m = source.middle_m
 
     def held(motion: RigidTransform, _level: int) -> tuple[Equations, int]:
         return _held(motion, middle_m, floor, params), 0
@@ -136,14 +135,6 @@ def seen_after(view: View, motion: RigidTransform) -> Float32Array:
         goal_of(view, 0),
         np.hstack([motion.rotation, motion.translation_m[:, None]]),
     )
-
-
-def _middle_m(view: View) -> FloatArray:
-    level = view.levels[-1]
-    known = level.inverse_per_m > 0  # false for NaN
-    z = 1.0 / level.inverse_per_m[known].astype(float)
-    middle: FloatArray = np.append((level.rays[known] * z[:, None]).mean(axis=0), z.mean())
-    return middle
 
 
 def _held(

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from adibas.alignment.inverse_plane_kernels import fit_planes, halved
-from adibas.arrays import Float32Array, check_shape, read_only
+from adibas.arrays import Float32Array, FloatArray, check_shape, read_only
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.distortion import undistort_pixels
 
@@ -75,6 +75,17 @@ class View:
 
     camera: CameraCalibration
     levels: tuple[Level, ...]
+
+    @property
+    def middle_m(self) -> FloatArray:
+        """The (3,) mean of all points that are seen, the camera's axes; 0 where none is."""
+        level = self.levels[-1]
+        known = level.inverse_per_m > 0  # false for NaN
+        if not known.any():
+            return np.zeros(3)
+        z = 1.0 / level.inverse_per_m[known].astype(float)
+        middle: FloatArray = np.append((level.rays[known] * z[:, None]).mean(axis=0), z.mean())
+        return middle
 
 
 def prepare_view(

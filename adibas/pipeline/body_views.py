@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray, UInt8Array
+from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.body.rays import viewing_rays
@@ -107,12 +107,8 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
     with open_recording(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
-        if calibration.depth is None:
-            raise CalibrationError(
-                "The calibration lacks the depth camera. Give one of both cameras with "
-                "--calibration FILE."
-            )
-        total = DisparitySum(calibration.depth_bias, calibration.depth)
+        camera = depth_camera_of(calibration)
+        total = DisparitySum(calibration.depth_bias, camera)
         n_frames = 0
         for done, index in enumerate(wanted, 1):
             raw = recording.read(index).depth_raw
@@ -123,10 +119,7 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
             progress(done, len(wanted))
         notice = recording.notice
         if not n_frames:
-            raise RecordingError(
-                "{file} holds no depth, and a surface takes depth. Record both streams.",
-                file=request.recording.name,
-            )
+            raise no_depth(request.recording.name)
         picture_rgb = picture_of(recording, wanted[len(wanted) // 2], calibration)
     view = person_in(
         request.view,
@@ -157,21 +150,10 @@ def person_in(
         raise ValueError("a surface takes the calibration of a depth camera")
     with np.errstate(divide="ignore"):
         depth_m = np.asarray(1.0 / surface.mean_per_m, np.float32)
-    up = None if calibration.gravity is None else -calibration.gravity
-    floor = calibration.floor or find_floor(depth_m, camera, up)
-    if floor is None:
-        raise BodyError(
-            "No floor is seen in {file}, and heights are measured from it. Turn the sensor down, "
-            "or give a calibration that knows the floor.",
-            file=name,
-        )
+    floor = floor_in(depth_m, calibration, name)
     mask = find_body(depth_m, camera, floor)
     if mask is None:
-        raise BodyError(
-            "Nobody is seen in {file}. The patient stands alone, 0.8 to 4 m in front of the "
-            "sensor.",
-            file=name,
-        )
+        raise nobody(name)
     body = mask.pixels & np.isfinite(depth_m)
     return BodyView(
         view,
@@ -182,6 +164,58 @@ def person_in(
         surface.n_frames,
         is_cut_above=touches_top(body, floor),
         notice=notice,
+    )
+
+
+def depth_camera_of(calibration: RgbdCalibration) -> CameraCalibration:
+    """Return the depth camera.
+
+    Raises
+    ------
+    CalibrationError
+        It is not calibrated.
+    """
+    if calibration.depth is None:
+        raise CalibrationError(
+            "The calibration lacks the depth camera. Give one of both cameras with "
+            "--calibration FILE."
+        )
+    return calibration.depth
+
+
+def floor_in(depth_m: Float32Array, calibration: RgbdCalibration, name: str) -> Plane:
+    """Return the floor that the calibration knows, else the one in an (H, W) depth image.
+
+    Raises
+    ------
+    BodyError
+        There is none in the recording `name`.
+    """
+    if calibration.floor is not None:
+        return calibration.floor
+    up = None if calibration.gravity is None else -calibration.gravity
+    floor = find_floor(depth_m, depth_camera_of(calibration), up)
+    if floor is None:
+        raise BodyError(
+            "No floor is seen in {file}, and heights are measured from it. Turn the sensor down, "
+            "or give a calibration that knows the floor.",
+            file=name,
+        )
+    return floor
+
+
+def no_depth(name: str) -> RecordingError:
+    """Return what is told of a recording without depth."""
+    return RecordingError(
+        "{file} holds no depth, and a surface takes depth. Record both streams.", file=name
+    )
+
+
+def nobody(name: str) -> BodyError:
+    """Return what is told of a recording without a person."""
+    return BodyError(
+        "Nobody is seen in {file}. The patient stands alone, 0.8 to 4 m in front of the sensor.",
+        file=name,
     )
 
 

@@ -14,13 +14,12 @@ import numpy as np
 from adibas.alignment.turn import TurnParams, TurnTracker, seen_after
 from adibas.alignment.views import View, ViewParams, prepare_view
 from adibas.arrays import Float32Array, FloatArray
-from adibas.body.floor import find_floor
 from adibas.body.mask import find_body, heights_over
 from adibas.body.rays import viewing_rays
 from adibas.calibration.files import check_fits
-from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
+from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.frames import depth_in_metres
-from adibas.errors import BodyError, CalibrationError, RecordingError
+from adibas.errors import BodyError
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.markers.disparity import DisparitySum
@@ -28,6 +27,10 @@ from adibas.pipeline.body_views import (
     LEAST_SHARE,
     BodyView,
     ViewRequest,
+    depth_camera_of,
+    floor_in,
+    no_depth,
+    nobody,
     picture_of,
     touches_top,
 )
@@ -166,13 +169,8 @@ class _Moments:
     def __init__(
         self, recording: RecordingReader, calibration: RgbdCalibration, request: ViewRequest
     ) -> None:
-        if calibration.depth is None:
-            raise CalibrationError(
-                "The calibration lacks the depth camera. Give one of both cameras with "
-                "--calibration FILE."
-            )
         self._recording, self._calibration = recording, calibration
-        self._camera: CameraCalibration = calibration.depth
+        self._camera = depth_camera_of(calibration)
         self.name = request.recording.name
         self._floor: Plane | None = calibration.floor
         self.has_depth = False
@@ -194,7 +192,7 @@ class _Moments:
         check_fits(self._calibration, None, depth_m.shape)
         depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
         if self._floor is None:
-            self._floor = self._found_floor(depth_m)
+            self._floor = floor_in(depth_m, self._calibration, self.name)
         mask = find_body(depth_m, self._camera, self._floor)
         return None if mask is None else np.where(mask.pixels, depth_m, np.float32(np.nan))
 
@@ -229,17 +227,6 @@ class _Moments:
             notice=self._recording.notice,
             picture_rgb=picture_of(self._recording, index, self._calibration),
         )
-
-    def _found_floor(self, depth_m: Float32Array) -> Plane:
-        gravity = self._calibration.gravity
-        floor = find_floor(depth_m, self._camera, None if gravity is None else -gravity)
-        if floor is None:
-            raise BodyError(
-                "No floor is seen in {file}, and heights are measured from it. Turn the sensor "
-                "down, or give a calibration that knows the floor.",
-                file=self.name,
-            )
-        return floor
 
 
 def _followed(
@@ -278,16 +265,9 @@ def _followed(
             poses.append(pose)
         told(done)
     if not moments.has_depth:
-        raise RecordingError(
-            "{file} holds no depth, and a surface takes depth. Record both streams.",
-            file=moments.name,
-        )
+        raise no_depth(moments.name)
     if not indices:
-        raise BodyError(
-            "Nobody is seen in {file}. The patient stands alone, 0.8 to 4 m in front of the "
-            "sensor.",
-            file=moments.name,
-        )
+        raise nobody(moments.name)
     return _Path(indices, poses, _turned_rad(poses, moments.floor), n_lost)
 
 
