@@ -13,7 +13,7 @@ from typing import Protocol, cast
 
 from adibas import __version__
 from adibas.cli.console import Console
-from adibas.cli.interrupts import no_interrupt_lost
+from adibas.cli.interrupts import is_interrupt, no_interrupt_lost
 from adibas.cli.options import sentence
 from adibas.errors import AdibasError
 from adibas.resources import resource_path
@@ -73,7 +73,9 @@ def main(argv: Sequence[str]) -> int:
         console.flush()
     except AdibasError as error:
         console.warn(describe(error))
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemError) as error:
+        if not is_interrupt(error):
+            raise
         console.warn(_("Stopped. No unfinished file was left behind."))
     except BrokenPipeError:
         _forget_stdout()

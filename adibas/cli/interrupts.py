@@ -54,6 +54,14 @@ def no_interrupt_lost() -> Iterator[None]:
         sys.unraisablehook = before
 
 
+def is_interrupt(error: BaseException) -> bool:
+    """Say whether an error is Ctrl-C: itself, or as a compiled loop passes it on.
+
+    Ctrl-C that falls into numba's dispatcher comes out of it as a SystemError.
+    """
+    return isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt)
+
+
 def _interrupt(thread: int) -> None:
     if sys.platform == "win32":
         signal.raise_signal(signal.SIGINT)

@@ -58,6 +58,22 @@ def test_ctrl_c_ends_with_exit_code_1_and_a_sentence(run_as, capsys):
     assert "Stopped" in capsys.readouterr().err
 
 
+def test_ctrl_c_in_a_compiled_loop_ends_so_too(run_as, capsys):
+    def in_a_loop(_arguments, _console):
+        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+
+    assert run_as(in_a_loop) == 1
+    assert "Stopped" in capsys.readouterr().err
+
+
+def test_another_fault_of_a_compiled_loop_is_not_hidden(run_as):
+    def broken(_arguments, _console):
+        raise SystemError("of a fault")
+
+    with pytest.raises(SystemError, match="of a fault"):
+        run_as(broken)
+
+
 def test_a_stdout_that_lacks_a_letter_shows_its_number(run_as, monkeypatch):
     written = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, encoding="ascii"))
