@@ -325,9 +325,7 @@ def _ethogram(arguments: argparse.Namespace, console: Console) -> int:
     ethogram = shipped_ethogram()
     write_ethogram(arguments.out, ethogram)
     console.say(
-        _("{file}: {n} behaviours. Change it, and code by it.").format(
-            file=arguments.out, n=len(ethogram.behaviours)
-        )
+        _("{file} holds an ethogram. Change it, and code by it.").format(file=arguments.out)
     )
     console.give({"out": str(arguments.out), "ethogram": ethogram_document(ethogram)})
     return 0

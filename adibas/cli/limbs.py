@@ -297,9 +297,9 @@ def _propose(arguments: argparse.Namespace, console: Console) -> int:
         told = translate_plural("{n} frame", "{n} frames", n_frames).format(n=n_frames)
         console.warn(f"{told}: {text}")
     console.say(
-        _(
-            "{folder}: limbs proposed in {n_proposed} frames; {n_known} were labelled before."
-        ).format(folder=arguments.out, n_proposed=found.n_proposed, n_known=found.n_known)
+        _("{folder}: frames with proposed limbs: {n_proposed}, labelled before: {n_known}.").format(
+            folder=arguments.out, n_proposed=found.n_proposed, n_known=found.n_known
+        )
     )
     console.give(
         {

@@ -150,8 +150,8 @@ def _usable(
         if event.kind == "state" and (labels is None or event.label in labels):
             kept.append(event)
     told = (
-        (n_points, message("{n} point events have no duration; left out.")),
-        (n_others, message("{n} events are no gestures of this model; left out.")),
+        (n_points, message("Point events have no duration and are left out: {n}.")),
+        (n_others, message("Events that are no gestures of this model are left out: {n}.")),
     )
     return kept, tuple(Sentence(text, {"n": n}) for n, text in told if n)
 

@@ -49,10 +49,10 @@ BOTH_SIDES = message(
     "gesture for each; if it does not, mark several of both."
 )
 NOBODY_NAMED = message(
-    "{n} examples do not say which person of the recording they are of: the one who is seen "
+    "Examples that do not say which person of the recording they are of: {n}. The one who is seen "
     "longest is taken."
 )
-NOBODY_THERE = message("{n} examples are left out: nobody's joints were found at that time.")
+NOBODY_THERE = message("Examples at whose time nobody's joints were found are left out: {n}.")
 WEIGHED_ALIKE = message(
     "All joints are weighed alike: with weights of their own, those who were left out are "
     "not clearly recognised better."

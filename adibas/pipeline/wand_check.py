@@ -75,8 +75,8 @@ def measure_wand(
     ends = [marker for marker in markers if marker.position_m is not None]
     if len(ends) != N_ENDS or len(markers) != N_ENDS:
         raise MarkerError(
-            "{n} markers are seen, and a wand has two. Hold it alone before the sensor: nobody "
-            "wears markers meanwhile, and nothing else has their colour.",
+            "Markers that are seen: {n}, and a wand has two. Hold it alone before the sensor: "
+            "nobody wears markers meanwhile, and nothing else has their colour.",
             n=len(markers),
         )
     return compare_ends(ends[0], ends[1], length_m, params)
@@ -113,8 +113,8 @@ def see_wand(
     markers = tuple(marker for marker in found.markers if marker.position_m is not None)
     if len(markers) < N_ENDS:
         raise MarkerError(
-            "{n} markers are seen in colour and depth, and a wand has two. Hold it so that both "
-            "of its ends face the sensor, at one to three metres.",
+            "Markers that are seen in colour and depth: {n}, and a wand has two. Hold it so that "
+            "both of its ends face the sensor, at one to three metres.",
             n=len(markers),
         )
     return SeenWand(markers, middle.color_rgb)

@@ -233,7 +233,9 @@ def _forward(path: Path, times_s: FloatArray) -> tuple[BoolArray, list[Sentence]
     if n_same := int((times_ns == latest).sum()):
         notices.append(
             Sentence(
-                message("{file}: {n} frames repeat the time of the frame before; left out."),
+                message(
+                    "{file}: frames that repeat the time of the frame before are left out: {n}."
+                ),
                 {"file": path.name, "n": n_same},
             )
         )
@@ -241,8 +243,8 @@ def _forward(path: Path, times_s: FloatArray) -> tuple[BoolArray, list[Sentence]
         notices.append(
             Sentence(
                 message(
-                    "{file}: {n} frames go back in time (the first at {at} s); left out. The "
-                    "clock was set or files were joined."
+                    "{file}: frames that go back in time are left out: {n}, the first at {at} s. "
+                    "The clock was set or files were joined."
                 ),
                 {"file": path.name, "n": n_back, "at": float(times_s[times_ns < latest][0])},
                 decimals=3,

@@ -92,7 +92,7 @@ def test_without_two_markers_it_is_said_how_to_hold_the_wand(live, frames):
         LearningParams(),
         {},
     )
-    with pytest.raises(MarkerError, match="markers are seen in colour and depth, and a wand"):
+    with pytest.raises(MarkerError, match="in colour and depth: 0, and a wand"):
         seen_by(live, frames, blue)
 
 

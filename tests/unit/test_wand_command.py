@@ -63,7 +63,7 @@ def test_a_wand_of_another_length_fails_and_says_how_far_off(wand, capsys):
 def test_more_than_two_markers_are_no_wand(wand, tmp_path, capsys):
     path, _ = recorded(tmp_path, "three", (*ENDS, "sternal_notch"))
     assert main(told((path, wand[1], 0.0), 200.0)) == 1
-    assert "3 markers are seen, and a wand has two." in capsys.readouterr().err
+    assert "Markers that are seen: 3, and a wand has two." in capsys.readouterr().err
 
 
 def test_a_wand_needs_its_length(wand, capsys):
