@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
+from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.recording_options import add_calibration, add_frames
 from adibas.cli.report_options import add_language, add_patient, check_report, check_surface
 from adibas.data.posture import VIEWS
@@ -16,6 +17,7 @@ from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
+    from adibas.pipeline.body import MeasuredBody
     from adibas.pipeline.body_views import ViewRequest
 
 SUMMARY = message(
@@ -58,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("VIEW=FILE"),
         help=_("names of a view's markers: a table with marker,label or u,v,label (pixels)"),
     )
+    add_protocol(parser)
     add_patient(parser)
     add_language(parser)
     parser.add_argument(
@@ -93,6 +96,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         dict(arguments.labels),
         arguments.patient,
         None if turn is None else replace(turn, view=arguments.begins),
+        wished_protocol(arguments),
     )
     with console.progress(_("Analysing")) as progress:
         body = measure_body(request, progress)
@@ -118,8 +122,27 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
                     name=mark.name, n=len(mark.places_m), mm=SpokenNumber(1e3 * mark.apart_m)
                 )
             )
+    _tell_measures(body, console)
     console.give(body_to_json(body))
     return 0
+
+
+def _tell_measures(body: "MeasuredBody", console: Console) -> None:
+    """Say how many measures of the protocol all views give, and how many a view alone does."""
+    if not body.protocol:
+        return
+    pairs = [pair for side in body.protocol for pair in side.pairs()]
+    console.say(
+        _(
+            "{protocol}: of {total} measures {n} have a value from all views together, {own} from "
+            "their own view."
+        ).format(
+            protocol=body.protocol[0].fused.protocol.title.text,
+            total=len(pairs),
+            n=sum(fused.main is not None for _seen, fused in pairs),
+            own=sum(seen is not None and seen.main is not None for seen, _fused in pairs),
+        )
+    )
 
 
 def _only_turn(turns: "Sequence[ViewRequest]") -> "ViewRequest | None":

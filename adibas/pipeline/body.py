@@ -7,7 +7,6 @@ from types import MappingProxyType
 
 from adibas.clock import Clock, utc_now
 from adibas.data.body_measures import BodyMeasure
-from adibas.data.markers import Marker
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
@@ -16,12 +15,15 @@ from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.back import Back, BackParams, measure_back
 from adibas.pipeline.body_landmarks import (
     Landmark,
+    MarkedView,
     as_markers,
     doubts_about_landmarks,
     landmarks_of,
 )
+from adibas.pipeline.body_protocol import SideMeasures, notices_of_sides, protocol_of_body
 from adibas.pipeline.body_views import BodyView, ViewRequest, see_view
 from adibas.pipeline.posture import PostureParams
+from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.session import PostureRequest, analyse_recording
 from adibas.pipeline.turning import see_turn
@@ -64,6 +66,8 @@ class BodyRequest:
         A pseudonym or empty.
     turn : ViewRequest or None
         One recording of a patient who turns around, and the view with which the turn begins.
+    protocol : ProtocolWish or None
+        What to measure besides, on the landmarks.
     params : BodyParams
     """
 
@@ -72,6 +76,7 @@ class BodyRequest:
     labels: Mapping[str, Path] = field(default_factory=dict)
     patient: str = ""
     turn: ViewRequest | None = None
+    protocol: ProtocolWish | None = None
     params: BodyParams = field(default_factory=BodyParams)
 
 
@@ -89,6 +94,8 @@ class MeasuredBody:
     landmarks : tuple of Landmark
     distances, angles : tuples
         Between landmarks, wherever they were seen: of every pair and every triplet.
+    protocol : tuple of SideMeasures
+        By the protocol that was asked for.
     patient : str
     n_frames : mapping
         By view.
@@ -103,6 +110,7 @@ class MeasuredBody:
     landmarks: tuple[Landmark, ...]
     distances: tuple[DistanceMeasure, ...]
     angles: tuple[AngleMeasure, ...]
+    protocol: tuple[SideMeasures, ...]
     patient: str
     n_frames: Mapping[str, int]
     provenances: Mapping[str, Provenance]
@@ -124,11 +132,9 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
     _check_views(request)
     seen = (_standing if request.turn is None else _turned)(request, progress)
     sources = seen.sources
-    markers = (
-        {view: _markers(one, request) for view, one in sources.items()} if request.markers else {}
-    )
+    views = [_marked(view, sources[view.view], request) for view in seen.views]
     provenances = {view.view: _provenance(sources[view.view], view, clock) for view in seen.views}
-    body = measure_views(seen.views, markers, provenances, request.patient, request.params)
+    body = measure_views(views, provenances, request.patient, request.protocol, request.params)
     return replace(body, notices=(*seen.notices, *body.notices))
 
 
@@ -169,24 +175,24 @@ def _turned(request: BodyRequest, progress: Progress) -> _Seen:
 
 
 def measure_views(
-    views: Sequence[BodyView],
-    markers: Mapping[str, tuple[Marker, ...]],
+    views: Sequence[MarkedView],
     provenances: Mapping[str, Provenance],
     patient: str,
+    protocol: ProtocolWish | None = None,
     params: BodyParams | None = None,
 ) -> MeasuredBody:
     """Join views that were seen, and measure the back where it is among them.
 
     Parameters
     ----------
-    views : sequence of BodyView
+    views : sequence of MarkedView
         Each side once.
-    markers : mapping
-        Those of each view, in the colour camera's axes.
     provenances : mapping
         By view: where it comes from.
     patient : str
         A pseudonym or empty.
+    protocol : ProtocolWish or None
+        What to measure besides, on the landmarks.
 
     Raises
     ------
@@ -195,25 +201,31 @@ def measure_views(
     """
     params = params or BodyParams()
     views = sorted(views, key=lambda one: ORDER.index(one.view))
-    whole = join_body(views, params.joining)
+    seen = [view.seen for view in views]
+    whole = join_body(seen, params.joining)
     back = None
     if views[0].view == POSTERIOR:
-        back = measure_back(views[0], markers.get(POSTERIOR, ()), params.back)
+        back = measure_back(seen[0], views[0].markers, params.back)
     settings = {"back": asdict(params.back), "joining": asdict(params.joining)}
     told = {name: replace(one, parameters=settings) for name, one in provenances.items()}
-    landmarks = landmarks_of(views, markers, whole)
+    landmarks = landmarks_of(views, whole)
     fused = as_markers(landmarks)
+    sides: tuple[SideMeasures, ...] = ()
+    if protocol is not None:
+        axes = whole.patient_from_camera[views[0].view]
+        sides = protocol_of_body(protocol, views, landmarks, axes)
     return MeasuredBody(
         whole,
         back,
-        girths_of(whole, views),
+        girths_of(whole, seen),
         landmarks,
         all_distances(fused),
         all_angles(fused),
+        sides,
         patient,
-        MappingProxyType({view.view: view.n_frames for view in views}),
+        MappingProxyType({view.view: view.n_frames for view in seen}),
         MappingProxyType(told),
-        (*_notices(views, back), *doubts_about_landmarks(landmarks)),
+        (*_notices(seen, back), *doubts_about_landmarks(landmarks), *notices_of_sides(sides)),
     )
 
 
@@ -233,6 +245,8 @@ def _check_views(request: BodyRequest) -> None:
     names = [one.view for one in request.views]
     if len(set(names)) < len(names):
         raise BodyError("The same side is given twice. Give each view once.")
+    if request.protocol is not None and not request.markers:
+        raise BodyError("A protocol is measured between markers. Give --markers, too.")
     if request.turn is not None and names:
         raise BodyError("A turn shows all sides. Give the turn alone, or the views without it.")
     if request.turn is None:
@@ -247,7 +261,10 @@ def _check_labels(request: BodyRequest, names: Iterable[str]) -> None:
         )
 
 
-def _markers(one: ViewRequest, request: BodyRequest) -> tuple[Marker, ...]:
+def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedView:
+    """Return a view with its markers, where any are to be looked for."""
+    if not request.markers:
+        return MarkedView(view)
     found = analyse_recording(
         PostureRequest(
             recording=one.recording,
@@ -259,7 +276,7 @@ def _markers(one: ViewRequest, request: BodyRequest) -> tuple[Marker, ...]:
         ),
         lambda _done, _total: None,
     )
-    return found.markers
+    return MarkedView(view, found.markers)
 
 
 def _provenance(one: ViewRequest, view: BodyView, clock: Clock) -> Provenance:

@@ -22,6 +22,29 @@ APART = message(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class MarkedView:
+    """A view with the markers that were found in it.
+
+    Attributes
+    ----------
+    seen : BodyView
+    markers : tuple of Marker
+        In the colour camera's axes.
+    by_hand : frozenset of str
+        Labels of markers that were placed by hand.
+    """
+
+    seen: BodyView
+    markers: tuple[Marker, ...] = ()
+    by_hand: frozenset[str] = frozenset()
+
+    @property
+    def view(self) -> str:
+        """The side that is seen."""
+        return self.seen.view
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Landmark:
     """A marker that was named, in the patient axes of the first view.
 
@@ -42,22 +65,18 @@ class Landmark:
     fused: FusedPlace
 
 
-def landmarks_of(
-    views: Sequence[BodyView], markers: Mapping[str, tuple[Marker, ...]], whole: WholeBody
-) -> tuple[Landmark, ...]:
+def landmarks_of(views: Sequence[MarkedView], whole: WholeBody) -> tuple[Landmark, ...]:
     """Return the markers by name, those that are alone in their view and number too.
 
     Parameters
     ----------
-    views : sequence of BodyView
+    views : sequence of MarkedView
         In the order in which they were joined.
-    markers : mapping
-        By view, in the colour camera's axes.
     """
     found: dict[str, dict[str, SeenPlace]] = {}
     for number, view in enumerate(views):
-        for marker in markers.get(view.view, ()):
-            seen = _seen(number, view, marker, whole)
+        for marker in view.markers:
+            seen = _seen(number, view.seen, marker, whole)
             if seen is not None and not is_numbered(marker.label):
                 found.setdefault(marker.label, {})[view.view] = seen
     return tuple(

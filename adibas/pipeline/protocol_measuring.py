@@ -11,7 +11,7 @@ from adibas.errors import ProtocolError
 from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.protocol_store import find_protocol
 from adibas.measures.sight_plane import vertical_of
-from adibas.texts import message
+from adibas.texts import Message, message
 
 NO_VIEW = message(
     "Which side the picture shows was not told, so that nothing of the protocol was measured in it."
@@ -80,7 +80,7 @@ def with_measures(
     )
 
 
-def wish_of_session(session: Session) -> tuple[ProtocolWish | None, tuple[str, ...]]:
+def wish_of_session(session: Session) -> tuple[ProtocolWish | None, tuple[Message, ...]]:
     """Return the protocol that a session names, and what to tell where it cannot be read."""
     if not session.setup.protocol:
         return None, ()

@@ -2,11 +2,14 @@
 
 from dataclasses import replace
 
+from adibas.data.sentence import Sentence
 from adibas.data.sessions import Capture, Session
 from adibas.errors import BodyError
 from adibas.pipeline.back import Back, measure_back
 from adibas.pipeline.body import POSTERIOR, MeasuredBody, measure_views
+from adibas.pipeline.body_landmarks import MarkedView
 from adibas.pipeline.body_views import BodyView, person_in
+from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.sessions import SessionStore
 
 
@@ -72,9 +75,15 @@ def stored_body(store: SessionStore, session: Session) -> MeasuredBody:
             "The session has no view with depth, and a surface takes depth. Capture the standing "
             "views with a calibrated sensor."
         )
-    return measure_views(
-        list(views.values()),
-        {name: captures[name].markers() for name in views},
+    protocol, notices = wish_of_session(session)
+    body = measure_views(
+        [
+            MarkedView(view, captures[name].markers(), captures[name].history.placed_by_hand())
+            for name, view in views.items()
+        ],
         {name: captures[name].provenance for name in views},
         session.patient,
+        protocol,
     )
+    told = (*body.notices, *(Sentence(notice) for notice in notices))
+    return replace(body, notices=told)

@@ -10,11 +10,19 @@ from adibas.data.landmark_texts import landmark_text
 from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
 from adibas.pipeline.body_landmarks import Landmark
+from adibas.pipeline.body_protocol import SideMeasures
 from adibas.reports.body_facts import HEADING, body_facts, general_facts
 from adibas.reports.body_files import measures_of
 from adibas.reports.body_numbers import on_paper
 from adibas.reports.body_plots import back_figure
-from adibas.reports.excel import angle_cells, angle_columns, distance_cells, distance_columns
+from adibas.reports.body_protocol import side_rows
+from adibas.reports.excel import (
+    angle_cells,
+    angle_columns,
+    distance_cells,
+    distance_columns,
+    number_cells,
+)
 from adibas.reports.facts import view_name
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory
@@ -27,7 +35,7 @@ STEP_M = 0.01
 
 
 def write_body_workbook(body: MeasuredBody, path: Path, language: str) -> None:
-    """Write the sheets Summary, Measures, those of landmarks where there are any, and Profile.
+    """Write Summary, Measures, sheets of landmarks and protocol where there are any, and Profile.
 
     Raises
     ------
@@ -64,6 +72,8 @@ def _add_sheets(workbook: Workbook, body: MeasuredBody) -> None:
         add_table(workbook, _("Distances"), distance_columns(), cells, footer)
     if body.angles:
         add_table(workbook, _("Angles"), angle_columns(), list(angle_cells(body.angles)), footer)
+    if body.protocol:
+        add_table(workbook, _("Protocol"), _side_columns(), list(_sides(body.protocol)), footer)
     if body.back is not None:
         profile = (
             Column(_("Height over the floor [mm]"), 14, ONE),
@@ -107,6 +117,35 @@ def _landmarks(landmarks: Sequence[Landmark]) -> Iterator[tuple[Value, ...]]:
             *deviations_mm.tolist(),
             ", ".join(view_name(view) for view in mark.places_m),
             None if mark.apart_m is None else 1e3 * mark.apart_m,
+        )
+
+
+def _side_columns() -> tuple[Column, ...]:
+    low, high = _("95 % from, instrument only"), _("95 % to, instrument only")
+    limits = Column(low, 15, TWO), Column(high, 15, TWO)
+    return (
+        Column(_("View"), 14),
+        Column(_("Measure"), 16),
+        Column(_("Name"), 44),
+        Column(_("Unit"), 7),
+        Column(_("In this view"), 12, TWO),
+        *limits,
+        Column(_("From all views"), 12, TWO),
+        *limits,
+        Column(_("Positive means"), 34),
+        Column(_("Values of others, with their source"), 60),
+        Column(_("Remark"), 34),
+    )
+
+
+def _sides(sides: Sequence[SideMeasures]) -> Iterator[tuple[Value, ...]]:
+    for row in side_rows(sides):
+        fused = row.fused
+        yield (
+            *(view_name(row.view), fused.measure_id, fused.name, _(fused.unit)),
+            *number_cells(row.seen),
+            *number_cells(fused.main),
+            *(fused.positive or None, fused.reference or None, fused.remark or None),
         )
 
 

@@ -1,5 +1,6 @@
 """A measured body as files: the surface as PLY, the numbers as JSON."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,14 @@ from adibas.alignment.surfels import Surface
 from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
+from adibas.pipeline.body_protocol import SideMeasures
 from adibas.reports.body_numbers import GREY, on_paper
+from adibas.reports.body_protocol import side_rows
+from adibas.reports.json_report import number_document
 from adibas.reports.map_files import write_ply
 from adibas.reports.rows import angle_rows, distance_rows
 from adibas.surface.merging import BodySurface
+from adibas.texts import speaking
 
 RADIUS_M = 0.003
 PROFILE_STEP_M = 0.01
@@ -88,6 +93,7 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
             }
             for row in angle_rows(body.angles)
         ],
+        "protocol": _protocol(body.protocol),
         "notices": [notice.text for notice in body.notices],
         "provenance": {
             view: {
@@ -99,6 +105,30 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
             for view, one in body.provenances.items()
         },
     }
+
+
+def _protocol(sides: Sequence[SideMeasures]) -> dict[str, Any] | None:
+    if not sides:
+        return None
+    first = sides[0].fused
+    with speaking("en"):  # as all words of the document
+        return {
+            "id": first.protocol.protocol_id,
+            "revision": first.protocol.revision,
+            "plane": first.plane.value,
+            "vertical": first.vertical.value,
+            "measures": [
+                {
+                    "view": row.view,
+                    "id": row.fused.measure_id,
+                    "unit": row.fused.unit,
+                    "in_view": number_document(row.seen),
+                    "all_views": number_document(row.fused.main),
+                    "remark": row.fused.remark,
+                }
+                for row in side_rows(sides)
+            ],
+        }
 
 
 def _rounded(*values: float) -> list[float]:

@@ -5,13 +5,26 @@ from pathlib import Path
 
 from reportlab.platypus import Flowable, PageBreak
 
+from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.pipeline.body import MeasuredBody
 from adibas.reports.body_facts import HEADING, body_facts, general_facts, measure_rows
 from adibas.reports.body_plots import back_figure
-from adibas.reports.facts import intended_use
+from adibas.reports.body_protocol import side_rows
+from adibas.reports.facts import intended_use, view_name
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.pdf_document import write_document
-from adibas.reports.pdf_layout import WIDTH, facts_table, note, picture, title, wrapped_table
+from adibas.reports.pdf_layout import (
+    SMALL_TEXT,
+    WIDTH,
+    facts_table,
+    note,
+    number_table,
+    paragraph,
+    picture,
+    title,
+    wrapped_table,
+)
+from adibas.reports.pdf_views import MOST_MEASURES, measured, shown_of
 from adibas.texts import translate as _
 
 PICTURE_HEIGHT = 420.0
@@ -56,6 +69,7 @@ def _story(body: MeasuredBody) -> Iterator[Flowable]:
                 "measured the same way."
             )
         )
+    yield from _protocol(body)
     yield title(_("About this report"), level=2)
     yield facts_table(general_facts(body))
     if body.back is not None:
@@ -64,3 +78,30 @@ def _story(body: MeasuredBody) -> Iterator[Flowable]:
         yield picture(
             picture_of(back_figure(body.back, WIDTH, PICTURE_HEIGHT)), WIDTH, PICTURE_HEIGHT
         )
+
+
+def _protocol(body: MeasuredBody) -> Iterator[Flowable]:
+    """Yield the protocol's measures, as each view and as all views give them."""
+    if not body.protocol:
+        return
+    protocol = body.protocol[0].fused.protocol
+    yield title(_("Measures of {protocol}").format(protocol=protocol.title.text), level=2)
+    yield note(_(INSTRUMENT_ONLY))
+    rows = list(side_rows(body.protocol))
+    cells: list[list[str | Flowable]] = []
+    for row in rows[:MOST_MEASURES]:
+        fused = row.fused
+        name = f"{view_name(row.view)}: {fused.name} ({fused.measure_id})"
+        told = fused.remark if fused.main is None else fused.positive
+        cells.append(
+            [
+                paragraph(name, SMALL_TEXT),
+                *measured(row.seen, fused.unit),
+                *measured(fused.main, fused.unit),
+                paragraph(told, SMALL_TEXT),
+            ]
+        )
+    header = [_("Measure"), _("In this view"), _("95 %"), _("From all views"), _("95 %"), ""]
+    widths = [share * WIDTH for share in (0.34, 0.1, 0.14, 0.1, 0.14, 0.18)]
+    yield number_table(header, cells, widths, text_columns=(0, 5))
+    yield from shown_of(rows)

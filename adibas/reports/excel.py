@@ -208,16 +208,17 @@ def _measure_columns() -> tuple[Column, ...]:
 
 def _measures(capture: CaptureReport) -> Rows:
     for row in measure_rows(capture.analysis):
-        value, low, high = _numbers(row.main)
+        value, low, high = number_cells(row.main)
         yield (
             *(row.measure_id, row.name, value, _(row.unit), low, high, row.positive or None),
-            *_numbers(row.projected),
-            *_numbers(row.spatial),
+            *number_cells(row.projected),
+            *number_cells(row.spatial),
             *(row.reference or None, row.remark or None),
         )
 
 
-def _numbers(row: NumberRow | None) -> tuple[float | None, float | None, float | None]:
+def number_cells(row: NumberRow | None) -> tuple[float | None, float | None, float | None]:
+    """Return value and interval, empty where there is none."""
     return (None, None, None) if row is None else (row.value, row.low, row.high)
 
 

@@ -162,17 +162,18 @@ def _measure(row: MeasureRow) -> dict[str, Any]:
     return {
         "id": row.measure_id,
         "name": row.name,
-        **_numbers(row.main),
+        **number_document(row.main),
         "unit": row.unit,
         "positive": row.positive,
-        "in_plane": _numbers(row.projected),
-        "in_space": _numbers(row.spatial),
+        "in_plane": number_document(row.projected),
+        "in_space": number_document(row.spatial),
         "reference": row.reference,
         "remark": row.remark,
     }
 
 
-def _numbers(row: NumberRow | None) -> dict[str, Any]:
+def number_document(row: NumberRow | None) -> dict[str, Any]:
+    """Return value and interval; null where there is none."""
     if row is None:
         return {"value": None, "ci95": None}
     return {"value": row.value, "ci95": [row.low, row.high]}

@@ -1,6 +1,6 @@
 """The pages of one view in the PDF report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from reportlab.lib.units import mm
@@ -155,9 +155,9 @@ def _measures(capture: CaptureReport) -> Iterator[Flowable]:
     for row in shown:
         name = f"{row.name} ({row.measure_id})"
         told = "; ".join(text for text in (row.main and row.positive, row.remark) if text)
-        value, interval = _measured(row.main, row.unit)
+        value, interval = measured(row.main, row.unit)
         other = row.projected if row.main is row.spatial else row.spatial
-        beside, _interval = _measured(other, row.unit)
+        beside, _interval = measured(other, row.unit)
         cells.append(
             [paragraph(name, SMALL_TEXT), value, interval, beside, paragraph(told, SMALL_TEXT)]
         )
@@ -172,15 +172,21 @@ def _measures(capture: CaptureReport) -> Iterator[Flowable]:
             ids_of.setdefault(row.reference, []).append(row.measure_id)
     for reference, ids in ids_of.items():
         yield note(f"{', '.join(ids)}: {reference}")
-    if len(rows) > len(shown):
+    yield from shown_of(rows)
+
+
+def shown_of(rows: Sequence[object]) -> Iterator[Flowable]:
+    """Say of a table how many of its rows are shown, where they are too many."""
+    if len(rows) > MOST_MEASURES:
         yield note(
             _("The first {shown} of {total} measures; all are in the Excel report.").format(
-                shown=len(shown), total=len(rows)
+                shown=MOST_MEASURES, total=len(rows)
             )
         )
 
 
-def _measured(row: NumberRow | None, unit: str) -> tuple[str, str]:
+def measured(row: NumberRow | None, unit: str) -> tuple[str, str]:
+    """Return a value with its unit, and its interval; dashes where there is none."""
     if row is None:
         return DASH, DASH
     value, interval = _numbers(row.value, row.low, row.high)

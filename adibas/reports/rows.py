@@ -10,7 +10,7 @@ from adibas.data.landmark_texts import landmark_text
 from adibas.data.markers import Marker, is_numbered
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import PostureAnalysis
-from adibas.data.protocol_measures import Estimate
+from adibas.data.protocol_measures import Estimate, MeasureResult
 from adibas.data.protocols import CONVENTION, MeasureDefinition, ReferenceValue
 from adibas.data.report import CaptureReport
 from adibas.texts import decimal_text, translate_plural
@@ -117,27 +117,30 @@ class MeasureRow:
 
 def measure_rows(analysis: PostureAnalysis) -> Iterator[MeasureRow]:
     """Yield the measures of the protocol in its order, in the language in use."""
-    if analysis.measures is None:
-        return
-    for result in analysis.measures.results:
-        definition = result.definition
-        projected, spatial, main = (
-            _in_unit(one, definition) for one in (result.projected, result.spatial, result.main)
-        )
-        remarks = [result.reason.text] if result.reason is not None else []
-        if result.by_hand:
-            remarks.append(_("placed by hand: {names}").format(names=", ".join(result.by_hand)))
-        yield MeasureRow(
-            definition.measure_id,
-            definition.name.text,
-            definition.unit,
-            main,
-            projected,
-            spatial,
-            "" if definition.positive is None else definition.positive.text,
-            "; ".join(reference_text(one) for one in definition.references),
-            "; ".join(remarks),
-        )
+    if analysis.measures is not None:
+        yield from map(measure_row, analysis.measures.results)
+
+
+def measure_row(result: MeasureResult) -> MeasureRow:
+    """Return a measure of a protocol, in the language in use."""
+    definition = result.definition
+    projected, spatial, main = (
+        _in_unit(one, definition) for one in (result.projected, result.spatial, result.main)
+    )
+    remarks = [result.reason.text] if result.reason is not None else []
+    if result.by_hand:
+        remarks.append(_("placed by hand: {names}").format(names=", ".join(result.by_hand)))
+    return MeasureRow(
+        definition.measure_id,
+        definition.name.text,
+        definition.unit,
+        main,
+        projected,
+        spatial,
+        "" if definition.positive is None else definition.positive.text,
+        "; ".join(reference_text(one) for one in definition.references),
+        "; ".join(remarks),
+    )
 
 
 def reference_text(reference: ReferenceValue) -> str:

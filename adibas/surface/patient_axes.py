@@ -20,6 +20,9 @@ TURNS_RAD: Mapping[str, float] = MappingProxyType(
     }
 )
 """By how much axes whose z points to the camera are turned, see `turned`, to be the patient's."""
+LEVEL_CAMERA = np.diag([1.0, -1.0, -1.0])
+"""Turns axes whose y is up and whose z points to the camera into the camera's: x to the right of
+the picture, y down, z away."""
 TRUNK = (0.5, 0.8)
 """Heights, as shares of the stature, whose outline says where the body's middle is."""
 THICKNESS, WIDTH = 0.13, 0.26
@@ -55,6 +58,17 @@ def turned(patient_from_camera: RigidTransform, turn_rad: float) -> RigidTransfo
     """
     turn = rotation_from_vector(turn_rad * UP)
     return RigidTransform(turn, np.zeros(3)) @ patient_from_camera
+
+
+def level_camera_from_patient(view: str) -> FloatArray:
+    """Return the (3, 3) turn into a level camera to which the patient shows a side squarely.
+
+    Parameters
+    ----------
+    view : str
+        The side, of `TURNS_RAD`.
+    """
+    return np.asarray(LEVEL_CAMERA @ rotation_from_vector(-TURNS_RAD[view] * UP))
 
 
 def guessed_axes(views: Mapping[str, tuple[FloatArray, Plane]]) -> dict[str, RigidTransform]:

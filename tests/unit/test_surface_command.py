@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import openpyxl
+import pypdf
 import pytest
 from scipy.spatial import cKDTree
 
@@ -15,10 +16,12 @@ from adibas.data.posture import Provenance
 from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError
 from adibas.geometry.rigid import IDENTITY, RigidTransform
+from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline.back import measure_back
 from adibas.pipeline.body import measure_views
-from adibas.pipeline.body_landmarks import doubts_about_landmarks, landmarks_of
+from adibas.pipeline.body_landmarks import MarkedView, doubts_about_landmarks, landmarks_of
 from adibas.pipeline.body_views import person_in
+from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.whole_body import WholeBody, join_body
 from adibas.recordings import create_recording
 from adibas.reports.body import write_body
@@ -27,7 +30,23 @@ from adibas.simulation.depth_noise import EXACT
 from benchmarks.body_scenes import burst, draw_back_scene
 from tests.unit.test_back_command import run
 
+PROVENANCE = Provenance("0" * 64, "sha256:0", "0", "2026-01-01T00:00:00+00:00", {})
 SIDES = ("posterior", "anterior", "right_lateral", "left_lateral")
+
+
+def marked_view(scene, view, names):
+    """A view with exact markers of a millimetre on some landmarks."""
+    marks = scene.posed(view.view).landmarks
+    to_color = view.calibration.color_from_depth @ scene.depth_from_world
+    markers = (
+        Marker(
+            *(name, 1.0, 1.0, 2.0, np.eye(2)),
+            position_m=to_color.apply(marks[name]),
+            covariance_m2=1e-6 * np.eye(3),
+        )
+        for name in names
+    )
+    return MarkedView(view, tuple(markers))
 
 
 @pytest.fixture(scope="module")
@@ -132,14 +151,11 @@ def test_landmarks_seen_twice_tell_how_far_they_are_apart(views):
     moved = RigidTransform(np.eye(3), np.array([0.0, 0.0, 0.004]))
     poses = {"posterior": IDENTITY, "anterior": moved}
     whole = WholeBody(poses, join_body(views[:1]).surface, None)
-    markers = {
-        side: (
-            Marker("c7", 1.0, 1.0, 2.0, np.eye(2), np.zeros(3), 1e-6 * np.eye(3)),
-            Marker("m01", 9.0, 9.0, 2.0, np.eye(2), np.zeros(3), 1e-6 * np.eye(3)),
-        )
-        for side in poses
-    }
-    (found,) = landmarks_of(views[:2], markers, whole)
+    markers = (
+        Marker("c7", 1.0, 1.0, 2.0, np.eye(2), np.zeros(3), 1e-6 * np.eye(3)),
+        Marker("m01", 9.0, 9.0, 2.0, np.eye(2), np.zeros(3), 1e-6 * np.eye(3)),
+    )
+    (found,) = landmarks_of([MarkedView(view, markers) for view in views[:2]], whole)
     assert found.name == "c7"
     assert found.apart_m == pytest.approx(0.002, abs=1e-6)
     assert not doubts_about_landmarks([found])
@@ -150,20 +166,8 @@ def test_landmarks_seen_twice_tell_how_far_they_are_apart(views):
 
 def test_landmarks_of_all_views_are_measured_between_and_written(views, scene, tmp_path):
     turns = {"posterior": ("c7", "left_psis"), "anterior": ("c7", "sternal_notch")}
-    markers = {}
-    for view in views:
-        marks = scene.posed(view.view).landmarks
-        to_color = view.calibration.color_from_depth @ scene.depth_from_world
-        markers[view.view] = tuple(
-            Marker(
-                *(name, 1.0, 1.0, 2.0, np.eye(2)),
-                position_m=to_color.apply(marks[name]),
-                covariance_m2=1e-6 * np.eye(3),
-            )
-            for name in turns.get(view.view, ())
-        )
-    told = Provenance("0" * 64, "sha256:0", "0", "2026-01-01T00:00:00+00:00", {})
-    body = measure_views(views, markers, {view.view: told for view in views}, "P1")
+    marked = [marked_view(scene, view, turns.get(view.view, ())) for view in views]
+    body = measure_views(marked, {view.view: PROVENANCE for view in views}, "P1")
     marks = scene.posed("posterior").landmarks
     wanted_m = {
         frozenset(pair): np.linalg.norm(marks[pair[0]] - marks[pair[1]])
@@ -185,3 +189,41 @@ def test_landmarks_of_all_views_are_measured_between_and_written(views, scene, t
     rows = list(book["Landmarks"].iter_rows(values_only=True))
     assert len(rows) == 4
     assert rows[1][0] == "C7"
+
+
+def test_a_protocol_is_measured_by_each_view_and_by_all_of_them(views, scene, tmp_path):
+    protocol = find_protocol("sapo-1")
+    of_view = {
+        side: [one.landmark_id for one in protocol.landmarks if side in one.views] for side in SIDES
+    }
+    marked = [marked_view(scene, view, of_view[view.view]) for view in views]
+    provenances = {view.view: PROVENANCE for view in views}
+    body = measure_views(marked, provenances, "P1", ProtocolWish(protocol))
+    rows = body_to_json(body)["protocol"]["measures"]
+    assert [row["view"] for row in rows] == sorted(
+        (row["view"] for row in rows), key=protocol.views.index
+    )
+    both = [row for row in rows if row["in_view"]["value"] is not None]
+    assert len(both) > 20
+    near = {"deg": 1.5, "mm": 6.0}
+    for row in both:
+        if row["unit"] in near:  # of who stands squarely both say nearly the same
+            apart = row["all_views"]["value"] - row["in_view"]["value"]
+            assert abs(apart) < near[row["unit"]], row
+    write_body(body, tmp_path / "r.xlsx", "en")
+    cells = list(openpyxl.load_workbook(tmp_path / "r.xlsx")["Protocol"].values)
+    assert len(cells) == 1 + len(rows)
+    assert cells[1][1] == rows[0]["id"]
+    assert cells[1][7] == pytest.approx(rows[0]["all_views"]["value"])
+    write_body(body, tmp_path / "r.pdf", "en")
+    text = "".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "r.pdf").pages)
+    assert "Measures of SAPO" in text
+    assert rows[-1]["id"] in text
+
+
+def test_a_protocol_takes_markers(tmp_path):
+    code, _, err = run(
+        "body", "posterior=x.mcap", "--protocol", "sapo-1", "--out", tmp_path / "b.ply"
+    )
+    assert code == 1
+    assert "--markers" in err
