@@ -101,5 +101,7 @@ def notices_of_sides(sides: Sequence[SideMeasures]) -> tuple[Sentence, ...]:
     told: list[Sentence] = []
     for side in sides:
         seen = () if side.seen is None else side.seen.notices
-        told += [notice for notice in (*seen, *side.fused.notices) if notice not in told]
+        for notice in (*seen, *side.fused.notices):
+            if notice not in told:
+                told.append(notice)
     return tuple(told)

@@ -102,6 +102,6 @@ def _protocol(body: MeasuredBody) -> Iterator[Flowable]:
             ]
         )
     header = [_("Measure"), _("In this view"), _("95 %"), _("From all views"), _("95 %"), ""]
-    widths = [share * WIDTH for share in (0.34, 0.1, 0.14, 0.1, 0.14, 0.18)]
+    widths = [share * WIDTH for share in (0.29, 0.1, 0.13, 0.16, 0.13, 0.19)]
     yield number_table(header, cells, widths, text_columns=(0, 5))
     yield from shown_of(rows)

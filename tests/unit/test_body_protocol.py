@@ -140,7 +140,8 @@ def test_without_a_known_vertical_the_floor_gives_it_and_that_is_told():
     calibration = replace(scene().info.calibration, gravity=None, floor=None)
     sides = sides_of(places_m(), wish(), calibration)
     assert all(one.fused.vertical is VerticalOrigin.FLOOR for one in sides)
-    (notice,) = notices_of_sides([one for one in sides if one.view != "posterior"])
+    own = replace(sides[0], seen=sides[0].fused)
+    (notice,) = notices_of_sides([own, *(one for one in sides if one.seen is None)])
     assert "How sure the vertical is" in notice.text
 
 
