@@ -5,7 +5,7 @@ import pytest
 
 from adibas.behaviour import interval_agreement as ioa
 from adibas.behaviour.agreement import AgreementParams, agreement
-from adibas.behaviour.chance import cohen_kappa, fleiss_kappa, gwet_ac1, pabak
+from adibas.behaviour.chance import cohen_kappa, event_kappa, fleiss_kappa, gwet_ac1, pabak
 from adibas.behaviour.matching import matched
 from adibas.data.coding import Coding, Occurrence
 from adibas.data.ethogram import Behaviour, Ethogram
@@ -49,6 +49,10 @@ def test_kappa_of_the_example_in_easydiag():
     """The example that Holle & Rein give in their program (EasyDIAg, Cohenskappa.m): 0.429."""
     table = np.array([[53.0, 5, 2], [11, 14, 5], [1, 6, 3]])
     assert cohen_kappa(table).value == pytest.approx(0.429, abs=0.0005)
+    # Where nobody missed an event, that of events is the same; each pair is two judgements.
+    of_events = event_kappa(np.pad(table, ((0, 1), (0, 1))))
+    assert of_events.value == pytest.approx(0.429, abs=0.0005)
+    assert of_events.n == 2 * table.sum()
 
 
 def test_fleiss_example():
