@@ -61,7 +61,7 @@ class Girths:
         share = 100.0 * float(np.mean(self.held))
         name = f"{told}: intervals of girths and volumes that hold the truth ({len(self.held)})"
         yield Row(name, share, "%", 95.0, "goal 93-97")
-        yield Row("same: not measured, since arms lie at the trunk", float(self.n_unknown), "")
+        yield Row("same: not measured", float(self.n_unknown), "")
 
 
 def _true_girths(scene: BackScene, vertices_m: FloatArray) -> dict[str, float]:

@@ -1,8 +1,9 @@
 """Girths and volumes of a standing body by horizontal slices.
 
 A girth is what a tape measures: the tape spans hollows, so it is the convex hull of the slice. A
-volume is the area inside the outline, summed over the slices; places of the outline that no view
-saw are bridged.
+volume is the area inside the outline, summed over the slices. Places of the outline that no view
+saw, such as the inner side of a calf, are bridged by an arc: a chord would lose a hundredth of a
+girth.
 """
 
 from collections.abc import Iterator
@@ -23,6 +24,9 @@ BEHIND = 0.7
 FLANKS_DEG = 15.0, 75.0
 """From straight aside; beyond lie the furrow of the spine, the cleft and the breast."""
 ALL_NEIGHBOURS = np.ones((3, 3), int)
+_ANGLES = 2.0 * np.pi * (np.arange(N_SECTORS) + 0.5) / N_SECTORS
+_WAYS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+"""To the middle of each sector."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +197,7 @@ def _part(flat_m: FloatArray, height_m: float, params: SliceParams) -> SlicePart
         return None  # fewer than three points, or all on one line
     if hull.volume < params.least_area_m2:
         return None
-    middle = flat_m[hull.vertices].mean(axis=0)
+    middle = _centroid(flat_m[hull.vertices])
     way = flat_m - middle
     turn = np.arctan2(way[:, 1], way[:, 0]) / (2.0 * np.pi) % 1.0
     sectors = np.minimum((turn * N_SECTORS).astype(int), N_SECTORS - 1)
@@ -201,15 +205,26 @@ def _part(flat_m: FloatArray, height_m: float, params: SliceParams) -> SlicePart
     sums = np.bincount(sectors, np.hypot(*way.T), N_SECTORS)
     seen = np.flatnonzero(counts)
     radii_m = np.interp(np.arange(N_SECTORS), seen, sums[seen] / counts[seen], period=N_SECTORS)
+    bridges_m = middle + (radii_m * _WAYS).T[counts == 0]
     wedge = 0.5 * float(np.sin(2.0 * np.pi / N_SECTORS))
     return SlicePart(
         height_m,
         float(middle[0]),
-        float(hull.area),
+        float(ConvexHull(np.concatenate([flat_m, bridges_m])).area),
         wedge * float((radii_m * np.roll(radii_m, 1)).sum()),
         len(seen) / N_SECTORS,
         _hollow_m(hull, middle, turn, np.hypot(*way.T)),
     )
+
+
+def _centroid(corners: FloatArray) -> FloatArray:
+    """Return the centre of gravity of a convex polygon: that of its triangles from one corner.
+
+    The mean of the corners would lie where most of them are.
+    """
+    one, other = corners[1:-1] - corners[0], corners[2:] - corners[0]
+    areas = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    return np.asarray(corners[0] + areas @ (one + other) / (3.0 * areas.sum()))
 
 
 def _hollow_m(hull: ConvexHull, middle: FloatArray, turn: FloatArray, radii_m: FloatArray) -> float:
@@ -223,13 +238,11 @@ def _hollow_m(hull: ConvexHull, middle: FloatArray, turn: FloatArray, radii_m: F
     sectors = np.minimum((turn * N_SECTORS).astype(int), N_SECTORS - 1)
     outer_m = np.full(N_SECTORS, -np.inf)
     np.maximum.at(outer_m, sectors, radii_m)
-    angles = 2.0 * np.pi * (np.arange(N_SECTORS) + 0.5) / N_SECTORS
-    ways = np.stack([np.cos(angles), np.sin(angles)])
-    outward = hull.equations[:, :2] @ ways
+    outward = hull.equations[:, :2] @ _WAYS
     room_m = -(hull.equations[:, :2] @ middle + hull.equations[:, 2])
     with np.errstate(divide="ignore"):
         hull_m = np.where(outward > 0.0, room_m[:, None] / outward, np.inf).min(axis=0)
-    aside = np.degrees(np.arcsin(np.abs(np.sin(angles))))
+    aside = np.degrees(np.arcsin(np.abs(_WAYS[1])))
     low, high = FLANKS_DEG
     looked_at = (aside >= low) & (aside <= high) & np.isfinite(outer_m)
     return float((hull_m - outer_m)[looked_at].max(initial=0.0))
