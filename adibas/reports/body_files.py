@@ -10,10 +10,10 @@ from adibas.alignment.surfels import Surface
 from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
-from adibas.pipeline.body_protocol import SideMeasures
+from adibas.pipeline.body_protocol import SideMeasures, notices_of_sides
 from adibas.reports.body_numbers import GREY, on_paper
 from adibas.reports.body_protocol import side_rows
-from adibas.reports.json_report import number_document
+from adibas.reports.json_report import number_document, protocol_document
 from adibas.reports.map_files import write_ply
 from adibas.reports.rows import angle_rows, distance_rows
 from adibas.surface.merging import BodySurface
@@ -110,25 +110,21 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
 def _protocol(sides: Sequence[SideMeasures]) -> dict[str, Any] | None:
     if not sides:
         return None
-    first = sides[0].fused
     with speaking("en"):  # as all words of the document
-        return {
-            "id": first.protocol.protocol_id,
-            "revision": first.protocol.revision,
-            "plane": first.plane.value,
-            "vertical": first.vertical.value,
-            "measures": [
-                {
-                    "view": row.view,
-                    "id": row.fused.measure_id,
-                    "unit": row.fused.unit,
-                    "in_view": number_document(row.seen),
-                    "all_views": number_document(row.fused.main),
-                    "remark": row.fused.remark,
-                }
-                for row in side_rows(sides)
-            ],
-        }
+        measures = [
+            {
+                "view": row.view,
+                "id": row.fused.measure_id,
+                "unit": row.fused.unit,
+                "in_view": number_document(row.seen),
+                "all_views": number_document(row.fused.main),
+                "remark": row.fused.remark,
+            }
+            for row in side_rows(sides)
+        ]
+        told = [notice.text for notice in notices_of_sides(sides)]
+        followed = protocol_document(sides[0].fused)
+    return {**followed, "notices": told, "measures": measures}
 
 
 def _rounded(*values: float) -> list[float]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
-from adibas.data.protocol_measures import INSTRUMENT_ONLY
+from adibas.data.protocol_measures import INSTRUMENT_ONLY, ProtocolMeasures
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.data.trends import Trend
 from adibas.files import written_whole
@@ -154,7 +154,7 @@ def _followed_protocol(analysis: PostureAnalysis) -> dict[str, Any]:
     with speaking("en"):  # as all words of the document
         return {
             "measures": [_measure(row) for row in measure_rows(analysis)],
-            "protocol": _protocol(analysis),
+            "protocol": None if analysis.measures is None else protocol_document(analysis.measures),
         }
 
 
@@ -179,10 +179,8 @@ def number_document(row: NumberRow | None) -> dict[str, Any]:
     return {"value": row.value, "ci95": [row.low, row.high]}
 
 
-def _protocol(analysis: PostureAnalysis) -> dict[str, Any] | None:
-    measures = analysis.measures
-    if measures is None:
-        return None
+def protocol_document(measures: ProtocolMeasures) -> dict[str, Any]:
+    """Return what was followed, and on what its measures rest."""
     return {
         "id": measures.protocol.protocol_id,
         "revision": measures.protocol.revision,
