@@ -123,8 +123,11 @@ def see_turn(request: ViewRequest, progress: Progress, params: CutParams | None 
         moments = _Moments(recording, calibration_of(recording, request.calibration), request)
         total = len(wanted) + len(TO_THE_LEFT) * params.most_frames
         path = _followed(moments, wanted, lambda done: progress(done, total), params)
+        sides = _sides(path, request, params)
+        if len(sides) == 1:
+            raise _too_little(path, request, recording.notice)
         views, frames = [], {}
-        for number, (name, index) in enumerate(_sides(path, request, params).items()):
+        for number, (name, index) in enumerate(sides.items()):
             views.append(moments.view(name, index, path, params))
             frames[name] = index
             progress(len(wanted) + (number + 1) * params.most_frames, total)
@@ -142,6 +145,11 @@ class _Path:
     first_from_camera: Sequence[RigidTransform]
     turned_rad: FloatArray
     n_lost: int
+
+    @property
+    def furthest_rad(self) -> float:
+        """The greatest turn away from the first frame, positive to the patient's left."""
+        return float(self.turned_rad[int(np.abs(self.turned_rad).argmax())])
 
     def around(self, index: int, params: CutParams) -> list[int]:
         """Return places in the path that are turned little against that of a frame."""
@@ -283,14 +291,8 @@ def _turned_rad(poses: Sequence[RigidTransform], floor: Plane) -> FloatArray:
 
 
 def _sides(path: _Path, request: ViewRequest, params: CutParams) -> dict[str, int]:
-    """Return the frame in which each side faces the sensor most squarely, by name.
-
-    Raises
-    ------
-    BodyError
-        The person turns by less than a quarter.
-    """
-    furthest = path.turned_rad[int(np.abs(path.turned_rad).argmax())]
+    """Return the frame in which each side faces the sensor most squarely, by name."""
+    furthest = path.furthest_rad
     way = 1 if furthest > 0 else -1
     number = TO_THE_LEFT.index(request.view)
     sides: dict[str, int] = {}
@@ -301,11 +303,21 @@ def _sides(path: _Path, request: ViewRequest, params: CutParams) -> dict[str, in
         name = TO_THE_LEFT[(number + way * quarter) % len(TO_THE_LEFT)]
         if name not in sides or path.n_around(index, params) > path.n_around(sides[name], params):
             sides[name] = index
-    if len(sides) == 1:
-        raise BodyError(
-            "Only {deg} degrees of a turn can be followed in {file}. Let the patient turn once "
-            "around, slowly, in 10 to 30 seconds.",
-            deg=f"{np.degrees(abs(furthest)):.0f}",
-            file=request.recording.name,
-        )
     return sides
+
+
+def _too_little(path: _Path, request: ViewRequest, notice: str | None) -> BodyError:
+    """Return what is told of a turn by less than a quarter, and where the recording was cut."""
+    told = {"deg": f"{np.degrees(abs(path.furthest_rad)):.0f}", "file": request.recording.name}
+    if notice:
+        return BodyError(
+            "{notice} What is left shows only {deg} degrees of a turn. Restore {file} from a copy, "
+            "or record the turn again.",
+            notice=notice,
+            **told,
+        )
+    return BodyError(
+        "Only {deg} degrees of a turn can be followed in {file}. Let the patient turn once "
+        "around, slowly, in 10 to 30 seconds.",
+        **told,
+    )

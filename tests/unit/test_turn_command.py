@@ -147,6 +147,16 @@ def test_too_little_of_a_turn_is_told(turn, tmp_path):
     assert "degrees of a turn can be followed in turn.mcap" in err
 
 
+def test_a_recording_that_was_cut_is_told_where_too_little_is_left(turn, tmp_path):
+    cut = tmp_path / "cut.mcap"
+    whole = turn.read_bytes()
+    cut.write_bytes(whole[: len(whole) // 8])
+    code, _, err = run("body", f"turn={cut}", "--out", tmp_path / "b.ply")
+    assert code == 1
+    assert "cut.mcap is cut" in err
+    assert "degrees of a turn. Restore cut.mcap from a copy" in err
+
+
 def test_somebody_who_leaves_is_told_by_the_frame(images, scene, tmp_path):
     gone = np.zeros_like(images[0])
     path = write(tmp_path / "gone.mcap", [*images[:20], *[gone] * 20], scene)
