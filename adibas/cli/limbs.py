@@ -24,8 +24,8 @@ PROPOSE = message("label the limbs in a recording by its joints, to be corrected
 EVALUATE = message("measure on labelled images that had no part in the training")
 SETS = ("full-body-15", "upper-body-7", "hand-6")
 CUTS = ("omega_1", "omega_2", "none")
-N_FRAMES = 12_000
-SHIPPED_FOREST, THESIS_FOREST = (3, 24, 600), (3, 20, 1000)
+N_FRAMES = 16_000
+SHIPPED_FOREST, THESIS_FOREST = (3, 24, 1200), (3, 20, 1000)
 """Trees, depth, pixels of an image."""
 
 

@@ -94,7 +94,7 @@ class Forest:
     def rounded(self) -> "Forest":
         """Return the forest with numbers of fewer digits, which a file keeps in little space.
 
-        Offsets to 1 mm, thresholds to 0.1 mm or 0.1 mrad, probabilities to 1 / 512.
+        Offsets to 1 mm, thresholds to 0.1 mm or 0.1 mrad, probabilities to 1 / 128.
         """
         nodes = self.nodes.copy()
         nodes[:, KIND + 1 : -1] = _rounded(nodes[:, KIND + 1 : -1], OFFSET_STEPS_PER_M)

@@ -9,7 +9,7 @@ import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, Int32Array, UInt8Array
 
-OFFSET_STEPS_PER_M, THRESHOLD_STEPS, LEAF_STEPS = 1024, 8192, 512
+OFFSET_STEPS_PER_M, THRESHOLD_STEPS, LEAF_STEPS = 1024, 8192, 128
 """To which numbers of a forest are rounded; powers of two, so that a float holds each step."""
 
 NODE_STEPS = np.array([1, *[OFFSET_STEPS_PER_M] * 4, THRESHOLD_STEPS], np.float32)

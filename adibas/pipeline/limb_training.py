@@ -31,18 +31,18 @@ SHIPPED = ForestParams(
     n_trees=3,
     max_depth=24,
     n_images=None,
-    n_pixels=600,
+    n_pixels=1_200,
     evenness=0.5,
     n_candidates=30,
     max_offset_m=1.0,
     min_offset_m=0.05,
     pixel_share=0.5,
-    min_pixels=200,
+    min_pixels=400,
     shrinkage=50.0,
 )
 """Many images with few pixels each: they differ more than pixels of one image (docs/limbs.md)."""
-SHIPPED_FRAMES = 12_000
-MEMORY = Memory(image_bytes=3 << 30)
+SHIPPED_FRAMES = 16_000
+MEMORY = Memory(image_bytes=4 << 30)
 """Holds the images of the shipped models' training; more of them are read anew at every level."""
 
 
