@@ -263,7 +263,7 @@ def test_readers_get_lines(observers, tmp_path, capsys):
     assert main(["coding", "count", str(observers[0])]) == 0
     assert "1 times, 30.000 s (50.0 %): child, seated" in capsys.readouterr().out
     assert main(["coding", "ethogram", "--out", str(tmp_path / "e.json")]) == 0
-    assert "behaviours" in capsys.readouterr().out
+    assert "holds an ethogram" in capsys.readouterr().out
     assert main(["coding", "count", str(observers[0]), "--ethogram", str(tmp_path / "e.json")]) == 1
     assert "nods is not in the ethogram" in capsys.readouterr().err
 

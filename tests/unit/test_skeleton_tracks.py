@@ -79,8 +79,8 @@ def test_repeated_and_backward_times_are_left_out_and_said(tmp_path):
     found = read_joints_csv(path)
     np.testing.assert_allclose(found.tracks[0].times_s, [0, 0.1, 0.2])
     texts = [notice.text for notice in found.notices]
-    assert "1 frames repeat" in texts[0]
-    assert "1 frames go back" in texts[1]
+    assert "repeat the time of the frame before are left out: 1." in texts[0]
+    assert "go back in time are left out: 1," in texts[1]
     assert "0.050 s" in texts[1]
 
 
