@@ -162,12 +162,17 @@ class RealSenseCamera(DepthCamera):
     def _start(self) -> None:
         if self._playback is not None:
             self._playback.set_real_time(False)
+            # A file is read from the first sensor's start on; what it holds of the others is
+            # thrown away until they have started.
+            self._playback.pause()
         try:
             for sensor, handles in _by_sensor(self._profiles):
                 sensor.open(handles)
                 self._open_sensors.append(sensor)
             for sensor in self._open_sensors:
                 sensor.start(self._on_frame)
+            if self._playback is not None:
+                self._playback.resume()
         except RuntimeError:
             self.close()
             raise

@@ -9,7 +9,7 @@ import pytest
 
 from adibas.errors import SensorError
 from adibas.geometry.pinhole import project
-from adibas.sensors import SensorOptions, open_source
+from adibas.sensors import SensorOptions, open_source, realsense
 from adibas.sensors.realsense import RealSenseCamera
 from adibas.sensors.realsense_calibration import distortion_of, rigid
 from adibas.sensors.realsense_library import list_sensors, load_realsense
@@ -260,17 +260,49 @@ def test_a_file_of_the_library_plays_bit_by_bit_to_its_end(file, moments):
     )
 
 
-def test_a_slow_reader_of_a_file_loses_nothing(sensor, moments, tmp_path):
-    n_frames = 30
-    many = [moments[i % len(moments)] for i in range(n_frames)]
-    record_file(sensor, many, tmp_path / "long.db3")
-    with open_source(f"realsense:{tmp_path / 'long.db3'}") as camera:
+@pytest.fixture
+def long_file(sensor, moments, tmp_path):
+    """Hold more moments than the camera's queue has room for."""
+    path = tmp_path / "long.db3"
+    record_file(sensor, moments * 6, path)
+    return path
+
+
+def test_a_slow_reader_of_a_file_loses_nothing(long_file, moments):
+    with open_source(f"realsense:{long_file}") as camera:
         sequences = []
         while (frame := camera.read(5.0)) is not None:
             sequences.append(frame.sequence)
             if frame.sequence == 2:
                 threading.Event().wait(1.2)
-    assert sequences == list(range(1, n_frames + 1))
+    assert sequences == list(range(1, 6 * len(moments) + 1))
+
+
+class LateSensor:
+    """A sensor after whose start the computer is busy with something else."""
+
+    def __init__(self, sensor):
+        self.sensor, self.name = sensor, sensor.name
+        self.open, self.stop, self.close = sensor.open, sensor.stop, sensor.close
+
+    def start(self, on_frame):
+        self.sensor.start(on_frame)
+        threading.Event().wait(0.2)
+
+
+def test_a_file_begins_with_its_first_frame_however_late_its_second_sensor_starts(
+    long_file, moments, monkeypatch
+):
+    by_sensor = realsense._by_sensor
+    monkeypatch.setattr(
+        realsense,
+        "_by_sensor",
+        lambda profiles: [(LateSensor(one), modes) for one, modes in by_sensor(profiles)],
+    )
+    with open_source(f"realsense:{long_file}") as camera:
+        first = camera.read(5.0)
+    assert first.sequence == 1
+    np.testing.assert_array_equal(first.color, moments[0]["color"])
 
 
 def test_a_file_that_is_closed_in_the_middle_does_not_hang(file):
