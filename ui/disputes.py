@@ -26,6 +26,7 @@ FIELD_WORDS = {
     "setup.rotation_deg": message("Rotation of the picture"),
     "setup.protocol": message("Protocol"),
     "setup.wand": message("Check with the wand"),
+    "setup.turn": message("Slow turn"),
     "setup.is_repeat": message("Repeats the session before it"),
 }
 VALUE_WORDS = {"true": message("yes"), "false": message("no"), "null": message("none")}

@@ -7,6 +7,7 @@ VIEW_NAMES = {
     "posterior": message("Back"),
     "right_lateral": message("Right side"),
     "left_lateral": message("Left side"),
+    "turn": message("Slow turn"),
     "": message("No view"),
 }
 """By the view's name in the core; left and right are the patient's."""

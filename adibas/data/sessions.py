@@ -30,6 +30,9 @@ class SessionSetup:
         Name of the protocol; empty for free measures.
     wand : Mapping or None
         The content of the last check with a wand, ``{"format": "adibas-wand", ...}``.
+    turn : str
+        Of the store: the recording of a slow turn that begins with the back to the sensor; empty
+        where none was taken.
     is_repeat : bool
         Whether the markers were placed anew since the session before on that day, and nothing else
         was done to the patient: then the two tell how well measures repeat.
@@ -41,6 +44,7 @@ class SessionSetup:
     rotation_deg: int = 0
     protocol: str = ""
     wand: Mapping[str, object] | None = None
+    turn: str = ""
     is_repeat: bool = False
 
     def __post_init__(self) -> None:

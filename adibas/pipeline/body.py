@@ -39,7 +39,6 @@ ORDER = (POSTERIOR, "anterior", "right_lateral", "left_lateral")
 VIEWS_ALL_AROUND = 3
 NO_BACK = message("Without a posterior view the back is not measured.")
 NOTICE = message("{notice}")
-LOST = message("In {n} of {total} frames of the turn the person was not seen or not followed.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,8 +169,7 @@ def _turned(request: BodyRequest, progress: Progress) -> _Seen:
         for view, frame in turn.frames.items()
     }
     _check_labels(request, sources)
-    lost = Sentence(LOST, {"n": turn.n_lost, "total": turn.n_frames})
-    return _Seen(turn.views, sources, (lost,) if turn.n_lost else ())
+    return _Seen(turn.views, sources, turn.notices)
 
 
 def measure_views(

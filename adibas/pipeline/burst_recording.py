@@ -27,7 +27,7 @@ class Burst:
     Attributes
     ----------
     frames : tuple of SensorFrame
-        As the sensor gave them.
+        As the sensor gave them; none where they were written only.
     info : SourceInfo
         Of the sensor.
     calibration : RgbdCalibration or None
@@ -81,6 +81,8 @@ class BurstRecording:
         In use.
     progress : callable or None
         Told in the writer's thread of every frame that was written.
+    keeps_frames : bool
+        Whether the frames stay in memory for whoever looks at them next.
     """
 
     def __init__(
@@ -89,6 +91,8 @@ class BurstRecording:
         writer: RecordingWriter,
         calibration: RgbdCalibration | None,
         progress: Progress | None = None,
+        *,
+        keeps_frames: bool = True,
     ) -> None:
         if n_frames < 1:
             raise ValueError(f"a burst has one frame at least, got {n_frames}")
@@ -96,6 +100,7 @@ class BurstRecording:
         self._writer = writer
         self._calibration = calibration
         self._progress = progress or _say_nothing
+        self._keeps_frames = keeps_frames
         self._queue: queue.SimpleQueue[SensorFrame | None] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._failure: BaseException | None = None
@@ -160,11 +165,12 @@ class BurstRecording:
     def _write_all(self) -> Burst:
         frames: list[SensorFrame] = []
         try:
-            while len(frames) < self._n_frames:
+            for done in range(1, self._n_frames + 1):
                 frame = self._next_frame()
                 self._writer.write(frame)
-                frames.append(frame)
-                self._progress(len(frames), self._n_frames)
+                if self._keeps_frames:
+                    frames.append(frame)
+                self._progress(done, self._n_frames)
         finally:
             self._has_ended = True  # no more frames are taken
         return Burst(tuple(frames), self._info, self._calibration, self._n_restarts)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from concurrent.futures import wait
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -10,7 +10,7 @@ from adibas.arrays import UInt8Array
 from adibas.calibration.files import check_fits
 from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.frames import RgbdFrame
+from adibas.data.frames import RgbdFrame, SourceInfo
 from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.sessions import Capture
 from adibas.data.surface import BurstDisparity
@@ -134,24 +134,14 @@ def take_capture(
     RecordingError, StoreError
         The store cannot be written, or the disk is full or too slow.
     """
-    info = live.state.info
-    if info is None:
-        raise SensorError("No sensor is live. Choose a source and wait for its picture.")
+    info = info_in_use(live)
     calibration = calibration_in_use(live)
     params, begun_utc = live.params, clock()
     writer = store.recordings.create(request.session_id, info)
-    with ExitStack() as undo:
-        undo.callback(writer.abandon)
-        try:
-            burst = record_burst(live, writer, request.n_frames, progress)
-            findings = analyse_capture(burst, calibration, request.target, params, progress)
-            writer.close()
-        except AdibasError as error:
-            told = _with_nothing_kept(error)
-            if told is error:
-                raise
-            raise told from error
-        undo.pop_all()
+    with whole_or_nothing(writer):
+        burst = record_burst(live, writer, request.n_frames, progress)
+        findings = analyse_capture(burst, calibration, request.target, params, progress)
+        writer.close()
     namer = _namer(store, request)
     markers, doubts = findings.markers, findings.notices
     if namer is not None:
@@ -189,6 +179,20 @@ def _namer(store: SessionStore, request: CaptureRequest) -> Namer | None:
     """Return who knows the landmarks of the session's protocol; None where nobody does."""
     wish, _notices = wish_of_session(store.sessions.get(request.session_id))
     return None if wish is None else namer_of(wish.protocol, request.view)
+
+
+def info_in_use(live: LiveView) -> SourceInfo:
+    """Return what a live view's sensor says of itself.
+
+    Raises
+    ------
+    SensorError
+        No sensor is live.
+    """
+    info = live.state.info
+    if info is None:
+        raise SensorError("No sensor is live. Choose a source and wait for its picture.")
+    return info
 
 
 def calibration_in_use(live: LiveView) -> RgbdCalibration:
@@ -263,10 +267,15 @@ def counted(burst: Burst, progress: Progress) -> Iterator[RgbdFrame]:
 
 
 def record_burst(
-    live: LiveView, writer: RecordingWriter, n_frames: int, progress: Progress
+    live: LiveView,
+    writer: RecordingWriter,
+    n_frames: int,
+    progress: Progress,
+    *,
+    keeps_frames: bool = True,
 ) -> Burst:
     """Wait for a burst that goes into `writer`; what `progress` raises cancels it."""
-    future = live.capture(n_frames, writer)
+    future = live.capture(n_frames, writer, keeps_frames=keeps_frames)
     try:
         while not wait([future], timeout=POLL_S).done:
             progress(min(writer.n_frames, n_frames), 2 * n_frames)
@@ -275,6 +284,21 @@ def record_burst(
             live.cancel_capture()
             wait([future])  # the writer is not ours before
     return future.result()
+
+
+@contextmanager
+def whole_or_nothing(writer: RecordingWriter) -> Iterator[None]:
+    """Abandon a recording that is not closed in the block, and say that nothing of it is kept."""
+    with ExitStack() as undo:
+        undo.callback(writer.abandon)
+        try:
+            yield
+        except AdibasError as error:
+            told = _with_nothing_kept(error)
+            if told is error:
+                raise
+            raise told from error
+        undo.pop_all()
 
 
 def _with_nothing_kept(error: AdibasError) -> AdibasError:

@@ -140,7 +140,12 @@ class LiveView:
             self._look = replace(self._look, params=params)
 
     def capture(
-        self, n_frames: int, writer: RecordingWriter, progress: Progress | None = None
+        self,
+        n_frames: int,
+        writer: RecordingWriter,
+        progress: Progress | None = None,
+        *,
+        keeps_frames: bool = True,
     ) -> Future[Burst]:
         """Write the next `n_frames` frames.
 
@@ -153,6 +158,8 @@ class LiveView:
             not before.
         progress : callable or None
             Told (frames written, `n_frames`) in the writer's thread.
+        keeps_frames : bool
+            Whether the burst holds its frames, 4.5 MB each at 1280 x 1024, or is written only.
 
         Returns
         -------
@@ -171,7 +178,11 @@ class LiveView:
             running = self._running
             if running is None:
                 raise SensorError("No sensor is live. Choose a source and wait for its picture.")
-            return running.begin_burst(BurstRecording(n_frames, writer, self.calibration, progress))
+            return running.begin_burst(
+                BurstRecording(
+                    n_frames, writer, self.calibration, progress, keeps_frames=keeps_frames
+                )
+            )
 
     def cancel_capture(self) -> None:
         """Give up the burst that is being taken, if there is one."""

@@ -1,16 +1,29 @@
-"""The back and the whole body, as the captures of a saved session show them."""
+"""The back and the whole body, as the captures and the turn of a saved session show them."""
 
 from dataclasses import replace
 
+from adibas.clock import Clock, utc_now
 from adibas.data.sentence import Sentence
 from adibas.data.sessions import Capture, Session
 from adibas.errors import BodyError
 from adibas.pipeline.back import Back, measure_back
-from adibas.pipeline.body import POSTERIOR, MeasuredBody, measure_views
+from adibas.pipeline.body import POSTERIOR, VIEWS_ALL_AROUND, MeasuredBody, measure_views
 from adibas.pipeline.body_landmarks import MarkedView
 from adibas.pipeline.body_views import BodyView, person_in
+from adibas.pipeline.posture import PostureParams
 from adibas.pipeline.protocol_measuring import wish_of_session
+from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.session import calibration_of
+from adibas.pipeline.turning import RecordedTurn, follow_turn
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
+from adibas.texts import message
+
+TURN = "turn"
+"""What the recording is called in errors."""
+FROM_TURN = message(
+    "The standing views do not show the body all around: it is measured in the slow turn."
+)
 
 
 def stored_view(store: SessionStore, capture: Capture) -> BodyView | None:
@@ -54,26 +67,31 @@ def stored_back(store: SessionStore, session: Session) -> Back:
     return measure_back(view, capture.markers())
 
 
-def stored_body(store: SessionStore, session: Session) -> MeasuredBody:
+def stored_body(
+    store: SessionStore, session: Session, progress: Progress, clock: Clock = utc_now
+) -> MeasuredBody:
     """Join the last capture of each view into one surface, and measure it.
 
-    Views whose depth was not kept are left out.
+    Views whose depth was not kept are left out. Where they do not show the body all around and a
+    turn was recorded, the turn takes their place.
 
     Raises
     ------
     BodyError
-        No capture has depth, one shows nobody, the views do not fit together, or the back cannot
-        be measured.
+        No capture has depth, one shows nobody, the views do not fit together, the back cannot be
+        measured, or nobody turns in the turn.
     StoreError
-        A file of a capture is missing or damaged.
+        A file is missing or damaged.
     """
     captures = store.captures.latest(session.session_id)
     seen = {view: stored_view(store, one) for view, one in captures.items()}
     views = {name: view for name, view in seen.items() if view is not None}
+    if len(views) < VIEWS_ALL_AROUND and session.setup.turn:
+        return _turned_body(store, session, progress, clock)
     if not views:
         raise BodyError(
             "The session has no view with depth, and a surface takes depth. Capture the standing "
-            "views with a calibrated sensor."
+            "views, or a slow turn, with a calibrated sensor."
         )
     protocol, notices = wish_of_session(session)
     body = measure_views(
@@ -87,3 +105,23 @@ def stored_body(store: SessionStore, session: Session) -> MeasuredBody:
     )
     told = (*body.notices, *(Sentence(notice) for notice in notices))
     return replace(body, notices=told)
+
+
+def _turned_body(
+    store: SessionStore, session: Session, progress: Progress, clock: Clock
+) -> MeasuredBody:
+    """Measure the body in the session's turn; no markers are looked for in it."""
+    recording_id = session.setup.turn
+    with store.recordings.open(recording_id) as recording:
+        frames = range(len(recording.timestamps_ns))
+        calibration = calibration_of(recording, None)
+        turn = follow_turn(RecordedTurn(recording, calibration, frames, TURN), progress)
+    where_from = provenance_of(
+        *(store.recordings.facts(recording_id).sha256, calibration, None, PostureParams(), clock())
+    )
+    body = measure_views(
+        [MarkedView(view) for view in turn.views],
+        dict.fromkeys(turn.frames, where_from),
+        session.patient,
+    )
+    return replace(body, notices=(Sentence(FROM_TURN), *turn.notices, *body.notices))

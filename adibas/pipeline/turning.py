@@ -19,6 +19,7 @@ from adibas.body.rays import viewing_rays
 from adibas.calibration.files import check_fits
 from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.frames import depth_in_metres
+from adibas.data.sentence import Sentence
 from adibas.errors import BodyError
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
@@ -38,9 +39,11 @@ from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.ports import RecordingReader
+from adibas.texts import message
 
 TO_THE_LEFT = ("posterior", "left_lateral", "anterior", "right_lateral")
 """What the sensor sees one after the other of somebody who turns to the own left."""
+LOST = message("In {n} of {total} frames of the turn the person was not seen or not followed.")
 QUARTER_RAD = 0.5 * np.pi
 ONE_LEVEL = ViewParams(n_levels=1)
 
@@ -99,6 +102,12 @@ class SeenTurn:
     n_lost: int
     n_frames: int
 
+    @property
+    def notices(self) -> tuple[Sentence, ...]:
+        """What is to be told of the frames that were left out."""
+        lost = Sentence(LOST, {"n": self.n_lost, "total": self.n_frames})
+        return (lost,) if self.n_lost else ()
+
 
 def see_turn(request: ViewRequest, progress: Progress, params: CutParams | None = None) -> SeenTurn:
     """Follow somebody who turns, and return the views that come by.
@@ -117,23 +126,56 @@ def see_turn(request: ViewRequest, progress: Progress, params: CutParams | None 
     BodyError
         Nobody is seen, no floor, the person is lost, or does not turn.
     """
-    params = params or CutParams()
     with open_recording(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
-        moments = _Moments(recording, calibration_of(recording, request.calibration), request)
-        total = len(wanted) + len(TO_THE_LEFT) * params.most_frames
-        path = _followed(moments, wanted, lambda done: progress(done, total), params)
-        sides = _sides(path, request, params)
-        if len(sides) == 1:
-            raise _too_little(path, request, recording.notice)
-        views, frames = [], {}
-        for number, (name, index) in enumerate(sides.items()):
-            views.append(moments.view(name, index, path, params))
-            frames[name] = index
-            progress(len(wanted) + (number + 1) * params.most_frames, total)
+        calibration = calibration_of(recording, request.calibration)
+        turn = RecordedTurn(recording, calibration, wanted, request.recording.name, request.view)
+        return follow_turn(turn, progress, params)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedTurn:
+    """An open recording of a turn.
+
+    Attributes
+    ----------
+    recording : RecordingReader
+    calibration : RgbdCalibration
+    wanted : range
+        The frames that are looked at.
+    name : str
+        What the recording is called in errors.
+    begins : str
+        The view with which the turn begins.
+    """
+
+    recording: RecordingReader
+    calibration: RgbdCalibration
+    wanted: range
+    name: str
+    begins: str = TO_THE_LEFT[0]
+
+
+def follow_turn(
+    turn: RecordedTurn, progress: Progress, params: CutParams | None = None
+) -> SeenTurn:
+    """Return the views that come by in an open recording; errors as of `see_turn`."""
+    params = params or CutParams()
+    moments = _Moments(turn)
+    n_wanted = len(turn.wanted)
+    total = n_wanted + len(TO_THE_LEFT) * params.most_frames
+    path = _followed(moments, turn.wanted, lambda done: progress(done, total), params)
+    sides = _sides(path, turn.begins, params)
+    if len(sides) == 1:
+        raise _too_little(path, turn.name, turn.recording.notice)
+    views, frames = [], {}
+    for number, (name, index) in enumerate(sides.items()):
+        views.append(moments.view(name, index, path, params))
+        frames[name] = index
+        progress(n_wanted + (number + 1) * params.most_frames, total)
     progress(total, total)
     return SeenTurn(
-        tuple(views), MappingProxyType(frames), float(path.turned_rad[-1]), path.n_lost, len(wanted)
+        tuple(views), MappingProxyType(frames), float(path.turned_rad[-1]), path.n_lost, n_wanted
     )
 
 
@@ -174,13 +216,11 @@ class _Path:
 class _Moments:
     """Frames of the recording, the person alone."""
 
-    def __init__(
-        self, recording: RecordingReader, calibration: RgbdCalibration, request: ViewRequest
-    ) -> None:
-        self._recording, self._calibration = recording, calibration
-        self._camera = depth_camera_of(calibration)
-        self.name = request.recording.name
-        self._floor: Plane | None = calibration.floor
+    def __init__(self, turn: RecordedTurn) -> None:
+        self._recording, self._calibration = turn.recording, turn.calibration
+        self._camera = depth_camera_of(turn.calibration)
+        self.name = turn.name
+        self._floor: Plane | None = turn.calibration.floor
         self.has_depth = False
 
     @property
@@ -290,11 +330,11 @@ def _turned_rad(poses: Sequence[RigidTransform], floor: Plane) -> FloatArray:
     return np.unwrap([float(np.arctan2(one @ aside, one @ ahead)) for one in seen])
 
 
-def _sides(path: _Path, request: ViewRequest, params: CutParams) -> dict[str, int]:
+def _sides(path: _Path, begins: str, params: CutParams) -> dict[str, int]:
     """Return the frame in which each side faces the sensor most squarely, by name."""
     furthest = path.furthest_rad
     way = 1 if furthest > 0 else -1
-    number = TO_THE_LEFT.index(request.view)
+    number = TO_THE_LEFT.index(begins)
     sides: dict[str, int] = {}
     # A turn shows the side with which it begins once more at its end, where it goes on enough.
     for quarter in range(int((abs(furthest) + params.late_rad) / QUARTER_RAD) + 1):
@@ -306,9 +346,9 @@ def _sides(path: _Path, request: ViewRequest, params: CutParams) -> dict[str, in
     return sides
 
 
-def _too_little(path: _Path, request: ViewRequest, notice: str | None) -> BodyError:
+def _too_little(path: _Path, name: str, notice: str | None) -> BodyError:
     """Return what is told of a turn by less than a quarter, and where the recording was cut."""
-    told = {"deg": f"{np.degrees(abs(path.furthest_rad)):.0f}", "file": request.recording.name}
+    told = {"deg": f"{np.degrees(abs(path.furthest_rad)):.0f}", "file": name}
     if notice:
         return BodyError(
             "{notice} What is left shows only {deg} degrees of a turn. Restore {file} from a copy, "

@@ -6,6 +6,7 @@ from adibas.data.sessions import Session
 from adibas.errors import ReportError
 from adibas.pipeline.body import MeasuredBody
 from adibas.pipeline.stored_body import stored_body
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
 from adibas.sessions.roles import Permission
 
@@ -35,7 +36,9 @@ def write_body(body: MeasuredBody, path: Path, language: str) -> None:
             raise ValueError(f"no report of a body ends in {suffix!r}")
 
 
-def write_stored_body(store: SessionStore, session: Session, path: Path, language: str) -> None:
+def write_stored_body(
+    store: SessionStore, session: Session, path: Path, language: str, progress: Progress
+) -> None:
     """Write the report on the body in a session's captures; the audit log is told.
 
     Raises
@@ -54,7 +57,7 @@ def write_stored_body(store: SessionStore, session: Session, path: Path, languag
     if path.suffix.lower() not in BODY_KINDS:
         raise ReportError("Reports on the back end in .pdf or .xlsx. Give the file such a name.")
     store.require(Permission.REPORT, session.session_id)
-    body = stored_body(store, session)
+    body = stored_body(store, session, progress)
     if not store.is_read_only:
         store.note_export("back", session.session_id)
     write_body(body, path, language)

@@ -73,6 +73,8 @@ def setup_to_json(setup: SessionSetup) -> str:
     """Return the line of `setup`."""
     # What was not done is left out, so that a program from before this key reads the line.
     more: dict[str, object] = {} if setup.wand is None else {"wand": dict(setup.wand)}
+    if setup.turn:
+        more["turn"] = setup.turn
     if setup.is_repeat:
         more["is_repeat"] = True
     return to_json(

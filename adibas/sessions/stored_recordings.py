@@ -39,6 +39,8 @@ class RecordingFacts:
         From the first frame to the last.
     size_bytes : int
         On the disk.
+    sha256 : str
+        Of the sealed file.
     notice : str
         What a crash took of it; empty where nothing is missing.
     """
@@ -50,6 +52,7 @@ class RecordingFacts:
     n_dropped: int
     duration_ns: int
     size_bytes: int
+    sha256: str
     notice: str
 
 
@@ -369,5 +372,6 @@ def _facts(row: Row) -> RecordingFacts:
         n_dropped=row.n_dropped,
         duration_ns=row.duration_ns,
         size_bytes=row.size_bytes,
+        sha256=row.sha256,
         notice=row.notice,
     )

@@ -2,6 +2,7 @@
 
 import uuid
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -29,7 +30,7 @@ class Sessions:
         self._purge = purge
 
     def start(self, pseudonym: str, setup: SessionSetup) -> Session:
-        """Begin a session of a patient now.
+        """Begin a session of a patient now, set up like this; the turn of another is not its own.
 
         Raises
         ------
@@ -47,7 +48,7 @@ class Sessions:
                 pseudonym=pseudonym,
                 started_utc=self._audit.now(),
                 operator=self._audit.operator,
-                setup=setup_to_json(setup),
+                setup=setup_to_json(replace(setup, turn="")),
                 notes="",
                 is_deleted=False,
             )

@@ -1,68 +1,34 @@
 """One recording of somebody who turns around becomes the four views, one surface and measures."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.data.posture import VIEWS
 from adibas.pipeline.body_views import ViewRequest
 from adibas.pipeline.turning import see_turn
-from adibas.recordings import RecordingOptions, create_recording
-from adibas.simulation.depth_noise import DepthNoise, DepthSensor
-from adibas.simulation.patient import MarkerSettings
-from adibas.simulation.poses import HEADINGS_RAD
-from adibas.simulation.room import draw_room
-from adibas.simulation.studio import DepthStudio
-from benchmarks.body_scenes import draw_back_scene
 from benchmarks.body_truth import distances_mm
 from tests.unit.test_back_command import run
-
-STEP_DEG, N_FRAMES = 6.0, 64
-PERIOD_NS = 33_000_000
+from tests.unit.turning_bodies import (
+    N_FRAMES,
+    STEP_DEG,
+    drawn,
+    posed,
+    turn_images,
+    turning_scene,
+    write,
+)
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return draw_back_scene(1, is_portrait=True)
-
-
-def posed(scene, number, way):
-    turn_rad = np.radians(way * STEP_DEG * number)
-    heading_rad = HEADINGS_RAD["posterior"] + turn_rad
-    return scene.patient.body.posed(replace(scene.pose, heading_rad=heading_rad))
-
-
-def drawn(scene, n_frames, way):
-    """Return the raw depth of a turn; the turn about the axis that points down is to the right."""
-    studio = DepthStudio(
-        draw_room(np.random.default_rng(1)), scene.depth_from_world, scene.device.depth
-    )
-    sensor = DepthSensor(scene.device, DepthNoise(), 1)
-    images = []
-    for number in range(n_frames):
-        view = studio.view(scene.patient, posed(scene, number, way), MarkerSettings())
-        images.append(sensor.measure(view.inverse_depth, view.reflectance, number, None))
-    return images
-
-
-def write(path, images, scene, **changes):
-    calibration = replace(scene.calibration, **changes)
-    info = SourceInfo(calibration=calibration, depth_unit_m=0.001)
-    with create_recording(path, info, RecordingOptions(is_live=False)) as recording:
-        for number, raw in enumerate(images):
-            time_ns = 1 + number * PERIOD_NS
-            color = None if raw is not None else np.zeros((48, 64, 3), np.uint8)
-            stamp = None if color is None else time_ns
-            recording.write(SensorFrame(number, time_ns, raw, color, stamp))
-    return path
+    return turning_scene()
 
 
 @pytest.fixture(scope="module")
-def images(scene):
-    return drawn(scene, N_FRAMES, 1)
+def images():
+    return turn_images()
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
 from ui.capture.people_presenter import CHOICES
-from ui.capture.sources import SIZES, SourceChoice, view_title
+from ui.capture.sources import SIZES, TURN, SourceChoice, view_title
 from ui.widgets.flow import in_a_flow
 
 THUMBNAIL = QSize(45, 36)
@@ -190,7 +190,7 @@ class DisplayPanel(QGroupBox):
 
 
 class ViewsPanel(QGroupBox):
-    """The four views: which is next, and which are taken."""
+    """The four views and the turn: which is next, and which are taken."""
 
     chosen = Signal(str)
     review_asked = Signal(str)
@@ -203,7 +203,7 @@ class ViewsPanel(QGroupBox):
         layout = QGridLayout(self)
         layout.setColumnStretch(0, 1)
         layout.setSpacing(4)
-        for index, view in enumerate(VIEWS):
+        for index, view in enumerate((*VIEWS, TURN)):
             button, look = QToolButton(self), QToolButton(self)
             button.setCheckable(True)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
@@ -235,7 +235,7 @@ class ViewsPanel(QGroupBox):
                 _("Look at the view: {view}").format(view=view_title(view))
             )
 
-    def show_views(self, view: str, taken: dict[str, UInt8Array]) -> None:
+    def show_views(self, view: str, taken: dict[str, UInt8Array | None]) -> None:
         """Mark the next view, and show pictures of those that were taken."""
         self._taken = frozenset(taken)
         for name, button in self._buttons.items():

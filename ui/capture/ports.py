@@ -30,8 +30,8 @@ class CaptureView(Protocol):
     def show_disk(self, minutes: float | None) -> None:
         """Say how long the disk will hold; None where it cannot be told."""
 
-    def show_views(self, view: str, taken: dict[str, UInt8Array]) -> None:
-        """Mark the view that is next, and show pictures of those that were taken."""
+    def show_views(self, view: str, taken: dict[str, UInt8Array | None]) -> None:
+        """Mark the view that is next, and show those that were taken; a turn has no picture."""
 
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
         """Say what lacks before a capture, and whether one can be taken."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from adibas.arrays import UInt8Array
 from adibas.clock import utc_now
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
@@ -17,8 +18,9 @@ from ui.capture.countdown import Countdown
 from ui.capture.disk_watch import DiskWatch
 from ui.capture.ports import CaptureView
 from ui.capture.source_presenter import Look, SourcePresenter
-from ui.capture.sources import find_sources, view_title
+from ui.capture.sources import TURN, find_sources, view_title
 from ui.capture.taken import TakenViews
+from ui.capture.turn_presenter import TurnPresenter
 from ui.capture.wand_presenter import WandPresenter, WandView, without_old_wand
 from ui.ports import Job, JobControl
 from ui.workspace import Workspace
@@ -55,6 +57,7 @@ class CapturePresenter:
         self._is_seen = False
         self.sources = SourcePresenter(view, workspace, self._is_free, self._may_open, look)
         self.calibration_age = CalibrationAge(view, workspace)
+        self._turn = TurnPresenter(workspace, self.sources, self._on_turn, self._on_ended)
         self._disk = DiskWatch(
             workspace.store.folder, view.call_later, self._expected_rate, self._on_disk
         )
@@ -106,6 +109,7 @@ class CapturePresenter:
     def cancel(self) -> None:
         """Give up the countdown or the burst."""
         self._countdown.give_up()
+        self._turn.cancel()
         if self._job is not None and self._job.is_running:
             self._job.cancel()
 
@@ -123,7 +127,10 @@ class CapturePresenter:
         return WandPresenter(dialog, self._workspace, sources.note_wand, sources.setup.wand)
 
     def review(self, view: str) -> None:
-        """Look at the last capture of a view."""
+        """Look at the last capture of a view; a turn is looked at as the body that it gives."""
+        if view == TURN:
+            self._workspace.show_screen("comparison")
+            return
         capture = self._taken.captures.get(view)
         if capture is not None:
             self._workspace.choose_capture(capture.capture_id)
@@ -131,7 +138,7 @@ class CapturePresenter:
 
     @property
     def _is_capturing(self) -> bool:
-        return self._job is not None and self._job.is_running
+        return self._turn.is_running or (self._job is not None and self._job.is_running)
 
     def _is_free(self) -> bool:
         """Say whether something else may be shown; tell why not. A countdown is given up."""
@@ -157,6 +164,10 @@ class CapturePresenter:
         session = self._session()
         if session is None:
             return
+        self._view.show_capturing(is_capturing=True)
+        if self._next_view == TURN:
+            self._turn.take(session.session_id)
+            return
         request = CaptureRequest(
             session_id=session.session_id,
             view=self._next_view,
@@ -169,7 +180,6 @@ class CapturePresenter:
         def work(control: JobControl) -> Capture:
             return take_capture(store, live, request, control.progress)
 
-        self._view.show_capturing(is_capturing=True)
         self._job = self._workspace.jobs.start(
             _("Capturing"), work, self._on_taken, ended=self._on_ended
         )
@@ -191,6 +201,15 @@ class CapturePresenter:
             lambda: workspace.choose_session(workspace.store.sessions.get(capture.session_id))
         )
         workspace.choose_capture(capture.capture_id)
+        self._go_on()
+
+    def _on_turn(self) -> None:
+        if self._workspace.preferences.now.has_sound:
+            self._view.beep()
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Show the next view that is left."""
         if (left := self._taken.first_left) is not None:
             self._go_to(left)
 
@@ -218,6 +237,7 @@ class CapturePresenter:
         self._next_view = view
         self._show_views()
         self._name_markers()
+        self._show_readiness()
         self.sources.open(view)
 
     def _on_session(self) -> None:
@@ -239,7 +259,8 @@ class CapturePresenter:
     def _name_markers(self) -> None:
         """Let live markers be named after the session's protocol."""
         protocol = self.sources.setup.protocol
-        naming = Naming(protocol, self._next_view) if protocol else None
+        has_names = bool(protocol) and self._next_view in VIEWS
+        naming = Naming(protocol, self._next_view) if has_names else None
         self._workspace.live.set_naming(naming)
 
     def _take_over_markers(self, session: Session | None) -> None:
@@ -255,13 +276,18 @@ class CapturePresenter:
         self._show_views()
 
     def _show_views(self) -> None:
-        self._view.show_views(self._next_view, self._taken.pictures)
+        taken: dict[str, UInt8Array | None] = {**self._taken.pictures}
+        session = self._workspace.session
+        if session is not None and session.setup.turn:
+            taken[TURN] = None
+        self._view.show_views(self._next_view, taken)
 
     def _on_frame(self, frame: LiveFrame) -> None:
         if self._is_seen:
             self._view.show_frame(frame)
 
     def _on_state(self, state: SensorState) -> None:
+        self._turn.note_state(state)
         self._view.show_sensor(state)
         self._workspace.attempt(lambda: self.calibration_age.show(state))
         if self._countdown.is_running and state.kind != "live":
@@ -294,7 +320,12 @@ class CapturePresenter:
     def _show_readiness(self) -> None:
         lack = self._lack()
         sentence = lack
-        if not lack and self._workspace.target is None:
+        if not lack and self._next_view == TURN:
+            sentence = _(
+                "The patient stands with the back to the sensor and, when the countdown ends, "
+                "turns once around within 15 seconds, the arms hanging still."
+            )
+        elif not lack and self._workspace.target is None:
             sentence = _(
                 "No marker colour is learned yet: only picture and depth will be captured."
             )

@@ -8,6 +8,7 @@ from pathlib import Path
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import SessionSetup
 from adibas.sensors.ports import SensorOptions
+from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
 from ui.capture.ports import CaptureView
 from ui.capture.sources import SourceChoice, find_sources, source_for_view, usual_sources
@@ -103,6 +104,14 @@ class SourcePresenter:
         live = self._workspace.live
         if live.opened != wanted or live.state.kind in ("closed", "ended"):
             live.open(*wanted)
+
+    def begin_anew(self) -> bool:
+        """Open a recording or the simulator from its beginning; False: a sensor has none."""
+        source = self.setup.source
+        if is_sensor(source):
+            return False
+        self._workspace.live.open(source_for_view(source, self._view_name), self._options)
+        return True
 
     @property
     def _options(self) -> SensorOptions:

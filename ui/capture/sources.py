@@ -14,6 +14,8 @@ from adibas.texts import translate as _
 from ui.view_names import VIEW_NAMES
 
 SIMULATOR = "simulator"
+TURN = "turn"
+"""Taken like a view: the patient turns around once before the sensor."""
 Sizes: TypeAlias = tuple[tuple[int, int], ...]
 SIZES: Sizes = ((1280, 1024), (640, 480))
 """Of the colour image, (width, height), where a sensor was not asked."""
@@ -79,7 +81,7 @@ def _sensor_title(sensor: SensorDescription, library: str, *, is_alone: bool) ->
 
 def source_for_view(source: str, view: str) -> str:
     """Return what to open for a view: the simulated patient turns with it."""
-    return f"{SIMULATOR}:{view}" if source == SIMULATOR and view in VIEWS else source
+    return f"{SIMULATOR}:{view}" if source == SIMULATOR and view in (*VIEWS, TURN) else source
 
 
 def view_title(view: str) -> str:

@@ -185,7 +185,7 @@ class CaptureScreen(Screen):
     def show_disk(self, minutes: float | None) -> None:
         self._status.show_disk(minutes)
 
-    def show_views(self, view: str, taken: dict[str, UInt8Array]) -> None:
+    def show_views(self, view: str, taken: dict[str, UInt8Array | None]) -> None:
         self._views.show_views(view, taken)
 
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:

@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from adibas.data.sessions import Session
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
 from adibas.texts import message
 from ui.comparison.back_content import Backs, SeenBack, seen_back
@@ -34,14 +35,21 @@ def body_presenter(view: BackView, workspace: Workspace) -> OnSight[Bodies]:
     return OnSight(workspace, JOINING, read_bodies, view.show_bodies, _waiting_for_bodies)
 
 
-def read_backs(store: SessionStore, sessions: Sessions) -> Backs:
+def read_backs(store: SessionStore, sessions: Sessions, _progress: Progress) -> Backs:
     """Measure the backs of two sessions; what cannot be measured is told."""
     return Backs(*read_both(store, sessions, _back_of))
 
 
-def read_bodies(store: SessionStore, sessions: Sessions) -> Bodies:
+def read_bodies(store: SessionStore, sessions: Sessions, progress: Progress) -> Bodies:
     """Join the views of two sessions; what does not fit is told."""
-    return Bodies(*read_both(store, sessions, _body_of))
+
+    def body_of(store: SessionStore, session: Session) -> tuple[SeenBody, tuple[str, ...]]:
+        from adibas.pipeline.stored_body import stored_body
+
+        body = stored_body(store, session, progress)
+        return seen_body(body), tuple(notice.text for notice in body.notices)
+
+    return Bodies(*read_both(store, sessions, body_of))
 
 
 def _back_of(store: SessionStore, session: Session) -> tuple[SeenBack, tuple[str, ...]]:
@@ -49,13 +57,6 @@ def _back_of(store: SessionStore, session: Session) -> tuple[SeenBack, tuple[str
 
     back = stored_back(store, session)
     return seen_back(back), tuple(notice.text for notice in back.notices)
-
-
-def _body_of(store: SessionStore, session: Session) -> tuple[SeenBody, tuple[str, ...]]:
-    from adibas.pipeline.stored_body import stored_body
-
-    body = stored_body(store, session)
-    return seen_body(body), ()
 
 
 def _waiting_for_backs(sentence: str) -> Backs:

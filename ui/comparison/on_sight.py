@@ -5,6 +5,7 @@ from typing import Generic, TypeVar
 
 from adibas.data.sessions import Session
 from adibas.errors import AdibasError
+from adibas.progress import Progress
 from adibas.sessions import SessionStore
 from adibas.texts import describe, message
 from adibas.texts import translate as _
@@ -16,6 +17,8 @@ Sessions = tuple[Session | None, Session | None]
 """The earlier and the later one."""
 Found = TypeVar("Found")
 One = TypeVar("One")
+Read = Callable[[SessionStore, Session], tuple[One, tuple[str, ...]]]
+"""Gives what was found in a session, and notes on it."""
 
 
 class OnSight(Generic[Found]):
@@ -38,7 +41,7 @@ class OnSight(Generic[Found]):
         self,
         workspace: Workspace,
         looking: str,
-        read: Callable[[SessionStore, Sessions], Found],
+        read: Callable[[SessionStore, Sessions, Progress], Found],
         show: Callable[[Found], None],
         waiting: Callable[[str], Found],
     ) -> None:
@@ -72,8 +75,8 @@ class OnSight(Generic[Found]):
         self._show(self._waiting(_(self._looking)))
         store, sessions = self._workspace.store, self._sessions
 
-        def work(_control: JobControl) -> Found:
-            return self._read(store, sessions)
+        def work(control: JobControl) -> Found:
+            return self._read(store, sessions, control.progress)
 
         def done(found: Found) -> None:
             if self._shown == sessions:
@@ -85,7 +88,7 @@ class OnSight(Generic[Found]):
 def read_both(
     store: SessionStore,
     sessions: Sessions,
-    read: Callable[[SessionStore, Session], tuple[One, tuple[str, ...]]],
+    read: Read[One],
 ) -> tuple[One | None, One | None, tuple[str, ...]]:
     """Return what was found in both, and the sentences on them: also why something is missing."""
     found: list[One | None] = []
@@ -98,9 +101,7 @@ def read_both(
 
 
 def _attempt(
-    store: SessionStore,
-    session: Session,
-    read: Callable[[SessionStore, Session], tuple[One, tuple[str, ...]]],
+    store: SessionStore, session: Session, read: Read[One]
 ) -> tuple[One | None, tuple[str, ...]]:
     try:
         return read(store, session)

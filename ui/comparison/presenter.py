@@ -137,10 +137,10 @@ class ComparisonPresenter:
         if later is None:
             return
 
-        def work(_control: JobControl) -> None:
+        def work(control: JobControl) -> None:
             from adibas.reports.body import write_stored_body
 
-            write_stored_body(store, later, path, language)
+            write_stored_body(store, later, path, language, control.progress)
 
         def done(_nothing: None) -> None:
             self._workspace.tell("good", _("Written: {names}").format(names=path.name))
@@ -156,14 +156,14 @@ class ComparisonPresenter:
         self._follow()
 
     def _sessions(self) -> tuple[Session, ...]:
-        """Return the patient's sessions with pictures, newest first."""
+        """Return the patient's sessions with pictures or a turn, newest first."""
         found: list[Session] = []
         patient = self._workspace.patient
         if patient is not None:
             of_patient = self._workspace.store.sessions.of_patient
             self._workspace.attempt(lambda: found.extend(of_patient(patient.pseudonym)))
-        with_pictures = [one for one in found if one.capture_ids]
-        return tuple(sorted(with_pictures, key=lambda one: one.started_utc, reverse=True))
+        taken = [one for one in found if one.capture_ids or one.setup.turn]
+        return tuple(sorted(taken, key=lambda one: one.started_utc, reverse=True))
 
     def _say_what_lacks(self, sessions: tuple[Session, ...]) -> None:
         if self._workspace.patient is None:

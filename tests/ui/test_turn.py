@@ -1,0 +1,162 @@
+"""A slow turn on the capture screen, without Qt, over a real store."""
+
+from types import SimpleNamespace
+from unittest.mock import create_autospec
+
+import pytest
+
+from adibas.data.frames import SourceInfo
+from adibas.data.patients import Identity
+from adibas.data.sessions import SessionSetup
+from adibas.errors import SensorError
+from adibas.pipeline.live import SensorState
+from adibas.pipeline.turn_taking import TakenTurn
+from tests.ui.test_capture_presenter import LIVE, LateJobs, be, count_down, readiness
+from ui.capture import turn_presenter
+from ui.capture.ports import CaptureView
+from ui.capture.presenter import CapturePresenter
+from ui.capture.sources import TURN, usual_sources
+
+
+@pytest.fixture
+def screen(workspace, store):
+    """Show the capture screen to a patient and a live simulator, the turn chosen."""
+    clock, view = [], create_autospec(CaptureView, instance=True)
+    view.call_later.side_effect = lambda ms, call: clock.append((ms, call))
+    presenter = CapturePresenter(view, workspace, look=usual_sources)
+    workspace.choose_patient(store.patients.add(Identity("Ana Ruiz")))
+    presenter.enter()
+    presenter.choose_view(TURN)
+    be(workspace, LIVE)
+    return SimpleNamespace(clock=clock, view=view, presenter=presenter)
+
+
+@pytest.fixture
+def taking(monkeypatch):
+    """Turns that come at once, with so many lost frames; whose they are."""
+    sessions, n_dropped = [], [0]
+
+    def take(store, _live, session_id, progress):
+        progress(0, 600)
+        sessions.append(session_id)
+        with store.recordings.create(session_id, SourceInfo()) as writer:
+            pass
+        return TakenTurn(session_id, writer.recording_id, 600, n_dropped[0])
+
+    monkeypatch.setattr(turn_presenter, "take_turn", take)
+    return SimpleNamespace(sessions=sessions, n_dropped=n_dropped)
+
+
+def press(screen):
+    screen.presenter.capture()
+    count_down(screen.clock)
+
+
+def are_capturing(screen):
+    return screen.view.show_capturing.call_args.kwargs["is_capturing"]
+
+
+def shown_views(screen):
+    return screen.view.show_views.call_args.args
+
+
+def test_the_screen_says_how_to_turn(screen, workspace):
+    sentence, is_ready = readiness(screen.view)
+    assert is_ready
+    assert "with the back to the sensor" in sentence
+    assert workspace.live.opened[0] == "simulator:turn"
+
+
+def test_no_landmarks_of_a_view_are_named_in_a_turn(screen, workspace, store):
+    setup = SessionSetup(protocol="sapo-1")
+    workspace.choose_session(store.sessions.start(workspace.patient.pseudonym, setup))
+    screen.presenter.choose_view("anterior")
+    assert workspace.live.naming is not None
+    screen.presenter.choose_view(TURN)
+    assert workspace.live.naming is None
+
+
+def test_the_simulated_patient_begins_to_turn_with_the_recording(
+    screen, workspace, taking, store, told
+):
+    n_orders = len(workspace.live.orders)
+    press(screen)
+    assert [source for source, _ in workspace.live.orders[n_orders:]] == ["simulator:turn"]
+    assert taking.sessions == []
+    assert are_capturing(screen)
+    be(workspace, SensorState("opening"))
+    assert taking.sessions == []
+    be(workspace, LIVE)
+    session = workspace.session
+    assert taking.sessions == [session.session_id]
+    assert store.recordings.facts(session.setup.turn).session_id == session.session_id
+    assert told == [("good", "The turn is recorded. Under Compare, it becomes the whole body.")]
+    assert not are_capturing(screen)
+    assert shown_views(screen) == ("anterior", {TURN: None})
+
+
+def test_a_sensor_goes_on_and_is_not_opened_anew(screen, workspace, taking):
+    screen.presenter.sources.choose_source("openni2")
+    n_orders = len(workspace.live.orders)
+    press(screen)
+    assert len(taking.sessions) == 1
+    assert {source for source, _ in workspace.live.orders[n_orders:]} <= {"openni2"}
+
+
+def test_frames_that_the_sensor_lost_are_told(screen, workspace, taking, told):
+    taking.n_dropped[0] = 3
+    press(screen)
+    be(workspace, LIVE)
+    ((kind, sentence),) = told
+    assert kind == "warning"
+    assert sentence.endswith("Frames that the sensor lost in it: 3.")
+
+
+def test_a_second_press_gives_the_turn_up_before_it_begins(screen, workspace, taking):
+    press(screen)
+    screen.presenter.capture()
+    assert not are_capturing(screen)
+    be(workspace, LIVE)
+    assert taking.sessions == []
+
+
+def test_a_second_press_gives_the_turn_up_while_it_is_recorded(screen, workspace, taking):
+    workspace.jobs = LateJobs()
+    press(screen)
+    be(workspace, LIVE)
+    (job,) = workspace.jobs.started
+    assert are_capturing(screen)
+    screen.presenter.capture()
+    job.run()
+    assert not are_capturing(screen)
+    assert taking.sessions == []
+    assert workspace.session.setup.turn == ""
+
+
+def test_a_source_that_does_not_begin_anew_is_told(screen, workspace, taking, told):
+    press(screen)
+    be(workspace, SensorState("lost", SensorError("The recording is gone.")))
+    assert told == [("bad", "The recording is gone.")]
+    assert not are_capturing(screen)
+    assert taking.sessions == []
+
+
+def test_a_turn_belongs_to_the_session_it_was_taken_in(screen, workspace, taking, store):
+    workspace.jobs = LateJobs()
+    press(screen)
+    be(workspace, LIVE)
+    taken_in = workspace.session
+    other = store.sessions.start(workspace.patient.pseudonym, SessionSetup())
+    workspace.choose_session(other)
+    workspace.jobs.started[0].run()
+    assert taking.sessions == [taken_in.session_id]
+    assert workspace.session.session_id == other.session_id
+    assert workspace.session.setup.turn == ""
+    assert store.sessions.get(taken_in.session_id).setup.turn
+
+
+def test_a_turn_is_looked_at_under_compare(screen, workspace):
+    shown = []
+    workspace.screen_wanted.subscribe(shown.append)
+    screen.presenter.review(TURN)
+    assert shown == ["comparison"]
