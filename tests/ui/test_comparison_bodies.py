@@ -24,6 +24,7 @@ from adibas.reports.body_numbers import on_paper
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.texts import decimal_text
 from tests.unit.standing_bodies import add_body_session
+from tests.unit.turning_bodies import add_turn, turn_images
 from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
 from ui.comparison.screen import build_comparison_screen
@@ -167,6 +168,18 @@ def test_the_joined_body_is_turned_and_its_girths_stand_below(qtbot, screen, sto
     before = space.grab().toImage()
     qtbot.keyClick(space, Qt.Key.Key_Right)
     assert space.grab().toImage() != before
+
+
+def test_a_turn_is_shown_as_the_body_that_it_gives(screen, store, patient):
+    add_turn(store, add_body_session(store, patient, ()), turn_images())
+    screen.entered()
+    body = page(screen, BODY)
+    told = [one.text() for one in body.findChildren(QLabel) if one.isVisible()]
+    assert (
+        "Now: The standing views do not show the body all around: it is measured in the slow turn."
+    ) in told
+    assert any("Back, Front, Right side, Left side" in text for text in told)
+    assert len(lines(body)) > 4
 
 
 def test_other_sessions_are_measured_when_they_are_chosen(screen, store, patient):

@@ -1,7 +1,5 @@
 """The back and the body out of a store: what the same depth gives that never was in one."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ from adibas.pipeline.turning import see_turn
 from adibas.pipeline.whole_body import join_body
 from tests.unit.standing_bodies import add_body_session, scene, surface
 from tests.unit.store_samples import open_sample
-from tests.unit.turning_bodies import turn_frames, turn_images, turn_info, turning_scene, write
+from tests.unit.turning_bodies import add_turn, turn_images, turning_scene, write
 
 AROUND = ("posterior", "anterior", "right_lateral", "left_lateral")
 
@@ -32,16 +30,6 @@ def patient(store):
 
 def unheard(_done, _total):
     pass
-
-
-def with_turn(store, session, images):
-    """Return the session with a recording of a turn."""
-    scene = turning_scene()
-    with store.recordings.create(session.session_id, turn_info(scene)) as writer:
-        for frame in turn_frames(images):
-            writer.write(frame)
-    setup = replace(session.setup, turn=writer.recording_id)
-    return store.sessions.change(session.session_id, setup=setup)
 
 
 def seen(view):
@@ -107,7 +95,7 @@ def test_a_turn_gives_the_body_where_the_views_do_not_show_it_all_around(store, 
     images = turn_images()
     path = write(tmp_path / "turn.mcap", images, turning_scene())
     wanted = see_turn(ViewRequest("posterior", path), unheard)
-    session = with_turn(store, add_body_session(store, patient, ("anterior", "posterior")), images)
+    session = add_turn(store, add_body_session(store, patient, ("anterior", "posterior")), images)
     told = []
     found = stored_body(store, session, lambda done, total: told.append((done, total)))
     assert dict(found.n_frames) == {view.view: view.n_frames for view in wanted.views}
@@ -124,7 +112,7 @@ def test_a_turn_gives_the_body_where_the_views_do_not_show_it_all_around(store, 
 
 def test_views_all_around_count_more_than_a_turn(store, patient):
     session = add_body_session(store, patient, ("anterior", "left_lateral", "posterior"))
-    session = with_turn(store, session, turn_images()[:2])
+    session = add_turn(store, session, turn_images()[:2])
     assert set(stored_body(store, session, unheard).n_frames) == {
         "anterior",
         "left_lateral",
@@ -133,12 +121,12 @@ def test_views_all_around_count_more_than_a_turn(store, patient):
 
 
 def test_a_turn_that_cannot_be_followed_says_why(store, patient):
-    session = with_turn(store, add_body_session(store, patient, ()), turn_images()[:8])
+    session = add_turn(store, add_body_session(store, patient, ()), turn_images()[:8])
     with pytest.raises(BodyError, match="degrees of a turn can be followed in turn"):
         stored_body(store, session, unheard)
 
 
 def test_the_turn_of_a_session_is_not_that_of_the_next(store, patient):
-    session = with_turn(store, add_body_session(store, patient, ()), turn_images()[:2])
+    session = add_turn(store, add_body_session(store, patient, ()), turn_images()[:2])
     assert store.sessions.get(session.session_id).setup.turn == session.setup.turn
     assert store.sessions.start(patient, session.setup).setup.turn == ""

@@ -68,3 +68,13 @@ def write(path, images, scene, **changes):
         for frame in turn_frames(images):
             recording.write(frame)
     return path
+
+
+def add_turn(store, session, images):
+    """Add a recording of a turn to a session; return it."""
+    scene = turning_scene()
+    with store.recordings.create(session.session_id, turn_info(scene)) as writer:
+        for frame in turn_frames(images):
+            writer.write(frame)
+    setup = replace(session.setup, turn=writer.recording_id)
+    return store.sessions.change(session.session_id, setup=setup)

@@ -47,7 +47,8 @@ def read_bodies(store: SessionStore, sessions: Sessions, progress: Progress) -> 
         from adibas.pipeline.stored_body import stored_body
 
         body = stored_body(store, session, progress)
-        return seen_body(body), tuple(notice.text for notice in body.notices)
+        of_back = () if body.back is None else body.back.notices  # told on its own page
+        return seen_body(body), tuple(one.text for one in body.notices if one not in of_back)
 
     return Bodies(*read_both(store, sessions, body_of))
 
