@@ -119,11 +119,13 @@ def fill_holes(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> Bo
     """Fill the stretches without depth that the body surrounds."""
     holes: UInt8Array = (~measured & ~pixels).astype(np.uint8)
     n_holes, hole_labels, stats, _ = cv2.connectedComponentsWithStats(holes, connectivity=4)
-    rim = cv2.dilate(pixels.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
-    inner = np.bincount(hole_labels[rim], minlength=n_holes)
+    index = np.flatnonzero(holes)  # few pixels
+    of_pixel = hole_labels.ravel()[index]
+    rim = cv2.dilate(pixels.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()[index] > 0
+    inner = np.bincount(of_pixel[rim], minlength=n_holes)
     outside = ~pixels & measured
-    touching = cv2.dilate(outside.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
-    outer = np.bincount(hole_labels[touching], minlength=n_holes)
+    touching = cv2.dilate(outside.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()[index] > 0
+    outer = np.bincount(of_pixel[touching], minlength=n_holes)
     fill = (outer <= 0.1 * inner) & (
         stats[:, cv2.CC_STAT_AREA] < params.max_hole_share * pixels.sum()
     )

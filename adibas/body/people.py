@@ -205,12 +205,13 @@ def has_head(surfaces: Surfaces, label: int, params: PeopleParams) -> bool:
     """Say whether a surface that reaches high enough ends above in a head over shoulders."""
     if surfaces.heights_m is None:
         return False
-    rows, columns = np.nonzero(surfaces.labels == label)
-    heights_m = surfaces.heights_m[rows, columns]
+    index = np.flatnonzero(surfaces.labels == label)
+    heights_m = surfaces.heights_m.ravel()[index]
     top_m = float(np.percentile(heights_m, TOP_PERCENTILE))
     if top_m < params.seated_top_m:
         return False
-    across_m = surfaces.pixel_rad * columns / surfaces.inverse_depth[rows, columns]
+    columns = index % surfaces.labels.shape[1]
+    across_m = surfaces.pixel_rad * columns / surfaces.inverse_depth.ravel()[index]
     below_m = top_m - heights_m
     head = across_m[(below_m > 0.02) & (below_m < 0.12)]  # noqa: PLR2004  (see PeopleParams)
     shoulders = across_m[(below_m > 0.28) & (below_m < 0.42)]  # noqa: PLR2004

@@ -1,7 +1,7 @@
 """Which of the surfaces in a depth image is a person."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -106,11 +106,16 @@ class Surfaces:
     inverse_depth: Float32Array
     heights_m: Float32Array | None
     pixel_rad: float
+    _borders: dict[tuple[int, int], FloatArray] = field(default_factory=dict, init=False)
 
     def borders(self, label: int, reach_px: int) -> FloatArray:
         """Return how every surface borders on one; see `component_kernels.gaps_to_body`."""
-        n_labels = len(self.moments) - 1
-        return gaps_to_body(self.labels, n_labels, label, self.inverse_depth, reach_px)
+        known = self._borders.get((label, reach_px))
+        if known is None:
+            n_labels = len(self.moments) - 1
+            known = gaps_to_body(self.labels, n_labels, label, self.inverse_depth, reach_px)
+            self._borders[label, reach_px] = known
+        return known
 
 
 def find_person(surfaces: Surfaces, params: BodyParams) -> int | None:

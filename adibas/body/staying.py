@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, Int32Array
+from adibas.body.mask import box_of
 from adibas.data.masks import BodyMask
 
 
@@ -114,10 +115,11 @@ def put_together(
 def _is_near(whole: BoolArray, params: StayingParams) -> bool:
     """Say whether the surfaces lie close together: two people who part do not."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (params.gap_px, params.gap_px))
-    joined = cv2.dilate(whole.astype(np.uint8), disc)
+    here = whole[box_of(whole, params.gap_px)]
+    joined = cv2.dilate(here.astype(np.uint8), disc)
     _n_pieces, pieces = cv2.connectedComponents(joined)
-    largest = np.bincount(pieces[whole]).max()
-    return bool(largest >= params.most * np.count_nonzero(whole))
+    largest = np.bincount(pieces[here]).max()
+    return bool(largest >= params.most * np.count_nonzero(here))
 
 
 def _surfaces_of(
@@ -128,13 +130,15 @@ def _surfaces_of(
     params: StayingParams,
 ) -> BoolArray:
     """Return the surfaces that lie where somebody was."""
-    n_labels = int(labels.max()) + 1
-    n_all = np.bincount(labels.ravel(), minlength=n_labels)
-    n_inside = np.bincount(labels[pixels], minlength=n_labels)
-    off_m = np.abs(depth_m - before_m)
-    both = pixels & np.isfinite(off_m)
-    total_m = np.bincount(labels[both], off_m[both], minlength=n_labels)
-    n_both = np.bincount(labels[both], minlength=n_labels)
+    n_all = np.bincount(labels.ravel())
+    n_labels = len(n_all)
+    index = np.flatnonzero(pixels)
+    inside = labels.ravel()[index]
+    n_inside = np.bincount(inside, minlength=n_labels)
+    off_m = np.abs(depth_m.ravel()[index] - before_m.ravel()[index])
+    both = np.isfinite(off_m)
+    total_m = np.bincount(inside[both], off_m[both], minlength=n_labels)
+    n_both = np.bincount(inside[both], minlength=n_labels)
     belongs = (n_inside > params.least_inside * n_all) & (total_m < params.farthest_m * n_both)
     belongs[0] = False
     return np.asarray(belongs[labels])

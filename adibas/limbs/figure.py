@@ -43,9 +43,9 @@ def describe_figure(
         Of the full body.
     """
     check_shape("rays", rays, (*depth_m.shape, 3))
-    rows, columns = np.nonzero(mask & np.isfinite(depth_m))
-    some = np.s_[:: max(1, len(rows) // MOST_POINTS)]
-    rows, columns = rows[some], columns[some]
+    index = np.flatnonzero(mask & np.isfinite(depth_m))
+    index = index[:: max(1, len(index) // MOST_POINTS)]
+    rows, columns = np.divmod(index, mask.shape[1])
     points_m = (rays[rows, columns] * depth_m[rows, columns][:, None]).astype(np.float64)
     labels = parts.chosen[rows, columns]
     return np.array([*_shares(labels), *_sizes(points_m, labels)])
