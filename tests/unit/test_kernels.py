@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PROJECT = Path(__file__).parents[2]
 
 ON_A_FULL_DISK = """
@@ -33,3 +35,23 @@ def test_a_cache_that_cannot_be_written_fails_nothing(tmp_path):
     )
     assert (run.stdout, run.stderr) == ("True\n", "")
     assert all(path.stat().st_size <= 100 for path in tmp_path.rglob("*") if path.is_file())
+
+
+@pytest.mark.parametrize(("own", "wanted"), [({}, "1000"), ({"GOMP_SPINCOUNT": "7"}, "7")])
+def test_threads_that_wait_for_loops_sleep_soon_unless_the_user_wants_otherwise(own, wanted):
+    # libgomp reads it when it is loaded, with the first parallel loop.
+    told = (
+        "import sys, adibas.kernels, os;"
+        "assert not any('omppool' in name for name in sys.modules);"
+        "print(os.environ['GOMP_SPINCOUNT'])"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", told],
+        cwd=PROJECT,
+        env={"PATH": "/usr/bin:/bin", "PYTHONDONTWRITEBYTECODE": "1", **own},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert run.stdout.strip() == wanted, run.stderr
