@@ -2,12 +2,14 @@
 
 from adibas.texts import message
 
+TURN = "turn"
+"""Taken like a view: the patient turns around once before the sensor."""
 VIEW_NAMES = {
     "anterior": message("Front"),
     "posterior": message("Back"),
     "right_lateral": message("Right side"),
     "left_lateral": message("Left side"),
-    "turn": message("Slow turn"),
+    TURN: message("Slow turn"),
     "": message("No view"),
 }
-"""By the view's name in the core; left and right are the patient's."""
+"""By the view's name in the core, and of the turn; left and right are the patient's."""

@@ -12,10 +12,12 @@ from adibas.errors import SensorError
 from adibas.pipeline.live import SensorState
 from adibas.pipeline.turn_taking import TakenTurn
 from tests.ui.test_capture_presenter import LIVE, LateJobs, be, count_down, readiness
+from ui.behaviour.sources import plain_title, stored_choices
 from ui.capture import turn_presenter
 from ui.capture.ports import CaptureView
 from ui.capture.presenter import CapturePresenter
-from ui.capture.sources import TURN, usual_sources
+from ui.capture.sources import usual_sources
+from ui.view_names import TURN
 
 
 @pytest.fixture
@@ -65,6 +67,17 @@ def test_the_screen_says_how_to_turn(screen, workspace):
     assert is_ready
     assert "with the back to the sensor" in sentence
     assert workspace.live.opened[0] == "simulator:turn"
+
+
+def test_the_demo_sensor_lies_on_its_side_for_the_turn_and_the_picture_stands(screen, workspace):
+    setups = [call.args[0].rotation_deg for call in screen.view.show_setup.call_args_list]
+    assert (setups[0], setups[-1], workspace.live.rotation_deg) == (0, 90, 90)
+    screen.presenter.choose_view("posterior")
+    assert workspace.live.rotation_deg == 0
+    screen.presenter.choose_view(TURN)
+    screen.presenter.sources.choose_source("openni2")
+    assert workspace.live.rotation_deg == 0
+    assert screen.presenter.sources.setup.rotation_deg == 0
 
 
 def test_no_landmarks_of_a_view_are_named_in_a_turn(screen, workspace, store):
@@ -160,3 +173,11 @@ def test_a_turn_is_looked_at_under_compare(screen, workspace):
     workspace.screen_wanted.subscribe(shown.append)
     screen.presenter.review(TURN)
     assert shown == ["comparison"]
+
+
+def test_the_recording_of_a_turn_is_called_so_where_behaviour_is_watched(screen, workspace, taking):
+    press(screen)
+    be(workspace, LIVE)
+    assert len(taking.sessions) == 1
+    (choice,) = stored_choices(workspace)
+    assert plain_title(choice).endswith(", Slow turn")

@@ -16,7 +16,7 @@ from adibas.sessions.coding_drafts import InStore
 from adibas.texts import translate as _
 from adibas.texts import translate_plural
 from ui.behaviour.ports import Source
-from ui.view_names import VIEW_NAMES
+from ui.view_names import TURN, VIEW_NAMES
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def stored_choices(workspace: Workspace) -> tuple[StoredChoice, ...]:
     views = {
         one.recording_id: one.view
         for one in store.captures.of_session(session_id, with_deleted=True)
-    }
+    } | {session.setup.turn: TURN}
     return tuple(
         StoredChoice(
             *(one.recording_id, one.session_id, one.created_utc, one.duration_ns / NS_PER_S),

@@ -24,7 +24,8 @@ from adibas.data.sessions import SessionSetup
 from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
 from ui.capture.people_presenter import CHOICES
-from ui.capture.sources import SIZES, TURN, SourceChoice, view_title
+from ui.capture.sources import SIZES, SourceChoice, view_title
+from ui.view_names import TURN
 from ui.widgets.flow import in_a_flow
 
 THUMBNAIL = QSize(45, 36)

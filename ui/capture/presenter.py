@@ -18,11 +18,12 @@ from ui.capture.countdown import Countdown
 from ui.capture.disk_watch import DiskWatch
 from ui.capture.ports import CaptureView
 from ui.capture.source_presenter import Look, SourcePresenter
-from ui.capture.sources import TURN, find_sources, view_title
+from ui.capture.sources import find_sources, view_title
 from ui.capture.taken import TakenViews
 from ui.capture.turn_presenter import TurnPresenter
 from ui.capture.wand_presenter import WandPresenter, WandView, without_old_wand
 from ui.ports import Job, JobControl
+from ui.view_names import TURN
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:

@@ -11,8 +11,15 @@ from adibas.sensors.ports import SensorOptions
 from adibas.sensors.sources import is_sensor
 from adibas.texts import translate as _
 from ui.capture.ports import CaptureView
-from ui.capture.sources import SourceChoice, find_sources, source_for_view, usual_sources
+from ui.capture.sources import (
+    SIMULATOR,
+    SourceChoice,
+    find_sources,
+    source_for_view,
+    usual_sources,
+)
 from ui.ports import JobControl
+from ui.view_names import TURN
 from ui.workspace import Workspace
 
 Look = Callable[[tuple[str, ...]], tuple[SourceChoice, ...]]
@@ -92,12 +99,13 @@ class SourcePresenter:
     def use(self, setup: SessionSetup) -> None:
         """Use this set-up from now on."""
         self.setup = setup
-        self._workspace.live.set_rotation(setup.rotation_deg)
-        self._view.show_setup(setup)
+        self._show_setup()
 
     def open(self, view_name: str) -> None:
         """Open what is wanted for a view, unless it is open, or nothing may be opened now."""
-        self._view_name = view_name
+        if view_name != self._view_name:
+            self._view_name = view_name
+            self._show_setup()
         if not self._may_open():
             return
         wanted = (source_for_view(self.setup.source, view_name), self._options)
@@ -112,6 +120,13 @@ class SourcePresenter:
             return False
         self._workspace.live.open(source_for_view(source, self._view_name), self._options)
         return True
+
+    def _show_setup(self) -> None:
+        """Show the set-up; for a turn the demo sensor lies on its side, to see a whole person."""
+        is_on_its_side = (self.setup.source, self._view_name) == (SIMULATOR, TURN)
+        rotation_deg = (self.setup.rotation_deg + 90 * is_on_its_side) % 360
+        self._workspace.live.set_rotation(rotation_deg)
+        self._view.show_setup(replace(self.setup, rotation_deg=rotation_deg))
 
     @property
     def _options(self) -> SensorOptions:
@@ -129,7 +144,7 @@ class SourcePresenter:
 
     def _show(self, choices: tuple[SourceChoice, ...]) -> None:
         self._view.show_sources(choices, self.setup.source)
-        self._view.show_setup(self.setup)  # now that its sizes are known
+        self._show_setup()  # now that its sizes are known
 
     def _show_found(self, choices: tuple[SourceChoice, ...]) -> None:
         self._show(choices)

@@ -11,11 +11,9 @@ from adibas.sensors.ports import SensorDescription
 from adibas.sensors.sources import source_of
 from adibas.texts import message
 from adibas.texts import translate as _
-from ui.view_names import VIEW_NAMES
+from ui.view_names import TURN, VIEW_NAMES
 
 SIMULATOR = "simulator"
-TURN = "turn"
-"""Taken like a view: the patient turns around once before the sensor."""
 Sizes: TypeAlias = tuple[tuple[int, int], ...]
 SIZES: Sizes = ((1280, 1024), (640, 480))
 """Of the colour image, (width, height), where a sensor was not asked."""
