@@ -43,17 +43,26 @@ def stored_view(store: SessionStore, capture: Capture) -> BodyView | None:
     return replace(view, picture_rgb=store.captures.picture(capture.capture_id))
 
 
-def stored_back(store: SessionStore, session: Session) -> Back:
+def stored_back(
+    store: SessionStore, session: Session, progress: Progress, clock: Clock = utc_now
+) -> Back:
     """Measure the back in the last posterior capture, with the markers as corrected.
+
+    Without such a capture the back is measured in the session's turn.
 
     Raises
     ------
     BodyError
-        There is no such capture, or the back cannot be measured in it.
+        There is neither, or the back cannot be measured in it.
     StoreError
-        A file of the capture is missing or damaged.
+        A file is missing or damaged.
     """
     capture = store.captures.latest(session.session_id).get(POSTERIOR)
+    if capture is None and session.setup.turn:
+        back = _turned_body(store, session, progress, clock).back
+        if back is None:
+            raise ValueError("a turn begins with the back")
+        return back
     if capture is None:
         raise BodyError(
             "The session has no posterior view, and the back is measured in it. Capture one."

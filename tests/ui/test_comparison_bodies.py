@@ -23,7 +23,7 @@ from adibas.pipeline.stored_body import stored_back
 from adibas.reports.body_numbers import on_paper
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.texts import decimal_text
-from tests.unit.standing_bodies import add_body_session
+from tests.unit.standing_bodies import add_body_session, unheard
 from tests.unit.turning_bodies import add_turn, turn_images
 from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
@@ -70,9 +70,9 @@ def lines(part):
 def test_backs_are_measured_once_and_only_when_somebody_looks(screen, store, patient, monkeypatch):
     measured = []
 
-    def counted(store, session):
+    def counted(store, session, progress):
         measured.append(session.session_id)
-        return stored_back(store, session)
+        return stored_back(store, session, progress)
 
     monkeypatch.setattr(stored_body, "stored_back", counted)
     sessions = [add_body_session(store, patient).session_id for _visit in range(2)]
@@ -90,7 +90,7 @@ def test_the_table_says_what_the_report_says(screen, store, patient):
     add_body_session(store, patient)
     screen.entered()
     shown = {line[0]: line[1:] for line in lines(page(screen, BACK))}
-    for measure in stored_back(store, session).measures:
+    for measure in stored_back(store, session, unheard).measures:
         value, interval, unit = on_paper(measure)
         before, now, between, difference = shown[f"{measure.definition.name} [{unit}]"]
         if value is None:
@@ -120,7 +120,7 @@ def test_a_session_without_a_back_says_why_beside_the_other(screen, store, patie
 def test_the_map_is_red_where_the_back_lies_further_back_than_the_other_side(
     screen, store, patient
 ):
-    measured = stored_back(store, add_body_session(store, patient))
+    measured = stored_back(store, add_body_session(store, patient), unheard)
     screen.entered()
     (seen,) = [one for one in page(screen, BACK).findChildren(AsymmetryMap) if one.isVisible()]
     plot, picture = seen.findChild(PlotWidget), seen.grab().toImage()
@@ -140,7 +140,7 @@ def test_the_map_is_red_where_the_back_lies_further_back_than_the_other_side(
 def test_the_profile_hangs_at_its_lowest_turn_and_the_choice_draws_another_curve(
     screen, store, patient
 ):
-    back = stored_back(store, add_body_session(store, patient))
+    back = stored_back(store, add_body_session(store, patient), unheard)
     screen.entered()
     part = page(screen, BACK)
     names = {name: (value_mm, height_m) for name, value_mm, height_m in seen_back(back).turns}

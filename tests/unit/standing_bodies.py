@@ -14,6 +14,10 @@ PROVENANCE = Provenance("", "", "1", "2026-01-01T00:00:00+00:00", {})
 SEED, N_FRAMES = 5, 4
 
 
+def unheard(_done, _total):
+    """Hear of progress, and do nothing."""
+
+
 @cache
 def scene():
     return draw_back_scene(SEED, 2.6)

@@ -10,7 +10,7 @@ from adibas.pipeline.body_views import ViewRequest, person_in
 from adibas.pipeline.stored_body import FROM_TURN, stored_back, stored_body
 from adibas.pipeline.turning import see_turn
 from adibas.pipeline.whole_body import join_body
-from tests.unit.standing_bodies import add_body_session, scene, surface
+from tests.unit.standing_bodies import add_body_session, scene, surface, unheard
 from tests.unit.store_samples import open_sample
 from tests.unit.turning_bodies import add_turn, turn_images, turning_scene, write
 
@@ -28,10 +28,6 @@ def patient(store):
     return store.patients.add(Identity("Rosa Ibarra")).pseudonym
 
 
-def unheard(_done, _total):
-    pass
-
-
 def seen(view):
     return person_in(view, surface(view), scene().calibration)
 
@@ -39,7 +35,7 @@ def seen(view):
 def test_the_back_of_a_stored_capture_is_that_of_its_burst(store, patient):
     session = add_body_session(store, patient, ("anterior", "posterior"))
     wanted = measure_back(seen("posterior"))
-    found = stored_back(store, session)
+    found = stored_back(store, session, unheard)
     assert [one.value for one in found.measures] == [one.value for one in wanted.measures]
     assert any(one.value is not None for one in found.measures)
     np.testing.assert_array_equal(found.grid.back_m, wanted.grid.back_m)
@@ -48,7 +44,7 @@ def test_the_back_of_a_stored_capture_is_that_of_its_burst(store, patient):
 def test_the_last_capture_of_a_view_counts(store, patient):
     session = add_body_session(store, patient, ("posterior",), without_depth=("posterior",))
     with pytest.raises(BodyError, match="No depth was kept with the posterior view"):
-        stored_back(store, session)
+        stored_back(store, session, unheard)
 
 
 def test_all_stored_views_are_joined_and_those_without_depth_left_out(store, patient):
@@ -82,7 +78,7 @@ def test_colours_come_from_the_picture(store, patient):
 def test_a_session_without_a_back_says_why(store, patient, views, without_depth, told):
     session = add_body_session(store, patient, views, without_depth=without_depth)
     with pytest.raises(BodyError, match=told):
-        stored_back(store, session)
+        stored_back(store, session, unheard)
 
 
 def test_a_session_without_depth_has_no_body(store, patient):
@@ -108,6 +104,14 @@ def test_a_turn_gives_the_body_where_the_views_do_not_show_it_all_around(store, 
     facts = store.recordings.facts(session.setup.turn)
     assert {one.recording_sha256 for one in found.provenances.values()} == {facts.sha256}
     assert told[0][0] < told[-1][0] == told[-1][1]
+
+
+def test_without_a_posterior_view_the_back_is_that_of_the_turn(store, patient):
+    session = add_turn(store, add_body_session(store, patient, ("anterior",)), turn_images())
+    found = stored_back(store, session, unheard)
+    wanted = stored_body(store, session, unheard).back
+    assert [one.value for one in found.measures] == [one.value for one in wanted.measures]
+    assert found.shape is not None
 
 
 def test_views_all_around_count_more_than_a_turn(store, patient):

@@ -35,9 +35,16 @@ def body_presenter(view: BackView, workspace: Workspace) -> OnSight[Bodies]:
     return OnSight(workspace, JOINING, read_bodies, view.show_bodies, _waiting_for_bodies)
 
 
-def read_backs(store: SessionStore, sessions: Sessions, _progress: Progress) -> Backs:
+def read_backs(store: SessionStore, sessions: Sessions, progress: Progress) -> Backs:
     """Measure the backs of two sessions; what cannot be measured is told."""
-    return Backs(*read_both(store, sessions, _back_of))
+
+    def back_of(store: SessionStore, session: Session) -> tuple[SeenBack, tuple[str, ...]]:
+        from adibas.pipeline.stored_body import stored_back
+
+        back = stored_back(store, session, progress)
+        return seen_back(back), tuple(notice.text for notice in back.notices)
+
+    return Backs(*read_both(store, sessions, back_of))
 
 
 def read_bodies(store: SessionStore, sessions: Sessions, progress: Progress) -> Bodies:
@@ -51,13 +58,6 @@ def read_bodies(store: SessionStore, sessions: Sessions, progress: Progress) -> 
         return seen_body(body), tuple(one.text for one in body.notices if one not in of_back)
 
     return Bodies(*read_both(store, sessions, body_of))
-
-
-def _back_of(store: SessionStore, session: Session) -> tuple[SeenBack, tuple[str, ...]]:
-    from adibas.pipeline.stored_body import stored_back
-
-    back = stored_back(store, session)
-    return seen_back(back), tuple(notice.text for notice in back.notices)
 
 
 def _waiting_for_backs(sentence: str) -> Backs:
