@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 from adibas.pipeline.body_views import depth_camera_of
 from adibas.pipeline.capturing import (
+    BEGAN_ANEW,
+    LOST_FRAMES,
     calibration_in_use,
     info_in_use,
     record_burst,
@@ -29,14 +31,16 @@ class TakenTurn:
     ----------
     session_id, recording_id : str
         Of the store.
-    n_frames, n_dropped : int
-        Frames in the recording, and frames that the sensor lost.
+    n_frames : int
+        In the recording.
+    notices : tuple of str
+        What the reader must know; message ids.
     """
 
     session_id: str
     recording_id: str
     n_frames: int
-    n_dropped: int
+    notices: tuple[str, ...]
 
 
 def take_turn(
@@ -80,6 +84,7 @@ def take_turn(
         progress(done, n_frames)
 
     with whole_or_nothing(writer):
-        record_burst(live, writer, n_frames, told, keeps_frames=False)
+        burst = record_burst(live, writer, n_frames, told, keeps_frames=False)
         writer.close()
-    return TakenTurn(session_id, writer.recording_id, writer.n_frames, writer.n_dropped)
+    notices = [LOST_FRAMES] * (writer.n_dropped > 0) + [BEGAN_ANEW] * (burst.n_restarts > 0)
+    return TakenTurn(session_id, writer.recording_id, writer.n_frames, tuple(notices))

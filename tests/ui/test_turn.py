@@ -9,6 +9,7 @@ from adibas.data.frames import SourceInfo
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import SensorError
+from adibas.pipeline.capturing import LOST_FRAMES
 from adibas.pipeline.live import SensorState
 from adibas.pipeline.turn_taking import TakenTurn
 from tests.ui.test_capture_presenter import LIVE, LateJobs, be, count_down, readiness
@@ -35,18 +36,18 @@ def screen(workspace, store):
 
 @pytest.fixture
 def taking(monkeypatch):
-    """Turns that come at once, with so many lost frames; whose they are."""
-    sessions, n_dropped = [], [0]
+    """Turns that come at once, with these notices; whose they are."""
+    sessions, notices = [], []
 
     def take(store, _live, session_id, progress):
         progress(0, 600)
         sessions.append(session_id)
         with store.recordings.create(session_id, SourceInfo()) as writer:
             pass
-        return TakenTurn(session_id, writer.recording_id, 600, n_dropped[0])
+        return TakenTurn(session_id, writer.recording_id, 600, tuple(notices))
 
     monkeypatch.setattr(turn_presenter, "take_turn", take)
-    return SimpleNamespace(sessions=sessions, n_dropped=n_dropped)
+    return SimpleNamespace(sessions=sessions, notices=notices)
 
 
 def press(screen):
@@ -116,13 +117,13 @@ def test_a_sensor_goes_on_and_is_not_opened_anew(screen, workspace, taking):
     assert {source for source, _ in workspace.live.orders[n_orders:]} <= {"openni2"}
 
 
-def test_frames_that_the_sensor_lost_are_told(screen, workspace, taking, told):
-    taking.n_dropped[0] = 3
+def test_what_is_amiss_with_a_turn_is_told(screen, workspace, taking, told):
+    taking.notices.append(LOST_FRAMES)
     press(screen)
     be(workspace, LIVE)
     ((kind, sentence),) = told
     assert kind == "warning"
-    assert sentence.endswith("Frames that the sensor lost in it: 3.")
+    assert sentence.endswith("becomes the whole body. The sensor lost frames inside the burst.")
 
 
 def test_a_second_press_gives_the_turn_up_before_it_begins(screen, workspace, taking):

@@ -7,14 +7,13 @@ import pytest
 
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SourceInfo
-from adibas.data.patients import Identity
-from adibas.data.sessions import SessionSetup
 from adibas.errors import CalibrationError, SensorError
 from adibas.geometry.pinhole import Intrinsics
+from adibas.pipeline.capturing import BEGAN_ANEW, LOST_FRAMES
 from adibas.pipeline.live import LiveView
 from adibas.pipeline.turn_taking import take_turn
 from tests.unit.live_rig import UNPLUGGED, DrivenCamera, Sources, Told, frame
-from tests.unit.store_samples import open_sample
+from tests.unit.store_samples import add_session, open_sample
 
 N_FRAMES, RATE_HZ = 6, 30.0
 CAMERA = CameraCalibration(32, 24, Intrinsics(30.0, 30.0, 15.5, 11.5))
@@ -33,8 +32,7 @@ def store(tmp_path):
 
 @pytest.fixture
 def session_id(store):
-    patient = store.patients.add(Identity("Somebody"))
-    return store.sessions.start(patient.pseudonym, SessionSetup()).session_id
+    return add_session(store).session_id
 
 
 @pytest.fixture
@@ -80,12 +78,29 @@ def test_every_frame_is_in_the_recording_with_the_calibration_in_use(store, sess
     lost_one = [frame(number) for number in (1, 2, 3, 5, 6, 7)]
     progress, told = pushing(camera, lost_one)
     turn = take_turn(store, view, session_id, progress, N_FRAMES / RATE_HZ)
-    assert (turn.session_id, turn.n_frames, turn.n_dropped) == (session_id, N_FRAMES, 1)
+    assert (turn.session_id, turn.n_frames) == (session_id, N_FRAMES)
+    assert turn.notices == (LOST_FRAMES,)
     assert told[0] == (0, N_FRAMES)
     with store.recordings.open(turn.recording_id) as recording:
         assert recording.info.calibration.rms_px == own.rms_px
         for index, wanted in enumerate(lost_one):
             np.testing.assert_array_equal(recording.read(index).depth_raw, wanted.depth_raw)
+
+
+def test_a_recording_that_begins_anew_inside_the_turn_is_told(store, session_id):
+    info = SourceInfo(sensor_name="S", frame_rate_hz=RATE_HZ, calibration=CALIBRATION)
+    first, again = (DrivenCamera(is_live=False, info=info) for _ in range(2))
+    told = Told()
+    view = LiveView(told, opener=Sources(first, again))
+    view.open("any.mcap")
+    first.push(frame(0))
+    told.wait_for(lambda: told.frames)
+    progress, _ = pushing(first, [frame(1), frame(2), None])
+    again.push(*(frame(number) for number in range(4)))
+    turn = take_turn(store, view, session_id, progress, N_FRAMES / RATE_HZ)
+    assert BEGAN_ANEW in turn.notices
+    again.push(None)
+    view.close()
 
 
 @pytest.mark.parametrize("things", [[frame(1), UNPLUGGED], [frame(1), None]])

@@ -90,11 +90,8 @@ class TurnPresenter:
         if not self._workspace.save_shared(lambda decisions: self._note(turn, decisions)):
             return
         sentence = _("The turn is recorded. Under Compare, it becomes the whole body.")
-        if turn.n_dropped:
-            lost = _("Frames that the sensor lost in it: {n}.").format(n=turn.n_dropped)
-            self._workspace.tell("warning", f"{sentence} {lost}")
-        else:
-            self._workspace.tell("good", sentence)
+        told = " ".join((sentence, *(_(notice) for notice in turn.notices)))
+        self._workspace.tell("warning" if turn.notices else "good", told)
         self._taken()
 
     def _note(self, turn: TakenTurn, decisions: "tuple[Decision, ...]") -> None:
