@@ -126,6 +126,21 @@ def list_points(sums: FloatArray, least: float) -> tuple[FloatArray, IntArray]:
 
 
 @compiled
+def find_middles(points: FloatArray, starts: IntArray) -> FloatArray:
+    """Return (L, 3) weighted means of the points of each label; NaN where there are none."""
+    middles_m = np.zeros((len(starts) - 1, 3))
+    for label in range(len(starts) - 1):
+        total = 0.0
+        for i in range(starts[label], starts[label + 1]):
+            total += points[i, WEIGHT]
+            for axis in range(3):
+                middles_m[label, axis] += points[i, WEIGHT] * points[i, axis]
+        for axis in range(3):
+            middles_m[label, axis] = middles_m[label, axis] / total if total > 0.0 else np.nan
+    return middles_m
+
+
+@compiled
 def _density(points: FloatArray, x: float, y: float, z: float, width_m: float) -> float:
     total, inverse = 0.0, 1.0 / (width_m * width_m)
     for i in range(points.shape[0]):

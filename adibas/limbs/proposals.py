@@ -23,7 +23,12 @@ from adibas.data.part_cloud import PartCloud
 from adibas.errors import LimbError
 from adibas.limbs.joint_offsets import JointOffsets
 from adibas.limbs.joint_places import PLACES, JointPlace
-from adibas.limbs.mean_shift_kernels import find_modes, gather_cells, list_points
+from adibas.limbs.mean_shift_kernels import (
+    find_middles,
+    find_modes,
+    gather_cells,
+    list_points,
+)
 
 N_PROPOSALS = 3
 NOTHING = np.empty((0, 4))
@@ -99,12 +104,9 @@ class PartPoints:
 
     def middles_m(self) -> dict[str, FloatArray]:
         """Return the middle of each part that is seen."""
-        found = {name: self.of(name) for name in self.names}
-        return {
-            name: np.asarray(np.average(points[:, :3], axis=0, weights=points[:, 3]))
-            for name, points in found.items()
-            if len(points)
-        }
+        middles_m = find_middles(self.points, self.starts)
+        seen = np.flatnonzero(np.diff(self.starts))
+        return {self.names[label]: middles_m[label] for label in seen.tolist()}
 
 
 def part_points(

@@ -19,7 +19,7 @@ from adibas.limbs.joint_offsets import (
 )
 from adibas.limbs.joint_places import PLACES
 from adibas.limbs.mean_shift_kernels import find_modes
-from adibas.limbs.proposals import part_points, propose_joints
+from adibas.limbs.proposals import PartPoints, part_points, propose_joints
 from adibas.pipeline.pose_model import shipped_joint_model
 
 CAMERA = CameraCalibration(160, 120, Intrinsics(140.0, 140.0, 79.5, 59.5))
@@ -90,6 +90,17 @@ def test_weights_add_up_to_the_surface_of_the_part():
     points = part_points(depth_m, parts, viewing_rays(CAMERA))
     wanted_m2 = 7 * 7 * (2.0 / 140.0) ** 2
     assert points.of("left_hand")[:, 3].sum() == pytest.approx(wanted_m2, rel=1e-5)
+
+
+def test_the_middle_of_a_part_is_its_weighted_mean():
+    rng = np.random.default_rng(5)
+    starts = np.array([0, 4, 4, 9])
+    points = np.column_stack([rng.normal(0, 1, (9, 3)), rng.uniform(0.1, 2.0, 9)])
+    found = PartPoints(("a", "b", "c"), points, starts, np.empty((0, 3, 4))).middles_m()
+    assert set(found) == {"a", "c"}
+    for name, rows in (("a", points[:4]), ("c", points[4:])):
+        wanted = np.average(rows[:, :3], axis=0, weights=rows[:, 3])
+        np.testing.assert_allclose(found[name], wanted, rtol=1e-12)
 
 
 def test_every_second_pixel_gives_the_same_surface():
