@@ -235,9 +235,9 @@ def test_a_sensor_lost_in_the_burst_leaves_nothing(
     view = showing(camera)
     begin = view.capture
 
-    def begin_and_unplug(*given):
+    def begin_and_unplug(*given, **named):
         camera.n_left = N_FRAMES  # fewer than the disk may be behind
-        return begin(1000, *given[1:])
+        return begin(1000, *given[1:], **named)
 
     monkeypatch.setattr(view, "capture", begin_and_unplug)
     with pytest.raises(SensorError, match="unplugged"):
