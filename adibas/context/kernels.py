@@ -1,0 +1,121 @@
+"""Convolutions over occupied cells: products of matrices of neighbours, block by block."""
+
+import numpy as np
+
+from adibas.arrays import Float32Array, Int32Array
+from adibas.kernels import compiled_parallel, parallel_range
+
+_BLOCK = 128
+"""Cells of a product: what they gather stays in a core's own cache."""
+_N_SUMS = 8
+"""Parts that gradients are summed in: always the same ones, whatever the number of cores."""
+
+
+@compiled_parallel
+def convolved(
+    features: Float32Array, neighbors: Int32Array, weights: Float32Array, bias: Float32Array
+) -> Float32Array:
+    """Return (N + 1, D) sums over neighbours, and a last row of zeros.
+
+    Parameters
+    ----------
+    features : (N + 1, C) float32 array
+        The last row is what lies where no cell is.
+    neighbors : (N, 9) int32 array
+    weights : (9 C, D) float32 array
+        Of all features of the first neighbour, the second, ...
+    bias : (D,) float32 array
+    """
+    n_sites, n_neighbors = neighbors.shape
+    n_features, n_made = features.shape[1], weights.shape[1]
+    made = np.empty((n_sites + 1, n_made), np.float32)
+    made[n_sites] = 0
+    for block in parallel_range((n_sites + _BLOCK - 1) // _BLOCK):
+        first = block * _BLOCK
+        past = min(first + _BLOCK, n_sites)
+        gathered = np.empty((past - first, n_neighbors * n_features), np.float32)
+        for site in range(first, past):
+            for number in range(n_neighbors):
+                neighbor, start = neighbors[site, number], number * n_features
+                for feature in range(n_features):
+                    gathered[site - first, start + feature] = features[neighbor, feature]
+        product = np.dot(gathered, weights)
+        for site in range(first, past):
+            for feature in range(n_made):
+                made[site, feature] = product[site - first, feature] + bias[feature]
+    return made
+
+
+@compiled_parallel
+def rectified(features: Float32Array) -> None:
+    """Set what is below zero to zero, in place."""
+    for site in parallel_range(len(features)):
+        for feature in range(features.shape[1]):
+            features[site, feature] = max(features[site, feature], np.float32(0))
+
+
+@compiled_parallel
+def weight_gradient(
+    features: Float32Array, neighbors: Int32Array, gradient: Float32Array
+) -> Float32Array:
+    """Return (9 C, D) derivatives by the weights of `convolved`.
+
+    Parameters
+    ----------
+    features : (N + 1, C) float32 array
+    neighbors : (N, 9) int32 array
+    gradient : (N + 1, D) float32 array
+        Derivatives by what `convolved` returned; the last row does not count.
+    """
+    n_sites, n_neighbors = neighbors.shape
+    n_features, n_made = features.shape[1], gradient.shape[1]
+    n_gathered = n_neighbors * n_features
+    sums = np.zeros((_N_SUMS, n_gathered, n_made), np.float32)
+    share = (n_sites + _N_SUMS - 1) // _N_SUMS
+    for part in parallel_range(_N_SUMS):
+        end = min((part + 1) * share, n_sites)
+        for first in range(part * share, end, _BLOCK):
+            past = min(first + _BLOCK, end)
+            gathered = np.empty((n_gathered, past - first), np.float32)
+            for site in range(first, past):
+                for number in range(n_neighbors):
+                    neighbor, start = neighbors[site, number], number * n_features
+                    for feature in range(n_features):
+                        gathered[start + feature, site - first] = features[neighbor, feature]
+            sums[part] += np.dot(gathered, gradient[first:past])
+    total = np.zeros((n_gathered, n_made), np.float32)
+    for part in range(_N_SUMS):
+        total += sums[part]
+    return total
+
+
+def mirrored(weights: Float32Array, n_features: int) -> Float32Array:
+    """Return (9 D, C) weights with which `convolved` takes gradients back to the (C,) features."""
+    n_made = weights.shape[1]
+    by_neighbor = weights.reshape(-1, n_features, n_made)[::-1]
+    return np.ascontiguousarray(by_neighbor.transpose(0, 2, 1)).reshape(-1, n_features)
+
+
+@compiled_parallel
+def pooled(features: Float32Array, children: Int32Array) -> tuple[Float32Array, Int32Array]:
+    """Return (M + 1, C) largest features of each cell's children, and (M, C) whose they are.
+
+    A last row of zeros is added. Features are none below zero, so that a child that is not there
+    changes nothing.
+    """
+    n_sites, n_features = len(children), features.shape[1]
+    most = np.zeros((n_sites + 1, n_features), np.float32)
+    whose = np.empty((n_sites, n_features), np.int32)
+    nobody = len(features) - 1
+    for site in parallel_range(n_sites):
+        for feature in range(n_features):
+            whose[site, feature] = nobody
+        for number in range(children.shape[1]):
+            child = children[site, number]
+            if child == nobody:
+                continue
+            for feature in range(n_features):
+                if features[child, feature] > most[site, feature]:
+                    most[site, feature] = features[child, feature]
+                    whose[site, feature] = child
+    return most, whose

@@ -1,0 +1,119 @@
+"""Layers that learn: what they make, and the way back for derivatives.
+
+Each layer's ``forward`` returns what it made, and a function that takes the derivatives of the loss
+by that, leaves those by its own numbers in `gradients`, and returns those by what came in.
+"""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+from adibas.arrays import AnyArray, Float32Array, Int32Array
+from adibas.context.kernels import convolved, mirrored, weight_gradient
+from adibas.context.network import with_nothing
+from adibas.context.sites import N_NEIGHBORS, SiteLevel
+
+Back: TypeAlias = Callable[[Float32Array], Float32Array]
+_FORGETS = 0.02
+"""Share of the running mean and variance that each batch replaces."""
+_LEAST_VARIANCE = 1e-5
+
+
+class NormalizedConvolution:
+    """A convolution whose features have mean 0 and variance 1 in a batch, then scaled, rectified.
+
+    Source: Ioffe and Szegedy, Batch Normalization, ICML 2015, algorithms 1 and 2.
+
+    Parameters
+    ----------
+    n_before, n_behind : int
+        Features.
+    rng : numpy Generator
+        Of the first weights (He et al., ICCV 2015, equation 10).
+    """
+
+    def __init__(self, n_before: int, n_behind: int, rng: np.random.Generator) -> None:
+        n_gathered = N_NEIGHBORS * n_before
+        weights = rng.normal(0.0, np.sqrt(2.0 / n_gathered), (n_gathered, n_behind))
+        self.values = {
+            "weights": weights.astype(np.float32),
+            "scale": np.ones(n_behind, np.float32),
+            "shift": np.zeros(n_behind, np.float32),
+        }
+        self.gradients: dict[str, Float32Array] = {}
+        self.running = {
+            "mean": np.zeros(n_behind, np.float32),
+            "variance": np.ones(n_behind, np.float32),
+        }
+        self._n_before = n_before
+
+    def folded(self) -> tuple[Float32Array, Float32Array]:
+        """Return weights and bias of a convolution that does the same with the running values."""
+        scale = self.values["scale"] / np.sqrt(self.running["variance"] + _LEAST_VARIANCE)
+        bias = self.values["shift"] - self.running["mean"] * scale
+        return np.ascontiguousarray(self.values["weights"] * scale), bias
+
+    def forward(self, features: Float32Array, level: SiteLevel) -> tuple[Float32Array, Back]:
+        """Return (N + 1, D) features of (N + 1, C), and the way back."""
+        weights, scale = self.values["weights"], self.values["scale"]
+        raw = convolved(features, level.neighbors, weights, np.zeros_like(scale))[:-1]
+        mean, variance = raw.mean(axis=0), raw.var(axis=0)
+        self._remember(mean, variance)
+        deviation = np.sqrt(variance + np.float32(_LEAST_VARIANCE))
+        normal = (raw - mean) / deviation
+        made = np.maximum(normal * scale + self.values["shift"], np.float32(0))
+
+        def back(by_made: Float32Array) -> Float32Array:
+            by_line = by_made[:-1] * (made > 0)
+            self.gradients["shift"] = by_line.sum(axis=0)
+            self.gradients["scale"] = (by_line * normal).sum(axis=0)
+            by_normal = by_line * scale
+            both = by_normal.mean(axis=0) + normal * (by_normal * normal).mean(axis=0)
+            by_raw = with_nothing((by_normal - both) / deviation)
+            self.gradients["weights"] = weight_gradient(features, level.neighbors, by_raw)
+            nothing = np.zeros(self._n_before, np.float32)
+            return convolved(by_raw, level.neighbors, mirrored(weights, self._n_before), nothing)
+
+        return with_nothing(made), back
+
+    def _remember(self, mean: Float32Array, variance: Float32Array) -> None:
+        for name, value in (("mean", mean), ("variance", variance)):
+            self.running[name] += np.float32(_FORGETS) * (value - self.running[name])
+
+
+class Linear:
+    """Sums of features with weights, and a bias."""
+
+    def __init__(self, n_before: int, n_behind: int, rng: np.random.Generator) -> None:
+        weights = rng.normal(0.0, np.sqrt(1.0 / n_before), (n_before, n_behind))
+        self.values = {
+            "weights": weights.astype(np.float32),
+            "bias": np.zeros(n_behind, np.float32),
+        }
+        self.gradients: dict[str, Float32Array] = {}
+
+    def forward(self, features: Float32Array) -> tuple[Float32Array, Back]:
+        """Return (N, D) sums of (N, C) features, and the way back."""
+
+        def back(by_made: Float32Array) -> Float32Array:
+            self.gradients["weights"] = features.T @ by_made
+            self.gradients["bias"] = by_made.sum(axis=0)
+            return np.asarray(by_made @ self.values["weights"].T)
+
+        return np.asarray(features @ self.values["weights"] + self.values["bias"]), back
+
+
+def from_pooled(by_pooled: Float32Array, whose: Int32Array, n_before: int) -> Float32Array:
+    """Take derivatives by `pooled` features back to the (n_before + 1, C) that were pooled."""
+    by_before = np.zeros((n_before + 1, by_pooled.shape[1]), np.float32)
+    columns = np.broadcast_to(np.arange(by_pooled.shape[1]), whose.shape)
+    by_before[whose, columns] = by_pooled[:-1]  # a child has one parent: each place once
+    by_before[-1] = 0
+    return by_before
+
+
+def from_parents(by_children: Float32Array, coarser: SiteLevel) -> Float32Array:
+    """Take derivatives by (N, C) features that cells have of their parents back to (M + 1, C)."""
+    summed: AnyArray = with_nothing(by_children)[coarser.children].sum(axis=1)
+    return with_nothing(summed)

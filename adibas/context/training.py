@@ -1,0 +1,253 @@
+"""Training of a context network: batches of people, Adam, a rate that falls like a cosine.
+
+Sources: Kingma and Ba, Adam, ICLR 2015, algorithm 1; Loshchilov and Hutter, SGDR, ICLR 2017,
+equation 5, without restarts.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from adibas.arrays import Float32Array, IntArray
+from adibas.context.examples import Batch, ContextExample, batch_of
+from adibas.context.kernels import pooled
+from adibas.context.layers import Back, Linear, NormalizedConvolution, from_parents, from_pooled
+from adibas.context.network import ContextNetwork, NetworkShape, with_nothing
+from adibas.context.sites import SiteLevel
+from adibas.progress import Progress
+
+_DECAYS, _LEAST_ROOT = (0.9, 0.999), 1e-8
+"""Of Adam's means of derivatives and of their squares."""
+_N_WARMING = 100
+"""Steps in which the rate rises to its full size."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContextTraining:
+    """How a network is trained.
+
+    Attributes
+    ----------
+    widths : tuple of int
+        Of `NetworkShape`.
+    n_passes : int
+        How often each example is looked at.
+    batch_size : int
+        Examples between two steps.
+    rate : float
+        Of the steps, at the most.
+    evenness : float
+        1: all labels weigh the same in sum, however many cells they have; 0: all cells do.
+    seed : int
+    """
+
+    widths: tuple[int, ...] = (24, 40, 64, 96)
+    n_passes: int = 8
+    batch_size: int = 32
+    rate: float = 2e-3
+    evenness: float = 0.85
+    seed: int = 1
+
+
+class LearningNetwork:
+    """A network while it learns.
+
+    Parameters
+    ----------
+    shape : NetworkShape
+    rng : numpy Generator
+    """
+
+    def __init__(self, shape: NetworkShape, rng: np.random.Generator) -> None:
+        self.shape = shape
+        self._convolutions = [
+            NormalizedConvolution(before, behind, rng) for before, behind in shape.convolutions()
+        ]
+        self._last = Linear(shape.n_last, shape.n_labels, rng)
+
+    @property
+    def layers(self) -> list[NormalizedConvolution | Linear]:
+        """Return all layers, in the order in which they are done."""
+        return [*self._convolutions, self._last]
+
+    def forward(
+        self, inputs: Float32Array, levels: Sequence[SiteLevel]
+    ) -> tuple[Float32Array, Back]:
+        """Return (N, K) log odds, and what takes derivatives by them to every layer."""
+        layers = iter(self._convolutions)
+        ways: list[tuple[Back, Back]] = []
+        features, kept, owners = with_nothing(inputs), [], []
+        for number, level in enumerate(levels):
+            if number:
+                features, whose = pooled(features, level.children)
+                owners.append(whose)
+            features, way = _twice(layers, features, level)
+            ways.append(way)
+            kept.append(features)
+        for level, skipped in zip(levels[-2::-1], kept[-2::-1], strict=True):
+            joined = with_nothing(np.hstack([features[level.parents], skipped[:-1]]))
+            features, way = _twice(layers, joined, level)
+            ways.append(way)
+        log_odds, last_way = self._last.forward(np.hstack([features[:-1], inputs]))
+
+        def back(by_log_odds: Float32Array) -> Float32Array:
+            by_last = last_way(by_log_odds)
+            by_features = with_nothing(by_last[:, : self.shape.widths[0]])
+            by_kept: list[Float32Array] = []
+            for number in range(len(levels) - 1):
+                by_joined = _both_back(ways.pop(), by_features)[:-1]
+                n_coarser = by_joined.shape[1] - kept[number].shape[1]
+                by_kept.append(with_nothing(by_joined[:, n_coarser:]))
+                by_features = from_parents(by_joined[:, :n_coarser], levels[number + 1])
+            for number in range(len(levels) - 1, -1, -1):
+                by_features = _both_back(ways.pop(), by_features)
+                if number:
+                    n_finer = len(levels[number - 1])
+                    by_features = from_pooled(by_features, owners[number - 1], n_finer)
+                    by_features += by_kept[number - 1]
+            return by_features[:-1] + by_last[:, self.shape.widths[0] :]
+
+        return log_odds, back
+
+    def learned(self) -> ContextNetwork:
+        """Return the network as it is now."""
+        folded = [layer.folded() for layer in self._convolutions]
+        return ContextNetwork(
+            self.shape,
+            tuple(weights.copy() for weights, _ in folded),
+            tuple(bias.copy() for _, bias in folded),
+            self._last.values["weights"].copy(),
+            self._last.values["bias"].copy(),
+        )
+
+
+def _twice(
+    layers: Iterator[NormalizedConvolution], features: Float32Array, level: SiteLevel
+) -> tuple[Float32Array, tuple[Back, Back]]:
+    features, first_way = next(layers).forward(features, level)
+    features, second_way = next(layers).forward(features, level)
+    return features, (first_way, second_way)
+
+
+def _both_back(ways: tuple[Back, Back], by_made: Float32Array) -> Float32Array:
+    first_way, second_way = ways
+    return first_way(second_way(by_made))
+
+
+class _Adam:
+    """Takes steps along means of derivatives, measured by their size."""
+
+    def __init__(self, network: LearningNetwork) -> None:
+        self._network, self._n_steps = network, 0
+        self._means: list[dict[str, Any]] = [
+            {name: (np.zeros_like(value), np.zeros_like(value)) for name, value in one.items()}
+            for one in (layer.values for layer in network.layers)
+        ]
+
+    def step(self, rate: float) -> None:
+        self._n_steps += 1
+        first, second = _DECAYS
+        rate *= math.sqrt(1.0 - second**self._n_steps) / (1.0 - first**self._n_steps)
+        for layer, means in zip(self._network.layers, self._means, strict=True):
+            for name, (mean, square) in means.items():
+                slope = layer.gradients[name]
+                np.add(mean, np.float32(1.0 - first) * (slope - mean), out=mean)
+                np.add(square, np.float32(1.0 - second) * (slope * slope - square), out=square)
+                way = mean / (np.sqrt(square) + np.float32(_LEAST_ROOT))
+                layer.values[name] -= np.float32(rate) * way
+
+
+def loss_and_slope(
+    log_odds: Float32Array, labels: IntArray, weights: Float32Array
+) -> tuple[float, Float32Array]:
+    """Return the cross entropy, the mean by weight, and its (N, K) derivatives by the log odds.
+
+    Parameters
+    ----------
+    log_odds : (N, K) float32 array
+    labels : (N,) int array
+        -1: not known, does not count.
+    weights : (K,) float32 array
+        Of a cell of each label.
+    """
+    known = labels >= 0
+    weight = np.where(known, weights[labels], np.float32(0))
+    weight = weight / max(float(weight.sum()), 1e-9)
+    shifted = log_odds - log_odds.max(axis=1, keepdims=True)
+    odds = np.exp(shifted)
+    total = odds.sum(axis=1, keepdims=True)
+    rows = np.arange(len(labels))
+    told = shifted[rows, labels] - np.log(total[:, 0])
+    slope = odds / total
+    slope[rows, labels] -= 1.0
+    return -float(told @ weight), np.asarray(slope * weight[:, None], np.float32)
+
+
+def label_weights(
+    examples: Sequence[ContextExample], n_labels: int, evenness: float
+) -> Float32Array:
+    """Return (K,) weights of cells, 1 in the mean over all cells."""
+    counts = np.zeros(n_labels)
+    for example in examples:
+        counts += np.bincount(example.labels[example.labels >= 0], minlength=n_labels)
+    shares = np.maximum(counts, 1.0) / max(counts.sum(), 1.0)
+    weights = shares**-evenness
+    return np.asarray(weights / (weights @ shares), np.float32)
+
+
+def train_context(
+    examples: Sequence[ContextExample],
+    mirror_order: IntArray,
+    params: ContextTraining,
+    progress: Progress,
+) -> ContextNetwork:
+    """Return a network that was trained on examples, each as it is or mirrored by chance.
+
+    The same examples, parameters and seed give the same network, with any number of cores.
+
+    Parameters
+    ----------
+    examples : sequence of ContextExample
+    mirror_order : (K,) int array
+        Label of the other side of each label.
+    params : ContextTraining
+    progress : callable
+        Takes steps done and all of them.
+    """
+    rng = np.random.default_rng([params.seed, 0xC0])
+    n_labels = len(mirror_order)
+    network = LearningNetwork(
+        NetworkShape(examples[0].features.shape[1], n_labels, params.widths), rng
+    )
+    weights = label_weights(examples, n_labels, params.evenness)
+    adam = _Adam(network)
+    per_pass = -(-len(examples) // params.batch_size)
+    n_steps = params.n_passes * per_pass
+    for done, batch in enumerate(_batches(examples, mirror_order, params, rng)):
+        log_odds, back = network.forward(batch.inputs, batch.levels)
+        _, slope = loss_and_slope(log_odds, batch.labels, weights)
+        back(slope)
+        adam.step(_rate(params.rate, done, n_steps))
+        progress(done + 1, n_steps)
+    return network.learned()
+
+
+def _rate(most: float, done: int, n_steps: int) -> float:
+    warmed = min(1.0, (done + 1) / _N_WARMING)
+    return most * warmed * 0.5 * (1.0 + math.cos(math.pi * done / n_steps))
+
+
+def _batches(
+    examples: Sequence[ContextExample],
+    mirror_order: IntArray,
+    params: ContextTraining,
+    rng: np.random.Generator,
+) -> Iterator[Batch]:
+    for _ in range(params.n_passes):
+        order = rng.permutation(len(examples))
+        for first in range(0, len(order), params.batch_size):
+            chosen = [examples[number] for number in order[first : first + params.batch_size]]
+            yield batch_of(chosen, mirror_order, len(params.widths), rng)

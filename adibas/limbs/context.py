@@ -1,0 +1,106 @@
+"""What a forest says of a person, and what a context network makes of it."""
+
+import numpy as np
+
+from adibas.arrays import AnyArray, BoolArray, Float32Array, UInt8Array
+from adibas.context.examples import ContextExample
+from adibas.context.network import ContextNetwork
+from adibas.context.sites import site_levels
+from adibas.forests.forest import Forest
+from adibas.limbs.cells import PersonCells, person_cells, to_pixels
+
+N_PLACE_FEATURES = 3
+"""Of a cell, beside what the forest says of it."""
+_LEAST_SHARE = 0.02
+"""Added to a forest's probabilities: it is never so sure."""
+_USUAL_DISTANCE_M, _USUAL_THICKNESS_M = 4.0, 0.5
+
+
+def cell_features(
+    depth_m: Float32Array, mask: BoolArray, focal_px: float, forest: Forest, cells: PersonCells
+) -> Float32Array:
+    """Return (N, K + 3) features of cells: what the forest says, then depth and its quality.
+
+    Parameters
+    ----------
+    depth_m : (H, W) float32 array
+    mask : (H, W) bool array
+        The person.
+    focal_px : float
+    forest : Forest
+        Of K labels.
+    cells : PersonCells
+    """
+    asked = np.zeros(mask.shape, bool)
+    asked.flat[cells.pixel] = True
+    said = forest.probabilities(depth_m, mask, focal_px, asked)
+    rank = np.searchsorted(np.flatnonzero(asked), cells.pixel)
+    return np.column_stack(
+        [
+            0.5 * np.log(said[rank] + np.float32(_LEAST_SHARE)) + 1.0,
+            cells.ahead_m / np.float32(_USUAL_THICKNESS_M),
+            cells.measured,
+            np.full(len(cells), cells.distance_m / _USUAL_DISTANCE_M, np.float32),
+        ]
+    ).astype(np.float32)
+
+
+def in_context(
+    depth_m: Float32Array,
+    mask: BoolArray,
+    pixels: BoolArray,
+    focal_px: float,
+    forest: Forest,
+    network: ContextNetwork,
+    step: int,
+) -> Float32Array | None:
+    """Return (P, K) probabilities of pixels; None where nothing of them is measured."""
+    cells = person_cells(depth_m, pixels, focal_px, step)
+    if cells is None:
+        return None
+    features = cell_features(depth_m, mask, focal_px, forest, cells)
+    levels = site_levels(cells.occupied, len(network.shape.widths))
+    odds = network.log_odds(features, levels)
+    odds = np.exp(odds - odds.max(axis=1, keepdims=True))
+    odds /= odds.sum(axis=1, keepdims=True)
+    return to_pixels(cells, odds, pixels)
+
+
+def context_example(
+    depth_m: Float32Array, labels: UInt8Array, focal_px: float, forest: Forest
+) -> ContextExample | None:
+    """Return a person's cells with the label that most of their pixels have; None without depth.
+
+    Parameters
+    ----------
+    depth_m : (H, W) float32 array
+    labels : (H, W) uint8 array
+        Of the forest's labels, from 1; 0 beside the person.
+    focal_px : float
+    forest : Forest
+        That was not trained on this image.
+    """
+    mask = labels > 0
+    cells = person_cells(depth_m, mask, focal_px)
+    if cells is None:
+        return None
+    features = cell_features(depth_m, mask, focal_px, forest, cells)
+    rows, columns = np.nonzero(cells.occupied)
+    return ContextExample(
+        rows.astype(np.int16),
+        columns.astype(np.int16),
+        features.astype(np.float16),
+        _most_frequent(depth_m, labels, cells, len(forest.labels)),
+    )
+
+
+def _most_frequent(
+    depth_m: Float32Array, labels: UInt8Array, cells: PersonCells, n_labels: int
+) -> AnyArray:
+    """Return (N,) int8 labels of cells, from 0, by measured pixels; -1 where there are none."""
+    rows, columns = np.nonzero((labels > 0) & np.isfinite(depth_m))
+    row = ((rows - cells.top) / cells.size_px).astype(np.intp)
+    column = ((columns - cells.left) / cells.size_px).astype(np.intp)
+    votes = np.zeros((len(cells), n_labels), np.int32)
+    np.add.at(votes, (cells.numbers[row, column], labels[rows, columns] - 1), 1)
+    return np.where(votes.any(axis=1), votes.argmax(axis=1), -1).astype(np.int8)

@@ -1,0 +1,245 @@
+"""A network on occupied cells is the usual one with zeros elsewhere; its derivatives are right."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.signal import correlate
+
+from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.context.examples import ContextExample, batch_of
+from adibas.context.kernels import convolved, weight_gradient
+from adibas.context.network import NetworkShape, with_nothing
+from adibas.context.sites import SiteLevel, site_levels
+from adibas.context.training import (
+    ContextTraining,
+    LearningNetwork,
+    label_weights,
+    loss_and_slope,
+    train_context,
+)
+
+SHAPE = NetworkShape(n_inputs=5, n_labels=4, widths=(6, 7, 8))
+NO_MIRROR = np.arange(4)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(8)
+
+
+@pytest.fixture
+def occupied(rng: np.random.Generator) -> BoolArray:
+    return np.asarray(rng.random((13, 11)) < 0.6)
+
+
+@pytest.fixture
+def levels(occupied: BoolArray) -> tuple[SiteLevel, ...]:
+    return site_levels(occupied, len(SHAPE.widths))
+
+
+@pytest.fixture
+def network(rng: np.random.Generator) -> LearningNetwork:
+    return LearningNetwork(SHAPE, rng)
+
+
+def _inputs(rng: np.random.Generator, n_cells: int) -> Float32Array:
+    return rng.normal(size=(n_cells, SHAPE.n_inputs)).astype(np.float32)
+
+
+def _picture(features: Float32Array, occupied: BoolArray) -> FloatArray:
+    picture = np.zeros((*occupied.shape, features.shape[1]))
+    picture[occupied] = features
+    return picture
+
+
+class TestSites:
+    def test_neighbors_are_the_cells_that_touch(self, occupied: BoolArray) -> None:
+        level = site_levels(occupied, 1)[0]
+        places = np.argwhere(occupied).tolist()
+        for site, (row, column) in enumerate(places):
+            around = itertools.product(range(row - 1, row + 2), range(column - 1, column + 2))
+            expected = [
+                places.index(list(one)) if list(one) in places else len(places) for one in around
+            ]
+            assert level.neighbors[site].tolist() == expected
+
+    def test_parents_and_children_agree(self, levels: tuple[SiteLevel, ...]) -> None:
+        for finer, coarser in itertools.pairwise(levels):
+            of_children = [
+                sorted(int(child) for child in row if child < len(finer))
+                for row in coarser.children
+            ]
+            of_parents = [
+                np.flatnonzero(finer.parents == site).tolist() for site in range(len(coarser))
+            ]
+            assert of_children == of_parents
+
+    def test_a_coarser_cell_is_occupied_where_one_of_four_is(
+        self, occupied: BoolArray, levels: tuple[SiteLevel, ...]
+    ) -> None:
+        expected = {(row // 2, column // 2) for row, column in np.argwhere(occupied).tolist()}
+        assert len(levels[1]) == len(expected)
+
+    def test_a_picture_without_cells_has_none_at_any_level(self) -> None:
+        assert [len(level) for level in site_levels(np.zeros((5, 3), bool), 3)] == [0, 0, 0]
+
+
+class TestConvolution:
+    def test_it_is_that_of_a_picture_with_zeros_where_no_cell_is(
+        self, rng: np.random.Generator
+    ) -> None:
+        occupied = np.asarray(rng.random((40, 30)) < 0.7)  # more cells than one block holds
+        level = site_levels(occupied, 1)[0]
+        features = rng.normal(size=(len(level), 5)).astype(np.float32)
+        weights = rng.normal(size=(9 * 5, 6)).astype(np.float32)
+        bias = rng.normal(size=6).astype(np.float32)
+        made = convolved(with_nothing(features), level.neighbors, weights, bias)
+        picture, kernel = _picture(features, occupied), weights.reshape(3, 3, 5, 6)
+        for feature in range(6):
+            dense = sum(
+                correlate(picture[..., one], kernel[..., one, feature].astype(float), "same")
+                for one in range(5)
+            )
+            np.testing.assert_allclose(
+                made[:-1, feature], dense[occupied] + bias[feature], atol=1e-4
+            )
+        assert not made[-1].any()
+
+    def test_gradients_are_the_same_with_any_number_of_cores(
+        self, rng: np.random.Generator
+    ) -> None:
+        import numba
+
+        level = site_levels(np.ones((50, 40), bool), 1)[0]
+        features = with_nothing(rng.normal(size=(len(level), 5)).astype(np.float32))
+        by_made = with_nothing(rng.normal(size=(len(level), 6)).astype(np.float32))
+        found = []
+        cores = numba.get_num_threads()
+        try:
+            for n_cores in (1, cores):
+                numba.set_num_threads(n_cores)
+                found.append(weight_gradient(features, level.neighbors, by_made))
+        finally:
+            numba.set_num_threads(cores)
+        np.testing.assert_array_equal(found[0], found[1])
+
+
+class TestDerivatives:
+    def test_every_layer_has_those_of_finite_differences(
+        self,
+        rng: np.random.Generator,
+        levels: tuple[SiteLevel, ...],
+        network: LearningNetwork,
+    ) -> None:
+        inputs = _inputs(rng, len(levels[0]))
+        labels = rng.integers(-1, 4, len(inputs))
+        weights = np.array([1, 2, 0.5, 1], np.float32)
+
+        def loss() -> float:
+            return loss_and_slope(network.forward(inputs, levels)[0], labels, weights)[0]
+
+        log_odds, back = network.forward(inputs, levels)
+        by_inputs = back(loss_and_slope(log_odds, labels, weights)[1])
+        told = [
+            (layer.values[name], layer.gradients[name].copy())
+            for layer in network.layers
+            for name in layer.values
+        ]
+        for values, slopes in [*told, (inputs, by_inputs)]:
+            place = np.unravel_index(np.abs(slopes).argmax(), slopes.shape)
+            measured = _slope(values, place, loss)
+            assert slopes[place] == pytest.approx(measured, rel=0.12, abs=2e-3)
+
+    def test_the_loss_is_the_mean_logarithm_by_weight(self, rng: np.random.Generator) -> None:
+        log_odds = rng.normal(size=(7, 4)).astype(np.float32)
+        labels = np.array([0, 1, 2, 3, -1, 1, 0])
+        weights = np.array([1, 2, 0.5, 1], np.float32)
+        shares = np.exp(log_odds) / np.exp(log_odds).sum(axis=1, keepdims=True)
+        known = labels >= 0
+        expected = np.average(-np.log(shares[known, labels[known]]), weights=weights[labels[known]])
+        assert loss_and_slope(log_odds, labels, weights)[0] == pytest.approx(expected, rel=1e-5)
+
+
+def _slope(values: Float32Array, place: tuple[np.intp, ...], loss: object) -> float:
+    assert callable(loss)
+    before, step = values[place], 2e-3
+    values[place] = before + step
+    above = loss()
+    values[place] = before - step
+    below = loss()
+    values[place] = before
+    return float(above - below) / (2 * step)
+
+
+class TestNetwork:
+    def test_what_was_learned_says_what_the_learning_network_says(
+        self,
+        rng: np.random.Generator,
+        levels: tuple[SiteLevel, ...],
+        network: LearningNetwork,
+    ) -> None:
+        inputs = _inputs(rng, len(levels[0]))
+        for _ in range(400):  # until the running values are those of these inputs
+            log_odds, _ = network.forward(inputs, levels)
+        np.testing.assert_allclose(network.learned().log_odds(inputs, levels), log_odds, atol=2e-2)
+
+    def test_people_of_one_batch_do_not_touch(
+        self, rng: np.random.Generator, network: LearningNetwork
+    ) -> None:
+        examples = [_checkered(rng) for _ in range(3)]
+        learned = network.learned()
+        together = batch_of(examples, NO_MIRROR, len(SHAPE.widths), np.random.default_rng(3))
+        found = learned.log_odds(together.inputs, together.levels)
+        alone_rng = np.random.default_rng(3)
+        for number, one in enumerate(examples):
+            alone = batch_of([one], NO_MIRROR, len(SHAPE.widths), alone_rng)
+            first = sum(len(before.rows) for before in examples[:number])
+            np.testing.assert_allclose(
+                found[first : first + len(one.rows)],
+                learned.log_odds(alone.inputs, alone.levels),
+                atol=1e-5,
+            )
+
+
+def _checkered(rng: np.random.Generator) -> ContextExample:
+    """Return cells whose label is the quarter of the picture that they are in."""
+    rows, columns = np.nonzero(rng.random((16, 16)) < 0.8)
+    labels = 2 * (rows >= 8) + (columns >= 8)
+    features = np.zeros((len(rows), SHAPE.n_inputs), np.float16)
+    features[:, 4] = 1.0
+    return ContextExample(
+        rows.astype(np.int16), columns.astype(np.int16), features, labels.astype(np.int8)
+    )
+
+
+class TestTraining:
+    def test_it_learns_what_only_the_surroundings_tell(self, rng: np.random.Generator) -> None:
+        examples = [_checkered(rng) for _ in range(64)]
+        params = ContextTraining(widths=(12, 12, 16), n_passes=12, batch_size=8, rate=5e-3)
+        quarters_beside = np.array([1, 0, 3, 2])
+        network = train_context(examples, quarters_beside, params, lambda _done, _all: None)
+        unseen = batch_of(
+            [_checkered(rng) for _ in range(8)], quarters_beside, 3, np.random.default_rng(5)
+        )
+        right = network.log_odds(unseen.inputs, unseen.levels).argmax(axis=1) == unseen.labels
+        assert right.mean() > 0.9
+
+    def test_the_same_seed_gives_the_same_network(self, rng: np.random.Generator) -> None:
+        examples = [_checkered(rng) for _ in range(6)]
+        params = ContextTraining(widths=(4, 4), n_passes=2, batch_size=2)
+        one, other = (
+            train_context(examples, NO_MIRROR, params, lambda _done, _all: None) for _ in range(2)
+        )
+        np.testing.assert_array_equal(one.last_weights, other.last_weights)
+        for first, second in zip(one.weights, other.weights, strict=True):
+            np.testing.assert_array_equal(first, second)
+
+    def test_labels_of_all_sizes_weigh_the_same_in_sum(self) -> None:
+        labels = np.array([0, 0, 0, 1, 2, 2, 3, 3, 3, 3, -1], np.int8)
+        places = np.arange(len(labels), dtype=np.int16)
+        example = ContextExample(
+            places, places, np.zeros((len(labels), SHAPE.n_inputs), np.float16), labels
+        )
+        weights = label_weights([example], 4, evenness=1.0)
+        np.testing.assert_allclose(weights * np.array([3, 1, 2, 4]), 2.5)
