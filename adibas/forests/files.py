@@ -5,9 +5,9 @@ and all those of version 1, as they are.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,10 +25,11 @@ from adibas.forests.packing import (
 )
 
 FORMAT, VERSION = "adibas-forest", 2
+Beside = TypeVar("Beside")
 
 
-def save_forest(forest: Forest, path: Path) -> None:
-    """Write a forest to `path`, whole or not at all.
+def save_forest(forest: Forest, path: Path, beside: Mapping[str, AnyArray] | None = None) -> None:
+    """Write a forest to `path`, and other arrays `beside` it, whole or not at all.
 
     Raises
     ------
@@ -45,7 +46,8 @@ def save_forest(forest: Forest, path: Path) -> None:
     }
     text = np.frombuffer(json.dumps(header, indent=1).encode(), np.uint8)
     with written_whole(path) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, header=text, roots=forest.roots, **_packed(forest))
+        arrays: dict[str, Any] = {**_packed(forest), **(beside or {})}
+        np.savez_compressed(file, header=text, roots=forest.roots, **arrays)
 
 
 def _packed(forest: Forest) -> dict[str, Any]:
@@ -65,10 +67,23 @@ def load_forest(path: Path) -> Forest:
     FileError
         The file is missing, damaged, of another format or of a later version.
     """
+    return load_forest_and(path, lambda _arrays: None)[0]
+
+
+def load_forest_and(
+    path: Path, read: Callable[[Mapping[str, AnyArray]], Beside]
+) -> tuple[Forest, Beside]:
+    """Read a forest, and what `read` makes of the arrays of its file.
+
+    Raises
+    ------
+    FileError
+        The file is missing, damaged, of another format or of a later version.
+    """
     try:
         # NumPy leaves a damaged file open.
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            return _forest_of(arrays, path)
+            return _forest_of(arrays, path), read(arrays)
     except OSError as error:
         raise cannot_read(path, error) from error
     except (*DAMAGED_ARRAYS, RecursionError) as error:

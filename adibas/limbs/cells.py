@@ -1,6 +1,7 @@
 """A person as square cells of one size on the body, near or far, and the way back to pixels."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,6 +10,28 @@ from adibas.kernels import compiled, compiled_parallel, parallel_range
 
 CELL_M = 0.02
 """Size of a cell, at the person's median distance."""
+
+
+class PersonView(NamedTuple):
+    """A person in a depth image.
+
+    Attributes
+    ----------
+    depth_m : (H, W) float32 array
+        NaN where not measured.
+    mask : (H, W) bool array
+        The person.
+    pixels : (H, W) bool array
+        The P of them that are labelled: all, or those of every `step`-th row and column.
+    focal_px : float
+    step : int
+    """
+
+    depth_m: Float32Array
+    mask: BoolArray
+    pixels: BoolArray
+    focal_px: float
+    step: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,32 +81,23 @@ class PersonCells:
         return np.asarray(self.numbers < len(self))
 
 
-def person_cells(
-    depth_m: Float32Array, pixels: BoolArray, focal_px: float, step: int = 1
-) -> PersonCells | None:
-    """Return the cells of a person; None where nothing of it is measured.
-
-    Parameters
-    ----------
-    depth_m : (H, W) float32 array
-        NaN where not measured.
-    pixels : (H, W) bool array
-        Of the person, all or every `step`-th row and column.
-    focal_px : float
-    step : int
-        Cells are no smaller.
-    """
-    rows, columns = np.nonzero(pixels)
-    depths_m = depth_m[rows, columns]
+def person_cells(view: PersonView) -> PersonCells | None:
+    """Return the cells of a person, no smaller than its step; None where nothing is measured."""
+    rows, columns = np.nonzero(view.pixels)
+    depths_m = view.depth_m[rows, columns]
     known = depths_m[np.isfinite(depths_m)]
     if not len(known):
         return None
     distance_m = float(np.median(known))
-    size_px = max(CELL_M * focal_px / distance_m, float(step))
-    top, left = rows.min() - 0.5 * step, columns.min() - 0.5 * step
+    size_px = max(CELL_M * view.focal_px / distance_m, float(view.step))
+    top, left = rows.min() - 0.5 * view.step, columns.min() - 0.5 * view.step
     shape = (int((rows.max() - top) / size_px) + 1, int((columns.max() - left) / size_px) + 1)
     counts, sums_m, pixel = _gathered(
-        rows, columns, depths_m, np.array([top, left, size_px]), np.array([*shape, pixels.shape[1]])
+        rows,
+        columns,
+        depths_m,
+        np.array([top, left, size_px]),
+        np.array([*shape, view.pixels.shape[1]]),
     )
     here = counts[:, :, 0] > 0
     numbers = np.full(shape, np.count_nonzero(here), np.int32)

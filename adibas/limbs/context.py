@@ -4,10 +4,10 @@ import numpy as np
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, UInt8Array
 from adibas.context.examples import ContextExample
-from adibas.context.network import ContextNetwork
 from adibas.context.sites import site_levels
 from adibas.forests.forest import Forest
-from adibas.limbs.cells import PersonCells, person_cells, to_pixels
+from adibas.limbs.cells import PersonCells, PersonView, person_cells, to_pixels
+from adibas.limbs.model import LimbModel
 
 N_PLACE_FEATURES = 3
 """Of a cell, beside what the forest says of it."""
@@ -16,54 +16,47 @@ _LEAST_SHARE = 0.02
 _USUAL_DISTANCE_M, _USUAL_THICKNESS_M = 4.0, 0.5
 
 
-def cell_features(
-    depth_m: Float32Array, mask: BoolArray, focal_px: float, forest: Forest, cells: PersonCells
-) -> Float32Array:
-    """Return (N, K + 3) features of cells: what the forest says, then depth and its quality.
+def limb_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
+    """Return (P, K) probabilities of the model's labels, pixels row by row.
 
-    Parameters
-    ----------
-    depth_m : (H, W) float32 array
-    mask : (H, W) bool array
-        The person.
-    focal_px : float
-    forest : Forest
-        Of K labels.
-    cells : PersonCells
+    Where nothing is measured, all labels are as likely.
     """
-    asked = np.zeros(mask.shape, bool)
+    network = model.context
+    cells = None if network is None else person_cells(view)
+    if network is None or cells is None:
+        told = model.forest.probabilities(view.depth_m, view.mask, view.focal_px, view.pixels)
+    else:
+        levels = site_levels(cells.occupied, len(network.shape.widths))
+        odds = network.log_odds(cell_features(view, model.forest, cells), levels)
+        shares = np.exp(odds - odds.max(axis=1, keepdims=True))
+        shares /= shares.sum(axis=1, keepdims=True)
+        told = to_pixels(cells, shares, view.pixels)
+    return _merged(told, model)
+
+
+def _merged(told: Float32Array, model: LimbModel) -> Float32Array:
+    if len(model.names) == told.shape[1]:
+        return told
+    onto = np.zeros((told.shape[1], len(model.names)), np.float32)
+    onto[np.arange(len(model.columns)), model.columns] = 1.0
+    return told @ onto
+
+
+def cell_features(view: PersonView, forest: Forest, cells: PersonCells) -> Float32Array:
+    """Return (N, F + 3) features of cells: what the forest says, then depth and its quality."""
+    asked: BoolArray = np.zeros(view.mask.shape, bool)
     asked.flat[cells.pixel] = True
-    said = forest.probabilities(depth_m, mask, focal_px, asked)
+    said = forest.probabilities(view.depth_m, view.mask, view.focal_px, asked)
     rank = np.searchsorted(np.flatnonzero(asked), cells.pixel)
+    distance = cells.distance_m / _USUAL_DISTANCE_M
     return np.column_stack(
         [
             0.5 * np.log(said[rank] + np.float32(_LEAST_SHARE)) + 1.0,
             cells.ahead_m / np.float32(_USUAL_THICKNESS_M),
             cells.measured,
-            np.full(len(cells), cells.distance_m / _USUAL_DISTANCE_M, np.float32),
+            np.full(len(cells), distance, np.float32),
         ]
     ).astype(np.float32)
-
-
-def in_context(
-    depth_m: Float32Array,
-    mask: BoolArray,
-    pixels: BoolArray,
-    focal_px: float,
-    forest: Forest,
-    network: ContextNetwork,
-    step: int,
-) -> Float32Array | None:
-    """Return (P, K) probabilities of pixels; None where nothing of them is measured."""
-    cells = person_cells(depth_m, pixels, focal_px, step)
-    if cells is None:
-        return None
-    features = cell_features(depth_m, mask, focal_px, forest, cells)
-    levels = site_levels(cells.occupied, len(network.shape.widths))
-    odds = network.log_odds(features, levels)
-    odds = np.exp(odds - odds.max(axis=1, keepdims=True))
-    odds /= odds.sum(axis=1, keepdims=True)
-    return to_pixels(cells, odds, pixels)
 
 
 def context_example(
@@ -81,15 +74,15 @@ def context_example(
         That was not trained on this image.
     """
     mask = labels > 0
-    cells = person_cells(depth_m, mask, focal_px)
+    view = PersonView(depth_m, mask, mask, focal_px)
+    cells = person_cells(view)
     if cells is None:
         return None
-    features = cell_features(depth_m, mask, focal_px, forest, cells)
     rows, columns = np.nonzero(cells.occupied)
     return ContextExample(
         rows.astype(np.int16),
         columns.astype(np.int16),
-        features.astype(np.float16),
+        cell_features(view, forest, cells).astype(np.float16),
         _most_frequent(depth_m, labels, cells, len(forest.labels)),
     )
 

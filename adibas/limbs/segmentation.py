@@ -15,6 +15,8 @@ from adibas.graphcut.boundary import boundary_weights
 from adibas.graphcut.energy import EnergyParams, equal_penalties, label_energy
 from adibas.graphcut.minimising import minimise
 from adibas.graphcut.neighbors import Connectivity, connect_pixels
+from adibas.limbs.cells import PersonView
+from adibas.limbs.context import limb_probabilities
 from adibas.limbs.model import LimbModel
 
 Cut: TypeAlias = Literal["omega_1", "omega_2", "none"]
@@ -81,7 +83,8 @@ def segment(
     every = np.s_[:: params.step, :: params.step]
     pixels = np.zeros_like(mask)
     pixels[every] = mask[every]
-    probabilities = model.forest.probabilities(depth_m, mask, focal_px, pixels)
+    view = PersonView(depth_m, mask, pixels, focal_px, params.step)
+    probabilities = limb_probabilities(view, model)
     thin = np.full(mask[every].shape, NO_LABEL, np.int16)
     thin[mask[every]] = cut_labels(depth_m[every], mask[every], probabilities, model, params)
     chosen = _filled(thin, mask, params.step)

@@ -14,6 +14,8 @@ from adibas.files import written_whole
 from adibas.forests.params import ForestParams
 from adibas.forests.samples import TrainingImages
 from adibas.forests.training import train_forest
+from adibas.limbs.cells import PersonView
+from adibas.limbs.context import limb_probabilities
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
 from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
@@ -83,7 +85,7 @@ def judge(
     for index in indices:
         depth_m, truth, focal_px = images.read(int(index))
         mask = truth > 0
-        probabilities = model.forest.probabilities(depth_m, mask, focal_px)
+        probabilities = limb_probabilities(PersonView(depth_m, mask, mask, focal_px), model)
         picture = np.where(mask, depth_m, np.nan)
         cut = cut_labels(picture, mask, probabilities, model, params)
         yield Judged(
@@ -115,7 +117,7 @@ def evaluate_model(
     LimbError
         The model has other labels than the images.
     """
-    if model.forest.labels != images.labels:
+    if model.names != images.labels:
         raise LimbError(
             "The model has other labels than the images ({found}). Choose a model that was "
             "trained for these.",
