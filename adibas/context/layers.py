@@ -92,6 +92,7 @@ class Linear:
             "bias": np.zeros(n_behind, np.float32),
         }
         self.gradients: dict[str, Float32Array] = {}
+        self.running: dict[str, Float32Array] = {}
 
     def forward(self, features: Float32Array) -> tuple[Float32Array, Back]:
         """Return (N, D) sums of (N, C) features, and the way back."""

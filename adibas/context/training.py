@@ -5,14 +5,13 @@ equation 5, without restarts.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from adibas.arrays import Float32Array, IntArray
-from adibas.context.examples import Batch, ContextExample, batch_of
+from adibas.arrays import AnyArray, Float32Array, IntArray
+from adibas.context.examples import ContextExample, batch_of
 from adibas.context.kernels import pooled
 from adibas.context.layers import Back, Linear, NormalizedConvolution, from_parents, from_pooled
 from adibas.context.network import ContextNetwork, NetworkShape, with_nothing
@@ -23,6 +22,8 @@ _DECAYS, _LEAST_ROOT = (0.9, 0.999), 1e-8
 """Of Adam's means of derivatives and of their squares."""
 _N_WARMING = 100
 """Steps in which the rate rises to its full size."""
+_FIRST_WEIGHTS, _ORDER = 0xC0, 0xC1
+"""What is drawn from the seed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,23 +142,26 @@ class _Adam:
     """Takes steps along means of derivatives, measured by their size."""
 
     def __init__(self, network: LearningNetwork) -> None:
-        self._network, self._n_steps = network, 0
-        self._means: list[dict[str, Any]] = [
-            {name: (np.zeros_like(value), np.zeros_like(value)) for name, value in one.items()}
-            for one in (layer.values for layer in network.layers)
-        ]
+        self._network, self.n_steps = network, 0
+        self.means = [_zeros(layer.values) for layer in network.layers]
+        self.squares = [_zeros(layer.values) for layer in network.layers]
 
     def step(self, rate: float) -> None:
-        self._n_steps += 1
+        self.n_steps += 1
         first, second = _DECAYS
-        rate *= math.sqrt(1.0 - second**self._n_steps) / (1.0 - first**self._n_steps)
-        for layer, means in zip(self._network.layers, self._means, strict=True):
-            for name, (mean, square) in means.items():
-                slope = layer.gradients[name]
-                np.add(mean, np.float32(1.0 - first) * (slope - mean), out=mean)
-                np.add(square, np.float32(1.0 - second) * (slope * slope - square), out=square)
-                way = mean / (np.sqrt(square) + np.float32(_LEAST_ROOT))
+        rate *= math.sqrt(1.0 - second**self.n_steps) / (1.0 - first**self.n_steps)
+        for layer, means, squares in zip(
+            self._network.layers, self.means, self.squares, strict=True
+        ):
+            for name, slope in layer.gradients.items():
+                means[name] += np.float32(1.0 - first) * (slope - means[name])
+                squares[name] += np.float32(1.0 - second) * (slope * slope - squares[name])
+                way = means[name] / (np.sqrt(squares[name]) + np.float32(_LEAST_ROOT))
                 layer.values[name] -= np.float32(rate) * way
+
+
+def _zeros(values: Mapping[str, Float32Array]) -> dict[str, Float32Array]:
+    return {name: np.zeros_like(value) for name, value in values.items()}
 
 
 def loss_and_slope(
@@ -198,56 +202,88 @@ def label_weights(
     return np.asarray(weights / (weights @ shares), np.float32)
 
 
-def train_context(
-    examples: Sequence[ContextExample],
-    mirror_order: IntArray,
-    params: ContextTraining,
-    progress: Progress,
-) -> ContextNetwork:
-    """Return a network that was trained on examples, each as it is or mirrored by chance.
+class ContextTrainer:
+    """Trains a network pass by pass; between two of them it can be kept and gone on with.
 
-    The same examples, parameters and seed give the same network, with any number of cores.
+    The same examples, parameters and seed give the same network, with any number of cores, and
+    after a break, too.
 
     Parameters
     ----------
     examples : sequence of ContextExample
+        Each is looked at as it is or mirrored, by chance.
     mirror_order : (K,) int array
         Label of the other side of each label.
     params : ContextTraining
-    progress : callable
-        Takes steps done and all of them.
     """
-    rng = np.random.default_rng([params.seed, 0xC0])
-    n_labels = len(mirror_order)
-    network = LearningNetwork(
-        NetworkShape(examples[0].features.shape[1], n_labels, params.widths), rng
-    )
-    weights = label_weights(examples, n_labels, params.evenness)
-    adam = _Adam(network)
-    per_pass = -(-len(examples) // params.batch_size)
-    n_steps = params.n_passes * per_pass
-    for done, batch in enumerate(_batches(examples, mirror_order, params, rng)):
-        log_odds, back = network.forward(batch.inputs, batch.levels)
-        _, slope = loss_and_slope(log_odds, batch.labels, weights)
-        back(slope)
-        adam.step(_rate(params.rate, done, n_steps))
-        progress(done + 1, n_steps)
-    return network.learned()
+
+    def __init__(
+        self,
+        examples: Sequence[ContextExample],
+        mirror_order: IntArray,
+        params: ContextTraining,
+    ) -> None:
+        n_labels, n_inputs = len(mirror_order), examples[0].features.shape[1]
+        shape = NetworkShape(n_inputs, n_labels, params.widths)
+        rng = np.random.default_rng([params.seed, _FIRST_WEIGHTS])
+        self._examples, self._mirror_order, self._params = examples, mirror_order, params
+        self._network = LearningNetwork(shape, rng)
+        self._adam = _Adam(self._network)
+        self._weights = label_weights(examples, n_labels, params.evenness)
+        self._per_pass = -(-len(examples) // params.batch_size)
+
+    @property
+    def n_done(self) -> int:
+        """Return how many passes are done."""
+        return self._adam.n_steps // self._per_pass
+
+    def run_pass(self, progress: Progress) -> None:
+        """Look at all examples once; `progress` takes steps done and those of all passes."""
+        rng = np.random.default_rng([self._params.seed, _ORDER, self.n_done])
+        n_steps = self._params.n_passes * self._per_pass
+        order, size = rng.permutation(len(self._examples)), self._params.batch_size
+        for first in range(0, len(order), size):
+            chosen = [self._examples[number] for number in order[first : first + size]]
+            batch = batch_of(chosen, self._mirror_order, len(self._params.widths), rng)
+            log_odds, back = self._network.forward(batch.inputs, batch.levels)
+            back(loss_and_slope(log_odds, batch.labels, self._weights)[1])
+            self._adam.step(_rate(self._params.rate, self._adam.n_steps, n_steps))
+            progress(self._adam.n_steps, n_steps)
+
+    def kept(self) -> dict[str, AnyArray]:
+        """Return everything that the next pass needs, by name."""
+        return {
+            "n_steps": np.array(self._adam.n_steps),
+            **{name: value.copy() for name, value in self._state()},
+        }
+
+    def go_on(self, kept: Mapping[str, AnyArray]) -> None:
+        """Be as `kept` was told.
+
+        Raises
+        ------
+        KeyError, ValueError
+            That is of another training.
+        """
+        for name, value in self._state():
+            value[...] = kept[name]
+        self._adam.n_steps = int(kept["n_steps"])
+
+    def learned(self) -> ContextNetwork:
+        """Return the network as it is now."""
+        return self._network.learned()
+
+    def _state(self) -> Iterator[tuple[str, Float32Array]]:
+        adam = self._adam
+        for number, (layer, means, squares) in enumerate(
+            zip(self._network.layers, adam.means, adam.squares, strict=True)
+        ):
+            kinds = {"values": layer.values, "means": means, "squares": squares}
+            for kind, arrays in {**kinds, "running": layer.running}.items():
+                for name, value in arrays.items():
+                    yield f"{number}.{kind}.{name}", value
 
 
 def _rate(most: float, done: int, n_steps: int) -> float:
     warmed = min(1.0, (done + 1) / _N_WARMING)
     return most * warmed * 0.5 * (1.0 + math.cos(math.pi * done / n_steps))
-
-
-def _batches(
-    examples: Sequence[ContextExample],
-    mirror_order: IntArray,
-    params: ContextTraining,
-    rng: np.random.Generator,
-) -> Iterator[Batch]:
-    for _ in range(params.n_passes):
-        order = rng.permutation(len(examples))
-        for first in range(0, len(order), params.batch_size):
-            chosen = [examples[number] for number in order[first : first + params.batch_size]]
-            yield batch_of(chosen, mirror_order, len(params.widths), rng)

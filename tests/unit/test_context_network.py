@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from scipy.signal import correlate
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import ContextExample, batch_of
 from adibas.context.kernels import convolved, weight_gradient
 from adibas.context.network import NetworkShape, with_nothing
 from adibas.context.sites import SiteLevel, site_levels
 from adibas.context.training import (
+    ContextTrainer,
     ContextTraining,
     LearningNetwork,
     label_weights,
     loss_and_slope,
-    train_context,
 )
 
 SHAPE = NetworkShape(n_inputs=5, n_labels=4, widths=(6, 7, 8))
@@ -213,27 +213,46 @@ def _checkered(rng: np.random.Generator) -> ContextExample:
     )
 
 
+def _nobody_waits(_done: int, _all: int) -> None:
+    """Take progress."""
+
+
+def _trained(
+    examples: list[ContextExample], mirror_order: IntArray, params: ContextTraining
+) -> ContextTrainer:
+    trainer = ContextTrainer(examples, mirror_order, params)
+    for _ in range(params.n_passes):
+        trainer.run_pass(_nobody_waits)
+    return trainer
+
+
 class TestTraining:
     def test_it_learns_what_only_the_surroundings_tell(self, rng: np.random.Generator) -> None:
         examples = [_checkered(rng) for _ in range(64)]
         params = ContextTraining(widths=(12, 12, 16), n_passes=12, batch_size=8, rate=5e-3)
         quarters_beside = np.array([1, 0, 3, 2])
-        network = train_context(examples, quarters_beside, params, lambda _done, _all: None)
+        network = _trained(examples, quarters_beside, params).learned()
         unseen = batch_of(
             [_checkered(rng) for _ in range(8)], quarters_beside, 3, np.random.default_rng(5)
         )
         right = network.log_odds(unseen.inputs, unseen.levels).argmax(axis=1) == unseen.labels
         assert right.mean() > 0.9
 
-    def test_the_same_seed_gives_the_same_network(self, rng: np.random.Generator) -> None:
+    def test_after_a_break_it_goes_on_as_if_there_had_been_none(
+        self, rng: np.random.Generator
+    ) -> None:
         examples = [_checkered(rng) for _ in range(6)]
-        params = ContextTraining(widths=(4, 4), n_passes=2, batch_size=2)
-        one, other = (
-            train_context(examples, NO_MIRROR, params, lambda _done, _all: None) for _ in range(2)
-        )
-        np.testing.assert_array_equal(one.last_weights, other.last_weights)
-        for first, second in zip(one.weights, other.weights, strict=True):
-            np.testing.assert_array_equal(first, second)
+        params = ContextTraining(widths=(4, 4), n_passes=3, batch_size=2)
+        whole = _trained(examples, NO_MIRROR, params)
+        first = ContextTrainer(examples, NO_MIRROR, params)
+        first.run_pass(_nobody_waits)
+        second = ContextTrainer(examples, NO_MIRROR, params)
+        second.go_on(first.kept())
+        assert second.n_done == 1
+        for _ in range(2):
+            second.run_pass(_nobody_waits)
+        for name, value in whole.kept().items():
+            np.testing.assert_array_equal(value, second.kept()[name], err_msg=name)
 
     def test_labels_of_all_sizes_weigh_the_same_in_sum(self) -> None:
         labels = np.array([0, 0, 0, 1, 2, 2, 3, 3, 3, 3, -1], np.int8)
