@@ -14,6 +14,7 @@ from adibas.texts import translate as _
 
 if TYPE_CHECKING:
     from adibas.limbs.evaluation import Confusion
+    from adibas.limbs.model import LimbModel
     from adibas.limbs.segmentation import LimbParams
     from adibas.pipeline.limb_evaluation import LimbEvaluation
 
@@ -67,6 +68,15 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="model.npz",
         help=_("make a model of the seven labels out of one of the fifteen, without training"),
+    )
+    parser.add_argument(
+        "--context",
+        type=Path,
+        metavar="model.npz",
+        help=_(
+            "keep the forest of this model, and learn on images that it has not seen to correct it "
+            "by what is around"
+        ),
     )
     parser.add_argument(
         "--labels", choices=SETS, default="", help=_("those of the images if not given")
@@ -201,6 +211,8 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
     check_place(arguments.out)
     if arguments.merge is not None:
         model = merge_model(arguments.merge, arguments.out)
+    elif arguments.context is not None:
+        model = _train_context(arguments, console)
     else:
         params = replace(
             SHIPPED,
@@ -243,6 +255,21 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
         }
     )
     return 0
+
+
+def _train_context(arguments: argparse.Namespace, console: Console) -> "LimbModel":
+    from adibas.pipeline.context_training import ContextRequest, train_context_of
+
+    request = ContextRequest(
+        arguments.context, arguments.out, arguments.folder, arguments.frames, arguments.seed
+    )
+    with (
+        console.progress(_("Simulating people")) as simulating,
+        console.progress(_("Asking the forest")) as looking,
+        console.progress(_("Training")) as training,
+    ):
+        bars = {"simulating": simulating, "looking": looking, "training": training}
+        return train_context_of(request, lambda step, done, total: bars[step](done, total))
 
 
 def _segment(arguments: argparse.Namespace, console: Console) -> int:

@@ -16,7 +16,7 @@ from adibas.context.sites import N_NEIGHBORS, SiteLevel
 
 Back: TypeAlias = Callable[[Float32Array], Float32Array]
 _FORGETS = 0.02
-"""Share of the running mean and variance that each batch replaces."""
+"""Share of the running mean and variance that each batch replaces; of few, each has the same."""
 _LEAST_VARIANCE = 1e-5
 
 
@@ -45,6 +45,7 @@ class NormalizedConvolution:
         self.running = {
             "mean": np.zeros(n_behind, np.float32),
             "variance": np.ones(n_behind, np.float32),
+            "n_batches": np.zeros(1, np.float32),
         }
         self._n_before = n_before
 
@@ -78,8 +79,10 @@ class NormalizedConvolution:
         return with_nothing(made), back
 
     def _remember(self, mean: Float32Array, variance: Float32Array) -> None:
+        self.running["n_batches"] += 1
+        share = max(np.float32(_FORGETS), 1 / self.running["n_batches"][0])
         for name, value in (("mean", mean), ("variance", variance)):
-            self.running[name] += np.float32(_FORGETS) * (value - self.running[name])
+            self.running[name] += share * (value - self.running[name])
 
 
 class Linear:

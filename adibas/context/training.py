@@ -22,6 +22,8 @@ _DECAYS, _LEAST_ROOT = (0.9, 0.999), 1e-8
 """Of Adam's means of derivatives and of their squares."""
 _N_WARMING = 100
 """Steps in which the rate rises to its full size."""
+_FIRST_CORRECTION, _FIRST_OPINION = 0.1, 2.0
+"""Weights, at first, of what is around and of the inputs, halves of logarithms of probabilities."""
 _FIRST_WEIGHTS, _ORDER = 0xC0, 0xC1
 """What is drawn from the seed."""
 
@@ -54,7 +56,7 @@ class ContextTraining:
 
 
 class LearningNetwork:
-    """A network while it learns.
+    """A network while it learns; the first inputs are an opinion on each label.
 
     Parameters
     ----------
@@ -68,6 +70,16 @@ class LearningNetwork:
             NormalizedConvolution(before, behind, rng) for before, behind in shape.convolutions()
         ]
         self._last = Linear(shape.n_last, shape.n_labels, rng)
+        self._begin_with_first_opinion()
+
+    def _begin_with_first_opinion(self) -> None:
+        """Let the labels be those of the inputs at first: the network learns what to correct."""
+        n_features, n_labels = self.shape.widths[0], self.shape.n_labels
+        weights = self._last.values["weights"]
+        weights[:n_features] *= np.float32(_FIRST_CORRECTION)
+        weights[n_features:] = 0
+        opinions = np.arange(n_labels)
+        weights[n_features + opinions, opinions] = _FIRST_OPINION
 
     @property
     def layers(self) -> list[NormalizedConvolution | Linear]:
@@ -265,9 +277,11 @@ class ContextTrainer:
         KeyError, ValueError
             That is of another training.
         """
-        for name, value in self._state():
-            value[...] = kept[name]
-        self._adam.n_steps = int(kept["n_steps"])
+        state = [(value, kept[name]) for name, value in self._state()]
+        n_steps = int(kept["n_steps"])
+        for value, read in state:  # all of it could be read
+            value[...] = read
+        self._adam.n_steps = n_steps
 
     def learned(self) -> ContextNetwork:
         """Return the network as it is now."""

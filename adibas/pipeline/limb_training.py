@@ -1,8 +1,6 @@
 """From labelled depth images, of a folder or simulated, to a model; what broke off goes on."""
 
-import json
 import shutil
-from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,19 +11,19 @@ from adibas import __version__
 from adibas.clock import Clock, to_text, utc_now
 from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY
 from adibas.errors import LimbError
-from adibas.files import DAMAGED_ARRAYS, DAMAGED_JSON, written_whole
+from adibas.files import DAMAGED_ARRAYS, written_whole
 from adibas.forests.params import ForestParams
 from adibas.forests.samples import Memory, PixelSample, TrainingImages
 from adibas.forests.training import DrawPixels, Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
 from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled
-from adibas.pipeline.limb_simulator import SIMULATED_LABELS, simulate_folder
-
-Progress = Callable[[str, int, int], None]
-"""Told the step (``simulating``, ``training``), what is done and all there is."""
-_UNFINISHED = ".training"
-_SETTINGS = "settings.json"
-_FRAMES = "frames"
+from adibas.pipeline.limb_simulator import SIMULATED_LABELS
+from adibas.pipeline.unfinished_training import (
+    Progress,
+    check_same,
+    simulated_images,
+    work_folder,
+)
 
 SHIPPED = ForestParams(
     n_trees=3,
@@ -98,7 +96,7 @@ def train_model(request: TrainingRequest, progress: Progress, clock: Clock = utc
 def _trained(
     request: TrainingRequest, draw: DrawPixels, progress: Progress, clock: Clock
 ) -> LimbModel:
-    work = request.out.with_name(request.out.name + _UNFINISHED)
+    work = work_folder(request.out)
     folder = None if request.folder is None else LimbFolder(request.folder)
     labels = _labels_of(SIMULATED_LABELS if folder is None else folder.labels, request.labels)
     settings = {
@@ -110,8 +108,10 @@ def _trained(
         "seed": request.seed,
         "params": asdict(request.params),
     }
-    _check_same(work, settings)
-    images: TrainingImages = folder or Mirrored(_simulated(work, request, progress))
+    check_same(work, settings)
+    images: TrainingImages = folder or Mirrored(
+        simulated_images(work, request.n_frames, request.seed, progress)
+    )
     if images.labels != labels:
         images = Relabelled(images, labels, TO_TORSO)
     trees = [
@@ -147,17 +147,6 @@ def merge_model(source: Path, out: Path) -> LimbModel:
     return fewer
 
 
-def _simulated(work: Path, request: TrainingRequest, progress: Progress) -> LimbFolder:
-    frames = work / _FRAMES
-    simulate_folder(
-        frames,
-        request.n_frames,
-        request.seed,
-        lambda done, total: progress("simulating", done, total),
-    )
-    return LimbFolder(frames)
-
-
 def _labels_of(names: tuple[str, ...], wanted: str) -> tuple[str, ...]:
     """Return the labels to train: the images' own, or the seven that are made of the fifteen."""
     limbs = tuple(name for name in names if name != CLUTTER)
@@ -171,25 +160,6 @@ def _labels_of(names: tuple[str, ...], wanted: str) -> tuple[str, ...]:
         wanted=wanted,
         found=", ".join(limbs),
     )
-
-
-def _check_same(work: Path, settings: dict[str, object]) -> None:
-    """Keep the settings, or see that an unfinished training has the same ones."""
-    path = work / _SETTINGS
-    if not path.exists():
-        with written_whole(path) as unfinished:
-            unfinished.write_text(json.dumps(settings, indent=1), "utf-8")
-        return
-    try:
-        before = json.loads(path.read_text("utf-8"))
-    except (OSError, *DAMAGED_JSON):
-        before = None
-    if before != settings:
-        raise LimbError(
-            "An unfinished training with other settings lies in {folder}. Finish it with the same "
-            "settings, or remove that folder.",
-            folder=work.name,
-        )
 
 
 def _grown(

@@ -27,25 +27,9 @@ from adibas.pipeline.limb_pictures import limb_colors, limb_picture
 from adibas.pipeline.limb_simulator import simulate_folder
 from adibas.pipeline.limb_training import TrainingRequest, train_model
 from adibas.simulation.limb_frames import LimbFrames
+from tests.unit.limb_folders import NAMES, fill
 
 PARAMS = ForestParams(n_trees=2, max_depth=4, n_images=None, n_pixels=40, n_candidates=12)
-NAMES = ("torso", "left_hand")
-
-
-def fill(folder, n_images=10, names=NAMES):
-    """Trunks with one hand each, of two people in turn."""
-    people = {f"{i:04d}": f"p{i % 2}" for i in range(n_images)}
-    write_header(folder, FolderHeader(names, 0.001, 100.0, 100.0, 40.0, 30.0, people))
-    for i in range(n_images):
-        rng = np.random.default_rng(i)
-        labels = np.zeros((60, 80), np.uint8)
-        left = int(rng.integers(10, 50))
-        labels[10:50, left : left + 14] = 1
-        labels[20:28, left + 14 : left + 22] = 2
-        depth = np.where(labels > 0, 2000 + rng.integers(-3, 4, labels.shape), 0)
-        depth[labels == 2] -= 120
-        write_image(folder, f"{i:04d}", depth.astype(np.uint16), labels)
-    return folder
 
 
 @pytest.fixture

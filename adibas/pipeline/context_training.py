@@ -1,0 +1,139 @@
+"""A context network for a model of limbs: trained on images that its forest has not seen."""
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from adibas import __version__
+from adibas.clock import Clock, to_text, utc_now
+from adibas.context.examples import ContextExample
+from adibas.context.files import rounded
+from adibas.context.training import ContextTrainer, ContextTraining
+from adibas.data.joints import mirror_order
+from adibas.errors import LimbError
+from adibas.files import DAMAGED_ARRAYS, written_whole
+from adibas.forests.forest import Forest
+from adibas.forests.samples import TrainingImages
+from adibas.limbs.context import context_example
+from adibas.limbs.model import LimbModel, load_model, save_model
+from adibas.limbs.training_set import LimbFolder
+from adibas.pipeline.unfinished_training import (
+    Progress,
+    check_same,
+    simulated_images,
+    work_folder,
+)
+
+_KEPT = "context.npz"
+_LEAST_PIXELS = 200
+"""Measured, of an image that something can be learned from."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContextRequest:
+    """What to train.
+
+    Attributes
+    ----------
+    model : Path
+        Whose forest is corrected.
+    out : Path
+        The model with the network; what is unfinished is kept in a folder beside it.
+    folder : Path or None
+        Of labelled images that the forest was not trained on; None: they are simulated.
+    n_frames : int
+        To simulate.
+    seed : int
+        Another one than the forest's.
+    params : ContextTraining
+    """
+
+    model: Path
+    out: Path
+    folder: Path | None = None
+    n_frames: int = 32_000
+    seed: int = 1
+    params: ContextTraining = field(default_factory=ContextTraining)
+
+
+def train_context_of(
+    request: ContextRequest, progress: Progress, clock: Clock = utc_now
+) -> LimbModel:
+    """Train a network and write the model with it; after a break the same request goes on.
+
+    Raises
+    ------
+    LimbError
+        The images cannot be used, or another training is unfinished there.
+    FileError
+        A file cannot be read or written.
+    """
+    model = load_model(request.model)
+    work = work_folder(request.out)
+    folder = None if request.folder is None else LimbFolder(request.folder)
+    settings = {
+        "version": __version__,
+        "forest_created_utc": str(model.forest.provenance.get("created_utc", "")),
+        "images": "simulator" if request.folder is None else request.folder.name,
+        "n_images": request.n_frames if folder is None else len(folder),
+        "seed": request.seed,
+        "params": {**asdict(request.params), "widths": list(request.params.widths)},
+    }
+    _check_unseen(model.forest, settings)
+    check_same(work, settings)
+    images = folder or simulated_images(work, request.n_frames, request.seed, progress)
+    if images.labels != model.forest.labels:
+        raise LimbError(
+            "The images have other labels than the model ({found}). Choose images with its labels.",
+            found=", ".join(images.labels),
+        )
+    trainer = _trainer(images, model.forest, request, progress)
+    _run(trainer, work / _KEPT, request.params.n_passes, progress)
+    context = {**settings, "created_utc": to_text(clock())}
+    provenance = {**model.forest.provenance, "context": context}
+    forest = replace(model.forest, provenance=provenance)
+    trained = replace(model, forest=forest, context=rounded(trainer.learned()))
+    save_model(trained, request.out)
+    shutil.rmtree(work, ignore_errors=True)
+    return trained
+
+
+def _check_unseen(forest: Forest, settings: Mapping[str, object]) -> None:
+    """See that these are not the images of the forest's own training."""
+    provenance = forest.provenance
+    if all(provenance.get(name) == settings[name] for name in ("images", "seed")):
+        raise LimbError(
+            "The forest was trained on these images, and is surer of them than of others. Choose "
+            "other images, or another seed."
+        )
+
+
+def _trainer(
+    images: TrainingImages, forest: Forest, request: ContextRequest, progress: Progress
+) -> ContextTrainer:
+    examples: list[ContextExample] = []
+    for index in range(len(images)):
+        depth_m, labels, focal_px = images.read(index)
+        if np.count_nonzero(np.isfinite(depth_m[labels > 0])) >= _LEAST_PIXELS:
+            example = context_example(depth_m, labels, focal_px, forest)
+            if example is not None:
+                examples.append(example)
+        progress("looking", index + 1, len(images))
+    if not examples:
+        raise LimbError("Nobody with depth is in the images. Choose other images.")
+    return ContextTrainer(examples, np.array(mirror_order(forest.labels)), request.params)
+
+
+def _run(trainer: ContextTrainer, kept: Path, n_passes: int, progress: Progress) -> None:
+    try:
+        with kept.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            trainer.go_on(arrays)
+    except (OSError, *DAMAGED_ARRAYS):
+        pass  # the first pass, or what was kept is cut: it begins anew
+    while trainer.n_done < n_passes:
+        trainer.run_pass(lambda done, total: progress("training", done, total))
+        with written_whole(kept) as unfinished, unfinished.open("wb") as written:
+            np.savez(written, allow_pickle=False, **trainer.kept())

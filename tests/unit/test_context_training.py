@@ -1,0 +1,240 @@
+"""A context network learned for a model: pixels by cells, the file, the command, and breaks."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from adibas.cli import main
+from adibas.context.training import ContextTraining
+from adibas.data.limbs import LimbLabels
+from adibas.errors import FileError, LimbError
+from adibas.forests.params import ForestParams
+from adibas.limbs.cells import CELL_M, PersonView, person_cells, to_pixels
+from adibas.limbs.context import context_example, limb_probabilities
+from adibas.limbs.model import load_model, merged, save_model
+from adibas.limbs.training_set import LimbFolder
+from adibas.pipeline import context_training
+from adibas.pipeline.context_training import ContextRequest, train_context_of
+from adibas.pipeline.limb_training import TrainingRequest, train_model
+from tests.unit.limb_folders import fill
+
+FOREST = ForestParams(n_trees=2, max_depth=3, n_images=None, n_pixels=30, n_candidates=6)
+NETWORK = ContextTraining(widths=(6, 8), n_passes=12, batch_size=2, rate=5e-3)
+
+
+def _silent(_step, _done, _all):
+    """Take progress."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return fill(tmp_path_factory.mktemp("seen") / "seen")
+
+
+@pytest.fixture(scope="module")
+def forest_path(folder):
+    path = folder.parent / "forest.npz"
+    train_model(TrainingRequest(path, folder, params=FOREST), _silent)
+    return path
+
+
+@pytest.fixture(scope="module")
+def others(folder):
+    return fill(folder.parent / "others", 14, first=100)
+
+
+@pytest.fixture(scope="module")
+def with_context(forest_path, others):
+    path = others.parent / "with-context.npz"
+    train_context_of(ContextRequest(forest_path, path, others, params=NETWORK), _silent)
+    return path
+
+
+class TestCells:
+    @pytest.fixture
+    def view(self):
+        rng = np.random.default_rng(4)
+        mask = np.zeros((60, 80), bool)
+        mask[7:51, 11:38] = True
+        mask[20:28, 38:60] = rng.random((8, 22)) < 0.7
+        depth_m = np.where(mask, rng.uniform(1.9, 2.1, mask.shape), np.nan).astype(np.float32)
+        depth_m[10:14, 12:30] = np.nan
+        return PersonView(depth_m, mask, mask, 300.0)
+
+    def test_each_is_as_large_on_the_body_near_and_far(self, view):
+        near = person_cells(view._replace(depth_m=view.depth_m / 2))
+        far = person_cells(view)
+        assert near.size_px == pytest.approx(2 * far.size_px)
+        assert far.size_px == pytest.approx(CELL_M * 300.0 / far.distance_m)
+
+    def test_each_has_the_mean_depth_and_the_measured_share_of_its_pixels(self, view):
+        cells = person_cells(view)
+        rows, columns = np.nonzero(view.mask)
+        row = np.floor((rows - cells.top) / cells.size_px).astype(int)
+        column = np.floor((columns - cells.left) / cells.size_px).astype(int)
+        number = cells.numbers[row, column]
+        assert set(number.tolist()) == set(range(len(cells)))
+        for one in range(len(cells)):
+            depths_m = view.depth_m[rows[number == one], columns[number == one]]
+            known = np.isfinite(depths_m)
+            assert cells.measured[one] == pytest.approx(known.mean())
+            expected = depths_m[known].mean() - cells.distance_m if known.any() else 0.0
+            assert cells.ahead_m[one] == pytest.approx(expected, abs=1e-5)
+            assert cells.pixel[one] in rows[number == one] * 80 + columns[number == one]
+            assert np.isfinite(view.depth_m.flat[cells.pixel[one]]) == known.any()
+
+    def test_pixels_get_what_rises_evenly_over_the_cells_exactly(self, view):
+        mask = np.zeros((60, 80), bool)
+        mask[5:55, 5:70] = True
+        cells = person_cells(view._replace(mask=mask, pixels=mask))
+        rows, columns = np.nonzero(cells.occupied)
+        values = np.column_stack([2.0 * rows - columns, np.ones(len(cells))]).astype(np.float32)
+        found = to_pixels(cells, values, mask)
+        np.testing.assert_allclose(found[:, 1], 1.0, rtol=1e-5)
+        row, column = np.nonzero(mask)
+        down = (row - cells.top) / cells.size_px - 0.5
+        right = (column - cells.left) / cells.size_px - 0.5
+        inner = (down >= 0) & (right >= 0) & (down <= rows.max()) & (right <= columns.max())
+        np.testing.assert_allclose(found[inner, 0], (2 * down - right)[inner], atol=1e-4)
+
+    def test_nobody_with_depth_has_none(self, view):
+        assert person_cells(view._replace(depth_m=np.full_like(view.depth_m, np.nan))) is None
+
+
+class TestExamples:
+    def test_a_cell_has_the_label_of_most_of_its_measured_pixels(self, forest_path, others):
+        depth_m, labels, focal_px = LimbFolder(others).read(2)
+        example = context_example(depth_m, labels, focal_px, load_model(forest_path).forest)
+        assert example.features.shape == (len(example.rows), 2 + 3)
+        assert set(example.labels.tolist()) == {0, 1}
+        hand = np.argwhere(labels == 2)
+        share = (example.labels == 1).mean()
+        assert share == pytest.approx(len(hand) / np.count_nonzero(labels), abs=0.05)
+
+    def test_nobody_with_depth_gives_none(self, forest_path, others):
+        depth_m, labels, focal_px = LimbFolder(others).read(2)
+        forest = load_model(forest_path).forest
+        assert context_example(np.full_like(depth_m, np.nan), labels, focal_px, forest) is None
+
+
+class TestModel:
+    def test_it_is_right_more_often_than_its_forest_on_images_of_neither_training(
+        self, forest_path, with_context, tmp_path
+    ):
+        unseen = LimbFolder(fill(tmp_path / "unseen", 6, first=200))
+        right = {}
+        for path in (forest_path, with_context):
+            model, shares = load_model(path), []
+            for index in range(6):
+                depth_m, labels, focal_px = unseen.read(index)
+                view = PersonView(depth_m, labels > 0, labels > 0, focal_px)
+                told = limb_probabilities(view, model)
+                np.testing.assert_allclose(told.sum(axis=1), 1.0, atol=1e-4)
+                shares.append((told.argmax(axis=1) == labels[labels > 0] - 1).mean())
+            right[path] = np.mean(shares)
+        assert right[with_context] >= right[forest_path]
+        assert right[with_context] > 0.9
+
+    def test_the_file_says_what_the_network_was_trained_on(self, with_context):
+        model = load_model(with_context)
+        told = model.forest.provenance["context"]
+        assert (told["images"], told["n_images"], told["seed"]) == ("others", 14, 1)
+        assert model.context is not None
+
+    def test_merged_labels_are_sums(self, with_context, others, tmp_path):
+        model = load_model(with_context)
+        save_model(
+            merged(model, LimbLabels("own", ("all",)), {"torso": "all", "left_hand": "all"}),
+            tmp_path / "all.npz",
+        )
+        one = load_model(tmp_path / "all.npz")
+        depth_m, labels, focal_px = LimbFolder(others).read(0)
+        view = PersonView(depth_m, labels > 0, labels > 0, focal_px)
+        np.testing.assert_allclose(limb_probabilities(view, one), 1.0, atol=1e-4)
+        assert one.names == ("all",)
+
+    def test_a_person_without_depth_has_even_probabilities(self, with_context, others):
+        depth_m, labels, focal_px = LimbFolder(others).read(0)
+        nothing_m = np.full_like(depth_m, np.nan)
+        view = PersonView(nothing_m, labels > 0, labels > 0, focal_px)
+        np.testing.assert_allclose(limb_probabilities(view, load_model(with_context)), 0.5)
+
+    @pytest.mark.parametrize(
+        ("name", "change"),
+        [
+            ("context_values", lambda values: values[:-3]),
+            ("context_values", lambda values: np.full_like(values, np.nan)),
+            ("context_shape", lambda shape: shape[:1]),
+            ("context_shape", lambda shape: shape * 0),
+        ],
+    )
+    def test_a_damaged_network_is_refused(self, with_context, tmp_path, name, change):
+        arrays = dict(np.load(with_context))
+        arrays[name] = change(arrays[name])
+        np.savez(tmp_path / "damaged.npz", **arrays)
+        with pytest.raises(FileError, match="damaged"):
+            load_model(tmp_path / "damaged.npz")
+
+
+class TestTraining:
+    def test_what_broke_off_goes_on_to_the_same_network(
+        self, forest_path, others, with_context, tmp_path
+    ):
+        request = ContextRequest(forest_path, tmp_path / "model.npz", others, params=NETWORK)
+        passes = []
+
+        def stop(step, done, _all):
+            passes.append(step)
+            if step == "training" and done == 10:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            train_context_of(request, stop)
+        assert not request.out.exists()
+        done = []
+        train_context_of(request, lambda step, at, _all: done.append((step, at)))
+        assert min(at for step, at in done if step == "training") == 8
+        one, other = load_model(with_context).context, load_model(request.out).context
+        for first, second in zip(one.weights, other.weights, strict=True):
+            np.testing.assert_array_equal(first, second)
+        assert [path.name for path in tmp_path.iterdir()] == ["model.npz"]
+
+    def test_the_forest_s_own_images_are_refused(self, forest_path, folder, tmp_path):
+        request = ContextRequest(forest_path, tmp_path / "model.npz", folder, seed=0)
+        with pytest.raises(LimbError, match="trained on these images"):
+            train_context_of(request, _silent)
+
+    def test_images_with_other_labels_are_refused(self, forest_path, tmp_path):
+        images = fill(tmp_path / "sided", 2, ("left_hand", "right_hand"))
+        request = ContextRequest(forest_path, tmp_path / "model.npz", images)
+        with pytest.raises(LimbError, match="other labels"):
+            train_context_of(request, _silent)
+
+    def test_images_without_depth_are_refused(self, forest_path, others, tmp_path, monkeypatch):
+        monkeypatch.setattr(context_training, "_LEAST_PIXELS", 10_000)
+        request = ContextRequest(forest_path, tmp_path / "model.npz", others)
+        with pytest.raises(LimbError, match="Nobody with depth"):
+            train_context_of(request, _silent)
+
+    def test_the_command_trains_and_says_what_it_made(
+        self, forest_path, others, tmp_path, capsys, monkeypatch
+    ):
+        small = replace(ContextRequest(forest_path, tmp_path), params=NETWORK).params
+        monkeypatch.setattr(context_training.ContextRequest, "__init__", _with(small), raising=True)
+        out = tmp_path / "model.npz"
+        command = ["limbs", "train", str(others), "--context", str(forest_path)]
+        assert main([*command, "--out", str(out), "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        assert told["provenance"]["context"]["images"] == "others"
+        assert load_model(out).context is not None
+
+
+def _with(params):
+    whole = ContextRequest.__init__
+
+    def made(self, *values, **names):
+        whole(self, *values, **{"params": params, **names})
+
+    return made
