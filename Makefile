@@ -45,6 +45,8 @@ translations: setup
 train: setup
 	$(BIN)/adibas skeleton train --simulator --out resources/models/skeleton.json
 	$(BIN)/adibas limbs train --simulator --seed 6215 --out resources/models/limbs-15.npz
+	$(BIN)/adibas limbs train --simulator --seed 7101 --frames 32000 \
+		--context resources/models/limbs-15.npz --out resources/models/limbs-15.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
 	$(BIN)/python -m adibas.pipeline.likeness_training
 	$(BIN)/python -m adibas.pipeline.reliability_training

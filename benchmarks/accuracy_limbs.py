@@ -59,12 +59,14 @@ def _shipped_rows(n_frames: int, kept: Kept) -> Iterator[Row]:
         for name, (frames, goal) in sets.items():
             images = _relabelled(frames, model)
             told = f"{labels.name}, {n_frames} {name}"
-            made = model.forest.provenance.get("created_utc", "")
+            made = model.created_utc
             counted = kept.get(f"{told}, {made}", partial(_shipped, images, model))
             found = {one: shares_of(images.labels, counts) for one, counts in counted.items()}
             yield Row(f"{told}: forest", found["forest"][MEAN], "%")
+            if "network" in found:
+                yield Row(f"{told}: with the network", found["network"][MEAN], "%")
             yield Row(f"{told}: with cut", found["cut"][MEAN], "%", goal, "goal >=")
-            yield gain_row(told, found["forest"], found["cut"])
+            yield gain_row(told, found.get("network", found["forest"]), found["cut"])
             for label, share in found["cut"].items():
                 if label != MEAN:
                     yield Row(f"{told}, with cut: {label}", share, "%")
@@ -73,7 +75,8 @@ def _shipped_rows(n_frames: int, kept: Kept) -> Iterator[Row]:
 def _shipped(images: TrainingImages, model: LimbModel) -> Confusions:
     """Count what every pixel that has depth is taken for; clutter is one of the labels."""
     result = evaluate_model(images, model, LimbParams(step=1), lambda _done, _all: None)
-    return {"forest": result.forest.counts, "cut": result.cut.counts}
+    steps = {"forest": result.forest, "network": result.network, "cut": result.cut}
+    return {name: step.counts for name, step in steps.items() if step is not None}
 
 
 def _relabelled(frames: UnseenFrames, model: LimbModel) -> TrainingImages:

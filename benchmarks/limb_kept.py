@@ -72,10 +72,10 @@ def shares_of(labels: tuple[str, ...], counts: IntArray) -> Shares:
     return {**shares, MEAN: float(np.mean(list(shares.values())))}
 
 
-def gain_row(name: str, forest: Shares, cut: Shares) -> Row:
-    """Return how much more the cut has right than the forest; it names the labels it worsens."""
-    worse = [label for label in forest if label != MEAN and cut[label] < forest[label]]
+def gain_row(name: str, before: Shares, cut: Shares) -> Row:
+    """Return how much more is right after the cut; it names the labels that it worsens."""
+    worse = [label for label in before if label != MEAN and cut[label] < before[label]]
     told = f"; worse for {', '.join(worse)}" if worse else "; no label is worse"
-    gain = cut[MEAN] - forest[MEAN]
-    verdict = "" if gain >= 0 else "; THE CUT DOES NOT IMPROVE ON THE FOREST"
+    gain = cut[MEAN] - before[MEAN]
+    verdict = "" if gain >= 0 else "; THE CUT IMPROVES NOTHING"
     return Row(f"{name}: gain of the cut{told}{verdict}", gain, "points", 0, "goal >=")

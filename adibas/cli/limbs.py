@@ -190,7 +190,7 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
         "--pictures",
         type=Path,
         metavar=_("FOLDER"),
-        help=_("folder for a picture of each image: the truth, the forest, and after the cut"),
+        help=_("folder for a picture of each image: the truth, and what each step makes of it"),
     )
     _add_forest(parser, THESIS_FOREST)
     _add_cut(parser)
@@ -370,32 +370,37 @@ def _table(result: "LimbEvaluation") -> list[str]:
         _("{protocol}, {n} groups, {images} images").format(
             protocol=result.protocol, n=result.n_groups, images=result.n_images
         ),
-        _("Mean per label: forest {forest:.1f} %, with graph cut {cut:.1f} %").format(
-            forest=SpokenNumber(100 * result.forest.mean_per_class),
-            cut=SpokenNumber(100 * result.cut.mean_per_class),
-        ),
+        _mean_line(result),
     ]
     labels = result.forest.labels
     width = max(map(len, labels))
-    pairs = zip(labels, result.forest.per_class, result.cut.per_class, strict=True)
-    lines += [
-        f"{label:{width}}  {SpokenNumber(100 * forest):6.1f} %  {SpokenNumber(100 * cut):6.1f} %"
-        for label, forest, cut in pairs
-    ]
-    worse = [
-        label
-        for label, forest, cut in zip(
-            labels, result.forest.per_class, result.cut.per_class, strict=True
-        )
-        if cut < forest
-    ]
+    steps = [one for one in (result.forest, result.network, result.cut) if one is not None]
+    for label, *shares in zip(labels, *(one.per_class for one in steps), strict=True):
+        columns = "  ".join(f"{SpokenNumber(100 * share):6.1f} %" for share in shares)
+        lines.append(f"{label:{width}}  {columns}")
+    before, after = result.before_cut.per_class, result.cut.per_class
+    worse = [label for label, one, other in zip(labels, before, after, strict=True) if other < one]
     if worse:
-        lines.append(_("The cut is worse than the forest for: {labels}.").format(
+        lines.append(_("The cut makes these labels worse: {labels}.").format(
             labels=", ".join(worse)
         ))  # fmt: skip
     else:
-        lines.append(_("The cut improves on the forest for every label."))
+        lines.append(_("The cut makes no label worse."))
     return lines
+
+
+def _mean_line(result: "LimbEvaluation") -> str:
+    forest = SpokenNumber(100 * result.forest.mean_per_class)
+    cut = SpokenNumber(100 * result.cut.mean_per_class)
+    if result.network is None:
+        told = _("Mean per label: forest {forest:.1f} %, with graph cut {cut:.1f} %")
+        return told.format(forest=forest, cut=cut)
+    told = _(
+        "Mean per label: forest {forest:.1f} %, with its network {network:.1f} %, and with graph "
+        "cut {cut:.1f} %"
+    )
+    network = SpokenNumber(100 * result.network.mean_per_class)
+    return told.format(forest=forest, network=network, cut=cut)
 
 
 def _document(result: "LimbEvaluation") -> dict[str, object]:
@@ -405,6 +410,7 @@ def _document(result: "LimbEvaluation") -> dict[str, object]:
         "n_images": result.n_images,
         "labels": list(result.forest.labels),
         "forest": _figures(result.forest),
+        "network": None if result.network is None else _figures(result.network),
         "cut": _figures(result.cut),
     }
 

@@ -24,13 +24,17 @@ def limb_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
     network = model.context
     cells = None if network is None else person_cells(view)
     if network is None or cells is None:
-        told = model.forest.probabilities(view.depth_m, view.mask, view.focal_px, view.pixels)
-    else:
-        levels = site_levels(cells.occupied, len(network.shape.widths))
-        odds = network.log_odds(cell_features(view, model.forest, cells), levels)
-        shares = np.exp(odds - odds.max(axis=1, keepdims=True))
-        shares /= shares.sum(axis=1, keepdims=True)
-        told = to_pixels(cells, shares, view.pixels)
+        return forest_probabilities(view, model)
+    levels = site_levels(cells.occupied, len(network.shape.widths))
+    odds = network.log_odds(cell_features(view, model.forest, cells), levels)
+    shares = np.exp(odds - odds.max(axis=1, keepdims=True))
+    shares /= shares.sum(axis=1, keepdims=True)
+    return _merged(to_pixels(cells, shares, view.pixels), model)
+
+
+def forest_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
+    """Return what `limb_probabilities` does where a model has no network."""
+    told = model.forest.probabilities(view.depth_m, view.mask, view.focal_px, view.pixels)
     return _merged(told, model)
 
 

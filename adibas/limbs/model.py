@@ -64,10 +64,14 @@ class LimbModel:
         """Say whether the model knows what is no limb."""
         return self.forest.labels[-1] == CLUTTER and len(self.forest.labels) > 1
 
+    @property
+    def created_utc(self) -> str:
+        """Return when its training ended, as its provenance has it; "" where it has not."""
+        return str(self.forest.provenance.get("created_utc", ""))
+
     def is_made(self, created_utc: object) -> bool:
-        """Say whether this is the model that was made then, as `provenance` has it."""
-        made = self.forest.provenance.get("created_utc")
-        return made is not None and made == created_utc
+        """Say whether this is the model that was made then."""
+        return self.created_utc != "" and self.created_utc == created_utc
 
     def require(self, labels: LimbLabels) -> None:
         """See that the model is for these labels.

@@ -76,7 +76,7 @@ def train_context_of(
     folder = None if request.folder is None else LimbFolder(request.folder)
     settings = {
         "version": __version__,
-        "forest_created_utc": str(model.forest.provenance.get("created_utc", "")),
+        "model_created_utc": model.created_utc,
         "images": "simulator" if request.folder is None else request.folder.name,
         "n_images": request.n_frames if folder is None else len(folder),
         "seed": request.seed,
@@ -92,8 +92,8 @@ def train_context_of(
         )
     trainer = _trainer(images, model.forest, request, progress)
     _run(trainer, work / _KEPT, request.params.n_passes, progress)
-    context = {**settings, "created_utc": to_text(clock())}
-    provenance = {**model.forest.provenance, "context": context}
+    made = {"context": settings, "created_utc": to_text(clock())}
+    provenance = {**model.forest.provenance, **made}
     forest = replace(model.forest, provenance=provenance)
     trained = replace(model, forest=forest, context=rounded(trainer.learned()))
     save_model(trained, request.out)

@@ -127,7 +127,7 @@ def provenance_of(model: LimbModel) -> dict[str, object]:
         "n_crowds": len(CROWDS) * N_CROWDS,
         "n_spared_crowds": len(CROWDS) * N_SPARED_CROWDS,
         "n_spared": N_SPARED * len(SPARED_SEEDS),
-        "limbs_created_utc": str(model.forest.provenance.get("created_utc", "")),
+        "limbs_created_utc": model.created_utc,
     }
 
 

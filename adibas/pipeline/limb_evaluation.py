@@ -15,7 +15,7 @@ from adibas.forests.params import ForestParams
 from adibas.forests.samples import TrainingImages
 from adibas.forests.training import train_forest
 from adibas.limbs.cells import PersonView
-from adibas.limbs.context import limb_probabilities
+from adibas.limbs.context import forest_probabilities, limb_probabilities
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
 from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
@@ -50,12 +50,14 @@ class EvaluationParams:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judged:
-    """One image as the forest alone and the cut label it; labels 1 to K, 0 = none."""
+    """One image as the forest, the network behind it and the cut label it; 1 to K, 0 = none."""
 
     index: int
     depth_m: Float32Array
     truth: UInt8Array
     by_forest: UInt8Array
+    by_network: UInt8Array | None
+    """None: the model has no network."""
     by_cut: UInt8Array
 
 
@@ -67,15 +69,25 @@ class LimbEvaluation:
     ----------
     protocol : str
     n_groups, n_images : int
-    forest, cut : Confusion
-        Of the likeliest labels, and after the graph cut.
+    forest : Confusion
+        Of the labels that the forest alone finds likeliest.
+    network : Confusion or None
+        Of those that the network behind it does; None: the model has none.
+    cut : Confusion
+        After the graph cut.
     """
 
     protocol: str
     n_groups: int
     n_images: int
     forest: Confusion
+    network: Confusion | None
     cut: Confusion
+
+    @property
+    def before_cut(self) -> Confusion:
+        """Return what the cut begins with."""
+        return self.forest if self.network is None else self.network
 
 
 def judge(
@@ -85,16 +97,14 @@ def judge(
     for index in indices:
         depth_m, truth, focal_px = images.read(int(index))
         mask = truth > 0
-        probabilities = limb_probabilities(PersonView(depth_m, mask, mask, focal_px), model)
+        view = PersonView(depth_m, mask, mask, focal_px)
+        by_forest = _image(mask, forest_probabilities(view, model).argmax(axis=1))
+        probabilities = limb_probabilities(view, model)
+        has_network = model.context is not None
+        by_network = _image(mask, probabilities.argmax(axis=1)) if has_network else None
         picture = np.where(mask, depth_m, np.nan)
         cut = cut_labels(picture, mask, probabilities, model, params)
-        yield Judged(
-            int(index),
-            depth_m,
-            truth,
-            _image(mask, probabilities.argmax(axis=1)),
-            _image(mask, cut),
-        )
+        yield Judged(int(index), depth_m, truth, by_forest, by_network, _image(mask, cut))
 
 
 def _image(mask: BoolArray, labels: AnyArray) -> UInt8Array:
@@ -123,7 +133,7 @@ def evaluate_model(
             "trained for these.",
             found=", ".join(images.labels),
         )
-    counts = _Counts(images.labels)
+    counts = _Counts(images.labels, has_network=model.context is not None)
     for done, judged in enumerate(judge(images, range(len(images)), model, params), start=1):
         counts.add(judged)
         if show is not None:
@@ -148,7 +158,7 @@ def evaluate_folder(
         None: see `cross_validate`.
     params : EvaluationParams
     pictures : Path or None
-        Folder for a picture of each image: truth, forest and cut side by side.
+        Folder for a picture of each image: truth, forest, network if any, and cut side by side.
     progress : function
 
     Raises
@@ -168,10 +178,8 @@ def evaluate_folder(
 
 
 def _write_picture(path: Path, judged: Judged) -> None:
-    shown = [
-        limb_picture(judged.depth_m, labels)
-        for labels in (judged.truth, judged.by_forest, judged.by_cut)
-    ]
+    steps = (judged.truth, judged.by_forest, judged.by_network, judged.by_cut)
+    shown = [limb_picture(judged.depth_m, labels) for labels in steps if labels is not None]
     payload: AnyArray = cv2.imencode(".png", np.hstack(shown)[..., ::-1])[1]
     with written_whole(path) as unfinished:
         unfinished.write_bytes(payload.tobytes())
@@ -194,7 +202,7 @@ def cross_validate(
     n_groups = int(groups.max()) + 1
     if n_groups < 2:  # noqa: PLR2004
         raise LimbError("There is only one group of images, which leaves nothing to train on.")
-    counts = _Counts(images.labels)
+    counts = _Counts(images.labels, has_network=False)
     for group in range(n_groups):
         progress(group, n_groups)
         rest = Chosen(images, np.flatnonzero(groups != group))
@@ -221,8 +229,9 @@ def groups_of(images: LimbFolder, params: EvaluationParams) -> IntArray:
 class _Counts:
     """Sums over images."""
 
-    def __init__(self, labels: tuple[str, ...]) -> None:
+    def __init__(self, labels: tuple[str, ...], *, has_network: bool) -> None:
         self._forest = self._cut = no_confusion(labels)
+        self._network = no_confusion(labels) if has_network else None
         self._n_images = 0
 
     def add(self, judged: Judged) -> None:
@@ -231,8 +240,11 @@ class _Counts:
         truth = judged.truth[is_known] - 1
         labels = self._forest.labels
         self._forest += confusion_of(labels, truth, judged.by_forest[is_known] - 1)
+        if self._network is not None and judged.by_network is not None:
+            self._network += confusion_of(labels, truth, judged.by_network[is_known] - 1)
         self._cut += confusion_of(labels, truth, judged.by_cut[is_known] - 1)
         self._n_images += 1
 
     def evaluation(self, protocol: str, n_groups: int) -> LimbEvaluation:
-        return LimbEvaluation(protocol, n_groups, self._n_images, self._forest, self._cut)
+        counted = (self._forest, self._network, self._cut)
+        return LimbEvaluation(protocol, n_groups, self._n_images, *counted)

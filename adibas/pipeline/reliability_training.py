@@ -129,7 +129,7 @@ def learn() -> Reliability:
         "seed": SEED,
         "n_scenes": N_SCENES * len((*ODD, *PLANS)),
         "n_joints": len(said),
-        "limbs_created_utc": str(model.forest.provenance.get("created_utc", "")),
+        "limbs_created_utc": model.created_utc,
     }
     return fit(said, provenance)
 

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -137,10 +138,12 @@ class TestModel:
         assert right[with_context] >= right[forest_path]
         assert right[with_context] > 0.9
 
-    def test_the_file_says_what_the_network_was_trained_on(self, with_context):
+    def test_the_file_says_what_the_network_was_trained_on(self, forest_path, with_context):
         model = load_model(with_context)
         told = model.forest.provenance["context"]
         assert (told["images"], told["n_images"], told["seed"]) == ("others", 14, 1)
+        assert told["model_created_utc"] == load_model(forest_path).created_utc
+        assert not model.is_made(told["model_created_utc"])
         assert model.context is not None
 
     def test_merged_labels_are_sums(self, with_context, others, tmp_path):
@@ -229,6 +232,44 @@ class TestTraining:
         told = json.loads(capsys.readouterr().out)
         assert told["provenance"]["context"]["images"] == "others"
         assert load_model(out).context is not None
+
+
+class TestEvaluation:
+    @pytest.fixture
+    def unseen(self, tmp_path):
+        return fill(tmp_path / "unseen", 4, first=300)
+
+    def test_forest_network_and_cut_are_told_apart(
+        self, forest_path, with_context, unseen, tmp_path, capsys
+    ):
+        told = {}
+        for path in (forest_path, with_context):
+            command = ["limbs", "evaluate", str(unseen), "--model", str(path)]
+            assert main([*command, "--pictures", str(tmp_path / path.stem), "--json"]) == 0
+            told[path] = json.loads(capsys.readouterr().out)
+        assert told[with_context]["forest"] == told[forest_path]["forest"]
+        assert told[forest_path]["network"] is None
+        right, counts = np.zeros(2), np.zeros(2)
+        for index in range(4):
+            depth_m, labels, focal_px = LimbFolder(unseen).read(index)
+            view = PersonView(depth_m, labels > 0, labels > 0, focal_px)
+            truth = labels[labels > 0] - 1
+            found = limb_probabilities(view, load_model(with_context)).argmax(axis=1)
+            right += np.bincount(truth[found == truth], minlength=2)
+            counts += np.bincount(truth, minlength=2)
+        network = told[with_context]["network"]
+        assert network["mean_per_class"] == pytest.approx((right / counts).mean())
+        pictures = [
+            cv2.imread(str(next((tmp_path / path.stem).glob("*.png")))).shape
+            for path in (forest_path, with_context)
+        ]
+        assert pictures[1][1] * 3 == pictures[0][1] * 4  # one step more, side by side
+
+    def test_the_table_has_a_column_for_each(self, with_context, unseen, capsys):
+        assert main(["limbs", "evaluate", str(unseen), "--model", str(with_context)]) == 0
+        told = capsys.readouterr().out
+        assert "with its network" in told
+        assert next(line for line in told.splitlines() if line[:5] == "torso").count("%") == 3
 
 
 def _with(params):
