@@ -13,7 +13,7 @@ from typing import Protocol, cast
 
 from adibas import __version__
 from adibas.cli.console import Console
-from adibas.cli.interrupts import is_interrupt, no_interrupt_lost
+from adibas.cli.interrupts import WorkKept, is_interrupt, no_interrupt_lost
 from adibas.cli.options import sentence
 from adibas.errors import AdibasError
 from adibas.resources import resource_path
@@ -76,7 +76,7 @@ def main(argv: Sequence[str]) -> int:
     except (KeyboardInterrupt, SystemError) as error:
         if not is_interrupt(error):
             raise
-        console.warn(_("Stopped. No unfinished file was left behind."))
+        console.warn(_stopped(error))
     except BrokenPipeError:
         _forget_stdout()
     except OSError as error:
@@ -86,6 +86,13 @@ def main(argv: Sequence[str]) -> int:
     else:
         return code
     return WORLD_FAILED
+
+
+def _stopped(error: BaseException) -> str:
+    if isinstance(error, WorkKept):
+        told = _("Stopped. What is done lies in {name}; the same command goes on from there.")
+        return told.format(name=error.place.name)
+    return _("Stopped. No unfinished file was left behind.")
 
 
 def build_parser() -> argparse.ArgumentParser:

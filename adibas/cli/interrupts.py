@@ -5,6 +5,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -28,6 +29,31 @@ def stop_by_signals() -> Iterator[threading.Event]:
     finally:
         for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)
+
+
+class WorkKept(KeyboardInterrupt):
+    """Ctrl-C in a work that the same command goes on with.
+
+    Parameters
+    ----------
+    place : Path
+        File or folder in which what is done lies.
+    """
+
+    def __init__(self, place: Path) -> None:
+        super().__init__()
+        self.place = place
+
+
+@contextmanager
+def kept_when_stopped(place: Path) -> Iterator[None]:
+    """Let a Ctrl-C say where the work inside is kept, if anything of it is."""
+    try:
+        yield
+    except (KeyboardInterrupt, SystemError) as error:
+        if is_interrupt(error) and place.exists():
+            raise WorkKept(place) from error
+        raise
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
+from adibas.cli.interrupts import kept_when_stopped
 from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
 from adibas.cli.recording_options import add_calibration, add_frames, add_recording
 from adibas.texts import SpokenNumber, message, translate_plural
@@ -206,35 +207,17 @@ def _limb_params(arguments: argparse.Namespace, step: int) -> "LimbParams":
 
 def _train(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.files import check_place
-    from adibas.pipeline.limb_training import SHIPPED, TrainingRequest, merge_model, train_model
+    from adibas.pipeline.limb_training import merge_model
+    from adibas.pipeline.unfinished_training import work_folder
 
     check_place(arguments.out)
-    if arguments.merge is not None:
-        model = merge_model(arguments.merge, arguments.out)
-    elif arguments.context is not None:
-        model = _train_context(arguments, console)
-    else:
-        params = replace(
-            SHIPPED,
-            n_trees=arguments.trees,
-            max_depth=arguments.depth,
-            n_pixels=arguments.pixels,
-        )
-        request = TrainingRequest(
-            arguments.out,
-            arguments.folder,
-            arguments.labels,
-            arguments.frames,
-            arguments.seed,
-            params,
-            arguments.cluster,
-        )
-        with (
-            console.progress(_("Simulating people")) as simulating,
-            console.progress(_("Training")) as training,
-        ):
-            bars = {"simulating": simulating, "training": training}
-            model = train_model(request, lambda step, done, total: bars[step](done, total))
+    with kept_when_stopped(work_folder(arguments.out)):
+        if arguments.merge is not None:
+            model = merge_model(arguments.merge, arguments.out)
+        elif arguments.context is not None:
+            model = _train_context(arguments, console)
+        else:
+            model = _train_forest(arguments, console)
     console.say(
         _("{file}: {labels}, {trees}.").format(
             file=arguments.out,
@@ -255,6 +238,29 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
         }
     )
     return 0
+
+
+def _train_forest(arguments: argparse.Namespace, console: Console) -> "LimbModel":
+    from adibas.pipeline.limb_training import SHIPPED, TrainingRequest, train_model
+
+    params = replace(
+        SHIPPED, n_trees=arguments.trees, max_depth=arguments.depth, n_pixels=arguments.pixels
+    )
+    request = TrainingRequest(
+        arguments.out,
+        arguments.folder,
+        arguments.labels,
+        arguments.frames,
+        arguments.seed,
+        params,
+        arguments.cluster,
+    )
+    with (
+        console.progress(_("Simulating people")) as simulating,
+        console.progress(_("Training")) as training,
+    ):
+        bars = {"simulating": simulating, "training": training}
+        return train_model(request, lambda step, done, total: bars[step](done, total))
 
 
 def _train_context(arguments: argparse.Namespace, console: Console) -> "LimbModel":

@@ -2,14 +2,19 @@
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
+from adibas.cli.interrupts import kept_when_stopped
 from adibas.cli.options import add_json
 from adibas.cli.recording_options import add_calibration, add_frames, add_recording
 from adibas.cli.report_options import check_surface
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.pipeline.mapping import MappedRecording
 
 SUMMARY = message("put the frames of a moving camera together into one surface")
 
@@ -42,30 +47,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Map and write the files."""
-    from adibas.pipeline.mapping import MapRequest, forget_unfinished, map_recording
-    from adibas.reports.map_files import (
-        map_to_json,
-        motion_sentence,
-        write_ply,
-        write_trajectory,
-    )
+    from adibas.pipeline.map_state import unfinished_path
+    from adibas.reports.map_files import map_to_json, motion_sentence
 
     check_surface(arguments.out)
     if arguments.trajectory is not None:
         check_place(arguments.trajectory)
-    request = MapRequest(
-        arguments.recording,
-        arguments.calibration,
-        arguments.frames,
-        arguments.body,
-        out=arguments.out,
-    )
-    with console.progress(_("Mapping")) as progress:
-        mapped = map_recording(request, progress)
-    write_ply(mapped.surface, arguments.out)
-    if arguments.trajectory is not None:
-        write_trajectory(mapped, arguments.trajectory)
-    forget_unfinished(request)
+    with kept_when_stopped(unfinished_path(arguments.out)):
+        mapped = _map_and_write(arguments, console)
     for notice in mapped.notices:
         console.warn(notice.text)
     n_placed = len(mapped.world_from_camera)
@@ -86,3 +75,23 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.say(motion_sentence(mapped.motion).text)
     console.give(map_to_json(mapped))
     return 0
+
+
+def _map_and_write(arguments: argparse.Namespace, console: Console) -> "MappedRecording":
+    from adibas.pipeline.mapping import MapRequest, forget_unfinished, map_recording
+    from adibas.reports.map_files import write_ply, write_trajectory
+
+    request = MapRequest(
+        arguments.recording,
+        arguments.calibration,
+        arguments.frames,
+        arguments.body,
+        out=arguments.out,
+    )
+    with console.progress(_("Mapping")) as progress:
+        mapped = map_recording(request, progress)
+    write_ply(mapped.surface, arguments.out)
+    if arguments.trajectory is not None:
+        write_trajectory(mapped, arguments.trajectory)
+    forget_unfinished(request)
+    return mapped

@@ -11,6 +11,7 @@ import pytest
 from adibas.cli import main
 from adibas.cli.command_line import COMMANDS
 from adibas.cli.console import Console
+from adibas.cli.interrupts import kept_when_stopped
 from adibas.cli.options import (
     cluster_count,
     frame_range,
@@ -64,6 +65,41 @@ def test_ctrl_c_in_a_compiled_loop_ends_so_too(run_as, capsys):
 
     assert run_as(in_a_loop) == 1
     assert "Stopped" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "stop", [KeyboardInterrupt(), SystemError("returned a result with an exception set")]
+)
+def test_a_stopped_work_that_goes_on_says_where_it_is_kept(run_as, capsys, tmp_path, stop):
+    kept = tmp_path / "model.npz.training"
+
+    def interrupted(_arguments, _console):
+        with kept_when_stopped(kept):
+            raise stop from KeyboardInterrupt()
+
+    kept.mkdir()
+    assert run_as(interrupted) == 1
+    told = capsys.readouterr().err
+    assert "model.npz.training; the same command goes on from there." in told
+    assert str(tmp_path) not in told
+
+
+def test_a_stopped_work_of_which_nothing_is_kept_says_so(run_as, capsys, tmp_path):
+    def interrupted(_arguments, _console):
+        with kept_when_stopped(tmp_path / "model.npz.training"):
+            raise KeyboardInterrupt
+
+    assert run_as(interrupted) == 1
+    assert "No unfinished file was left behind" in capsys.readouterr().err
+
+
+def test_a_fault_in_a_work_that_is_kept_stays_a_fault(run_as, tmp_path):
+    def broken(_arguments, _console):
+        with kept_when_stopped(tmp_path):
+            raise SystemError("of a fault")
+
+    with pytest.raises(SystemError, match="of a fault"):
+        run_as(broken)
 
 
 def test_another_fault_of_a_compiled_loop_is_not_hidden(run_as):

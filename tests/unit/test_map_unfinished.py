@@ -1,5 +1,6 @@
 """A map that was interrupted goes on where it stood, and comes to the same files."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -73,6 +74,21 @@ def test_after_kill_9_the_same_command_goes_on_to_the_same_files(taken, whole, t
     assert not out.exists()
     assert mapped(taken, tmp_path) == whole
     assert f"interrupted after {KILLED_AT} of {len(YAWS_DEG)} frames" in capsys.readouterr().err
+
+
+def test_ctrl_c_says_where_the_map_is_kept(taken, tmp_path, monkeypatch, capsys):
+    def bar(_console, _text):
+        return contextlib.nullcontext(press)
+
+    def press(done, _total):
+        if done == KILLED_AT:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("adibas.cli.console.Console.progress", bar)
+    out = tmp_path / "map.ply"
+    assert main(["map", str(taken), "--out", str(out)]) == 1
+    assert "lies in map.ply.unfinished; the same command" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["map.ply.unfinished"]
 
 
 @pytest.mark.parametrize("at", [1, 4, len(YAWS_DEG), len(YAWS_DEG) + 3])

@@ -215,7 +215,7 @@ def test_ctrl_c_ends_the_training_and_the_cluster_is_free_again(two_workers, fol
             process.send_signal(signal.SIGINT)
         told = process.communicate(timeout=30)[1]
     assert process.returncode == 1
-    assert told.strip().endswith("Stopped. No unfinished file was left behind.")
+    assert told.strip().endswith("m.npz.training; the same command goes on from there.")
     assert "Traceback" not in told
     assert not out.exists()
     request = TrainingRequest(tmp_path / "n.npz", folder, params=PARAMS, cluster=two_workers)
