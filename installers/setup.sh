@@ -58,7 +58,9 @@ install_python_packages() {
         python=$(find_python)
         "$python" -m venv .venv
     fi
-    .venv/bin/python -m pip install -q --disable-pip-version-check --require-hashes -r "$lock"
+    # The lock is whole. Left to look for dependencies, an older pip meets "coverage[toml]" of
+    # pytest-cov, takes a release newer than the locked one, and refuses it for want of a hash.
+    .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps --require-hashes -r "$lock"
     .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
     echo "$wanted" >"$stamp"
 }

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 python3 -m venv .venv
-.venv/bin/python -m pip install -q --require-hashes -r installers/requirements.lock
+.venv/bin/python -m pip install -q --no-deps --require-hashes -r installers/requirements.lock
 .venv/bin/python -m pip install -q --no-deps --no-build-isolation -e .
 .venv/bin/python -m installers.freezing
 

@@ -5,7 +5,7 @@ $PSNativeCommandUseErrorActionPreference = $true
 Set-Location (Join-Path $PSScriptRoot "..\..")
 
 python -m venv .venv
-.venv\Scripts\python -m pip install --quiet --require-hashes -r installers\requirements.lock
+.venv\Scripts\python -m pip install --quiet --no-deps --require-hashes -r installers\requirements.lock
 .venv\Scripts\python -m pip install --quiet --no-deps --no-build-isolation -e .
 .venv\Scripts\python -m installers.freezing
 
