@@ -19,21 +19,38 @@ class ContextExample:
     features : (N, C) float16 array
         First what a forest says of each of the K labels, then what does not change in a mirror.
     labels : (N,) int8 array
-        -1 where it is not known.
+        That of most of a cell; -1 where it is not known.
+    seconds : (N,) int8 array
+        The next most frequent label of each cell, or the same one.
+    second_share : (N,) float16 array
+        Of the cell, that it has; at most a half.
     """
 
     rows: AnyArray
     columns: AnyArray
     features: AnyArray
     labels: AnyArray
+    seconds: AnyArray
+    second_share: AnyArray
 
     def __post_init__(self) -> None:
         n_cells = len(self.rows)
-        check_shape("columns", self.columns, (n_cells,))
         check_shape("features", self.features, (n_cells, None))
-        check_shape("labels", self.labels, (n_cells,))
+        for name in ("columns", "labels", "seconds", "second_share"):
+            check_shape(name, getattr(self, name), (n_cells,))
         for array in (self.rows, self.columns, self.features, self.labels):
             read_only(array)
+        read_only(self.seconds)
+        read_only(self.second_share)
+
+    def drawn_labels(self, rng: np.random.Generator) -> IntArray:
+        """Return (N,) labels, each its cell's second one as often as its share of the cell.
+
+        So a network learns how much of a cell at a border is on either side, and what lies between
+        the middles of two cells tells where the border runs.
+        """
+        is_second = rng.random(len(self.labels)) < self.second_share
+        return np.where(is_second, self.seconds, self.labels).astype(np.intp)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +75,7 @@ def batch_of(
     n_levels: int,
     rng: np.random.Generator,
 ) -> Batch:
-    """Return examples together, each mirrored or not, and moved a little, by chance."""
+    """Return examples together, each mirrored or not, moved a little, its labels drawn."""
     size = 2 ** (n_levels - 1)
     placed = [_placed(one, mirror_order, size, rng) for one in examples]
     height = 0
@@ -83,7 +100,7 @@ def _placed(
     """Return rows, columns, features and labels, row by row."""
     down, right = rng.integers(0, size, 2)
     rows, columns = example.rows + down, example.columns + right
-    features, labels = example.features, example.labels
+    features, labels = example.features, example.drawn_labels(rng)
     if rng.random() < 0.5:  # noqa: PLR2004  (a half)
         columns = right + example.columns.max() - example.columns
         n_labels = len(mirror_order)

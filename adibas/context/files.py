@@ -1,4 +1,8 @@
-"""A context network as arrays of a file, and back: half-precision numbers, nothing that runs."""
+"""A context network as arrays of a file, and back: whole steps of 8 bits, nothing that runs.
+
+The weights of each feature that a layer makes are whole steps of a size of their own, the largest
+one 127 of them: a quarter of what single precision takes, and right as often (docs/limbs.md).
+"""
 
 from collections.abc import Mapping
 
@@ -8,17 +12,21 @@ from adibas.arrays import AnyArray, Float32Array
 from adibas.context.network import ContextNetwork, NetworkShape
 from adibas.context.sites import N_NEIGHBORS
 
-SHAPE, VALUES = "context_shape", "context_values"
-"""Names of the arrays."""
+SHAPE, STEPS, NUMBERS = "context_shape", "context_steps", "context_numbers"
+"""Names of the arrays: sizes; weights in steps; sizes of the steps, then what is added."""
+_MOST_STEPS = 127
 
 
 def network_arrays(network: ContextNetwork) -> dict[str, AnyArray]:
     """Return the arrays of a network."""
     shape = network.shape
-    parts = [*network.weights, *network.biases, network.last_weights, network.last_bias]
+    layers = (*network.weights, network.last_weights)
+    sizes = [np.maximum(np.abs(one).max(axis=0), 1e-20) / _MOST_STEPS for one in layers]
+    steps = [np.rint(one / size) for one, size in zip(layers, sizes, strict=True)]
     return {
         SHAPE: np.array([shape.n_inputs, shape.n_labels, *shape.widths], np.int32),
-        VALUES: np.concatenate([part.ravel() for part in parts]).astype(np.float16),
+        STEPS: np.concatenate([one.ravel() for one in steps]).astype(np.int8),
+        NUMBERS: np.concatenate([*sizes, *network.biases, network.last_bias]).astype(np.float32),
     }
 
 
@@ -32,25 +40,29 @@ def network_of(arrays: Mapping[str, AnyArray]) -> ContextNetwork:
     """
     n_inputs, n_labels, *widths = (int(one) for one in arrays[SHAPE])
     shape = NetworkShape(n_inputs, n_labels, tuple(widths))
-    values = arrays[VALUES].astype(np.float32)
-    if not np.isfinite(values).all() or min(n_inputs, n_labels, *widths) < 1:
+    numbers = arrays[NUMBERS].astype(np.float32)
+    if not np.isfinite(numbers).all() or min(n_inputs, n_labels, *widths) < 1:
         raise ValueError("not all of it are numbers")
-    sizes = list(shape.convolutions())
-    shapes = [
-        *((N_NEIGHBORS * before, behind) for before, behind in sizes),
-        *((behind,) for _, behind in sizes),
+    sizes = [
+        *((N_NEIGHBORS * before, behind) for before, behind in shape.convolutions()),
         (shape.n_last, n_labels),
-        (n_labels,),
     ]
-    ends = np.cumsum([int(np.prod(one)) for one in shapes])
+    steps = _split(arrays[STEPS], [before * behind for before, behind in sizes])
+    of_layers = _split(numbers, 2 * [behind for _, behind in sizes])
+    n_layers = len(sizes)
+    weights: list[Float32Array] = [
+        np.ascontiguousarray(one.reshape(size) * step)
+        for one, size, step in zip(steps, sizes, of_layers[:n_layers], strict=True)
+    ]
+    biases = [one.copy() for one in of_layers[n_layers:]]
+    return ContextNetwork(shape, tuple(weights[:-1]), tuple(biases[:-1]), weights[-1], biases[-1])
+
+
+def _split(values: AnyArray, lengths: list[int]) -> list[AnyArray]:
+    ends = np.cumsum(lengths)
     if values.shape != (ends[-1],):
         raise ValueError(f"{ends[-1]} numbers are wanted, got {values.shape}")
-    parts: list[Float32Array] = [
-        np.ascontiguousarray(part.reshape(one))
-        for part, one in zip(np.split(values, ends[:-1]), shapes, strict=True)
-    ]
-    n = len(sizes)
-    return ContextNetwork(shape, tuple(parts[:n]), tuple(parts[n : 2 * n]), *parts[2 * n :])
+    return np.split(values, ends[:-1])
 
 
 def rounded(network: ContextNetwork) -> ContextNetwork:

@@ -47,8 +47,8 @@ class ContextTraining:
     seed : int
     """
 
-    widths: tuple[int, ...] = (32, 48, 80, 112)
-    n_passes: int = 10
+    widths: tuple[int, ...] = (48, 72, 112, 160)
+    n_passes: int = 7
     batch_size: int = 32
     rate: float = 2e-3
     evenness: float = 0.85

@@ -66,7 +66,7 @@ def cell_features(view: PersonView, forest: Forest, cells: PersonCells) -> Float
 def context_example(
     depth_m: Float32Array, labels: UInt8Array, focal_px: float, forest: Forest
 ) -> ContextExample | None:
-    """Return a person's cells with the label that most of their pixels have; None without depth.
+    """Return a person's cells with the labels that most of their pixels have; None without depth.
 
     Parameters
     ----------
@@ -87,17 +87,31 @@ def context_example(
         rows.astype(np.int16),
         columns.astype(np.int16),
         cell_features(view, forest, cells).astype(np.float16),
-        _most_frequent(depth_m, labels, cells, len(forest.labels)),
+        *_most_frequent(depth_m, labels, cells, len(forest.labels)),
     )
 
 
 def _most_frequent(
     depth_m: Float32Array, labels: UInt8Array, cells: PersonCells, n_labels: int
-) -> AnyArray:
-    """Return (N,) int8 labels of cells, from 0, by measured pixels; -1 where there are none."""
+) -> tuple[AnyArray, AnyArray, AnyArray]:
+    """Return (N,) labels of cells from 0, the next most frequent ones, and what share these have.
+
+    By measured pixels; -1 where there are none.
+    """
     rows, columns = np.nonzero((labels > 0) & np.isfinite(depth_m))
     row = ((rows - cells.top) / cells.size_px).astype(np.intp)
     column = ((columns - cells.left) / cells.size_px).astype(np.intp)
     votes = np.zeros((len(cells), n_labels), np.int32)
     np.add.at(votes, (cells.numbers[row, column], labels[rows, columns] - 1), 1)
-    return np.where(votes.any(axis=1), votes.argmax(axis=1), -1).astype(np.int8)
+    number = np.arange(len(cells))
+    first = votes.argmax(axis=1)
+    n_first = votes[number, first]
+    votes[number, first] = 0
+    second = votes.argmax(axis=1)
+    n_second = votes[number, second]
+    share = n_second / np.maximum(n_first + n_second, 1)
+    return (
+        np.where(n_first > 0, first, -1).astype(np.int8),
+        np.where(n_second > 0, second, first).astype(np.int8),
+        share.astype(np.float16),
+    )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import correlate
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
+from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import ContextExample, batch_of
 from adibas.context.kernels import convolved, weight_gradient
 from adibas.context.network import NetworkShape, with_nothing
@@ -208,8 +208,24 @@ def _checkered(rng: np.random.Generator) -> ContextExample:
     labels = 2 * (rows >= 8) + (columns >= 8)
     features = np.zeros((len(rows), SHAPE.n_inputs), np.float16)
     features[:, 4] = 1.0
+    return _example(rows, columns, features, labels)
+
+
+def _example(
+    rows: IntArray,
+    columns: IntArray,
+    features: AnyArray,
+    labels: IntArray,
+    second_share: float = 0.0,
+) -> ContextExample:
+    """Return cells whose second label is the next one."""
     return ContextExample(
-        rows.astype(np.int16), columns.astype(np.int16), features, labels.astype(np.int8)
+        rows.astype(np.int16),
+        columns.astype(np.int16),
+        features,
+        labels.astype(np.int8),
+        (labels + 1).astype(np.int8),
+        np.full(len(labels), second_share, np.float16),
     )
 
 
@@ -254,11 +270,20 @@ class TestTraining:
         for name, value in whole.kept().items():
             np.testing.assert_array_equal(value, second.kept()[name], err_msg=name)
 
+    def test_a_label_is_drawn_as_often_as_it_has_of_the_cell(
+        self, rng: np.random.Generator
+    ) -> None:
+        places = np.arange(10_000)
+        features = np.zeros((len(places), SHAPE.n_inputs), np.float16)
+        example = _example(places, places, features, np.full(len(places), 1), 0.25)
+        drawn = example.drawn_labels(rng)
+        assert set(drawn.tolist()) == {1, 2}
+        assert (drawn == 2).mean() == pytest.approx(0.25, abs=0.02)
+
     def test_labels_of_all_sizes_weigh_the_same_in_sum(self) -> None:
-        labels = np.array([0, 0, 0, 1, 2, 2, 3, 3, 3, 3, -1], np.int8)
-        places = np.arange(len(labels), dtype=np.int16)
-        example = ContextExample(
-            places, places, np.zeros((len(labels), SHAPE.n_inputs), np.float16), labels
-        )
+        labels = np.array([0, 0, 0, 1, 2, 2, 3, 3, 3, 3, -1])
+        places = np.arange(len(labels))
+        features = np.zeros((len(labels), SHAPE.n_inputs), np.float16)
+        example = _example(places, places, features, labels)
         weights = label_weights([example], 4, evenness=1.0)
         np.testing.assert_allclose(weights * np.array([3, 1, 2, 4]), 2.5)

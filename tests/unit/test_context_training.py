@@ -114,6 +114,22 @@ class TestExamples:
         share = (example.labels == 1).mean()
         assert share == pytest.approx(len(hand) / np.count_nonzero(labels), abs=0.05)
 
+    def test_a_cell_on_a_border_has_both_labels_and_their_shares(self, forest_path):
+        depth_m = np.full((40, 40), 2.0, np.float32)
+        labels = np.ones((40, 40), np.uint8)
+        labels[:, 23:] = 2
+        depth_m[:20] = np.nan
+        forest = load_model(forest_path).forest
+        example = context_example(depth_m, labels, 800.0, forest)  # cells of 8 pixels
+        below = example.rows >= 3
+        both = below & (example.second_share > 0)
+        assert set(example.columns[both].tolist()) == {2}
+        assert set(example.labels[both].tolist()) == {0}
+        assert set(example.seconds[both].tolist()) == {1}
+        np.testing.assert_allclose(example.second_share[both], 1 / 8, atol=1e-3)
+        assert set(example.labels[example.rows < 2].tolist()) == {-1}
+        assert not example.second_share[example.rows < 2].any()
+
     def test_nobody_with_depth_gives_none(self, forest_path, others):
         depth_m, labels, focal_px = LimbFolder(others).read(2)
         forest = load_model(forest_path).forest
@@ -167,8 +183,9 @@ class TestModel:
     @pytest.mark.parametrize(
         ("name", "change"),
         [
-            ("context_values", lambda values: values[:-3]),
-            ("context_values", lambda values: np.full_like(values, np.nan)),
+            ("context_steps", lambda steps: steps[:-3]),
+            ("context_numbers", lambda numbers: numbers[:-3]),
+            ("context_numbers", lambda numbers: np.full_like(numbers, np.nan)),
             ("context_shape", lambda shape: shape[:1]),
             ("context_shape", lambda shape: shape * 0),
         ],
