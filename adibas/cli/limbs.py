@@ -1,23 +1,21 @@
 """`adibas limbs`: train a model of limbs, find limbs in a recording, say how well that works."""
 
 import argparse
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.interrupts import kept_when_stopped
+from adibas.cli.limbs_evaluation import evaluation_document, evaluation_lines
 from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
 from adibas.cli.recording_options import add_calibration, add_frames, add_recording
-from adibas.texts import SpokenNumber, message, translate_plural
+from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
-    from adibas.limbs.evaluation import Confusion
     from adibas.limbs.model import LimbModel
     from adibas.limbs.segmentation import LimbParams
-    from adibas.pipeline.limb_evaluation import LimbEvaluation
 
 SUMMARY = message("find the limbs of a person in the depth image, without markers")
 TRAIN = message("learn limbs from labelled depth images, or from simulated people")
@@ -70,7 +68,8 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
         metavar="model.npz",
         help=_("make a model of the seven labels out of one of the fifteen, without training"),
     )
-    parser.add_argument(
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument(
         "--context",
         type=Path,
         metavar="model.npz",
@@ -79,19 +78,19 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
             "by what is around"
         ),
     )
-    parser.add_argument(
-        "--labels", choices=SETS, default="", help=_("those of the images if not given")
-    )
-    _add_count(parser, "--frames", N_FRAMES, _("how many images are simulated; {n} if not given"))
-    _add_forest(parser, SHIPPED_FOREST)
-    parser.add_argument(
+    how.add_argument(
         "--cluster",
         default="",
         metavar=_("ADDRESS"),
         help=_("train on the Dask cluster whose scheduler is there, such as tcp://10.0.0.7:8786"),
     )
+    parser.add_argument(
+        "--labels", choices=SETS, default="", help=_("those of the images if not given")
+    )
+    _add_count(parser, "--frames", N_FRAMES, _("how many images are simulated; {n} if not given"))
+    _add_forest(parser, SHIPPED_FOREST)
     add_out(parser, "model.npz", _("model to write; an older one is replaced"))
-    parser.set_defaults(action=_train)
+    parser.set_defaults(action=_train, refuse=parser.error)
 
 
 def _add_forest(parser: argparse.ArgumentParser, forest: tuple[int, int, int]) -> None:
@@ -210,6 +209,8 @@ def _train(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.limb_training import merge_model
     from adibas.pipeline.unfinished_training import work_folder
 
+    if arguments.merge is not None and (arguments.context or arguments.cluster):
+        arguments.refuse(_("--merge trains nothing: leave --context and --cluster out"))
     check_place(arguments.out)
     with kept_when_stopped(work_folder(arguments.out)):
         if arguments.merge is not None:
@@ -365,74 +366,7 @@ def _evaluate(arguments: argparse.Namespace, console: Console) -> int:
         result = evaluate_folder(
             arguments.folder, arguments.model, params, arguments.pictures, progress
         )
-    for line in _table(result):
+    for line in evaluation_lines(result):
         console.say(line)
-    console.give(_document(result))
+    console.give(evaluation_document(result))
     return 0
-
-
-def _table(result: "LimbEvaluation") -> list[str]:
-    lines = [
-        _("{protocol}, {n} groups, {images} images").format(
-            protocol=result.protocol, n=result.n_groups, images=result.n_images
-        ),
-        _mean_line(result),
-    ]
-    labels = result.forest.labels
-    width = max(map(len, labels))
-    steps = [one for one in (result.forest, result.network, result.cut) if one is not None]
-    for label, *shares in zip(labels, *(one.per_class for one in steps), strict=True):
-        columns = "  ".join(f"{SpokenNumber(100 * share):6.1f} %" for share in shares)
-        lines.append(f"{label:{width}}  {columns}")
-    before, after = result.before_cut.per_class, result.cut.per_class
-    worse = [label for label, one, other in zip(labels, before, after, strict=True) if other < one]
-    if worse:
-        lines.append(_("The cut makes these labels worse: {labels}.").format(
-            labels=", ".join(worse)
-        ))  # fmt: skip
-    else:
-        lines.append(_("The cut makes no label worse."))
-    return lines
-
-
-def _mean_line(result: "LimbEvaluation") -> str:
-    forest = SpokenNumber(100 * result.forest.mean_per_class)
-    cut = SpokenNumber(100 * result.cut.mean_per_class)
-    if result.network is None:
-        told = _("Mean per label: forest {forest:.1f} %, with graph cut {cut:.1f} %")
-        return told.format(forest=forest, cut=cut)
-    told = _(
-        "Mean per label: forest {forest:.1f} %, with its network {network:.1f} %, and with graph "
-        "cut {cut:.1f} %"
-    )
-    network = SpokenNumber(100 * result.network.mean_per_class)
-    return told.format(forest=forest, network=network, cut=cut)
-
-
-def _document(result: "LimbEvaluation") -> dict[str, object]:
-    return {
-        "protocol": result.protocol,
-        "n_groups": result.n_groups,
-        "n_images": result.n_images,
-        "labels": list(result.forest.labels),
-        "forest": _figures(result.forest),
-        "network": None if result.network is None else _figures(result.network),
-        "cut": _figures(result.cut),
-    }
-
-
-def _figures(confusion: "Confusion") -> Mapping[str, object]:
-    """Return plain values; None where a label never occurs."""
-    return {
-        "mean_per_class": _finite(confusion.mean_per_class),
-        "overall": _finite(confusion.overall),
-        "per_class": {
-            label: _finite(float(share))
-            for label, share in zip(confusion.labels, confusion.per_class, strict=True)
-        },
-        "confusion": confusion.counts.tolist(),
-    }
-
-
-def _finite(share: float) -> float | None:
-    return None if share != share else share  # noqa: PLR0124  (NaN alone is not itself)

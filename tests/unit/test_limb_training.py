@@ -195,6 +195,23 @@ def test_the_command_leaves_people_out(folder, capsys):
     assert "left_hand" in told
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--simulator", "--context", "a.npz", "--cluster", "tcp://127.0.0.1:1"],
+        ["--merge", "a.npz", "--context", "b.npz"],
+        ["--merge", "a.npz", "--cluster", "tcp://127.0.0.1:1"],
+    ],
+)
+def test_options_that_would_go_unheard_are_wrong_usage(tmp_path, capsys, options):
+    out = tmp_path / "model.npz"
+    with pytest.raises(SystemExit) as ended:
+        main(["limbs", "train", *options, "--out", str(out)])
+    assert ended.value.code == 2
+    assert options[-2] in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_a_model_of_other_labels_is_not_merged_nor_evaluated(folder, tmp_path, capsys):
     model = tmp_path / "model.npz"
     train_model(TrainingRequest(model, folder, params=PARAMS), lambda *_told: None)
