@@ -23,6 +23,8 @@ from benchmarks.limb_sets import CLEAN, LIVE, UnseenFrames, mocap_poses
 from benchmarks.limb_tables import N_FOLDS, TableEffort, hand_rows, table_rows
 from benchmarks.table import Row
 
+PARAMS = LimbParams(step=1)
+
 
 def rows(*, quick: bool) -> Iterable[Row]:
     """Measure; with `quick` a fold of 40 frames, and 10 unseen people."""
@@ -59,7 +61,7 @@ def _shipped_rows(n_frames: int, kept: Kept) -> Iterator[Row]:
         for name, (frames, goal) in sets.items():
             images = _relabelled(frames, model)
             told = f"{labels.name}, {n_frames} {name}"
-            made = model.created_utc
+            made = f"{model.created_utc}, lambda {PARAMS.smoothness:g}"
             counted = kept.get(f"{told}, {made}", partial(_shipped, images, model))
             found = {one: shares_of(images.labels, counts) for one, counts in counted.items()}
             yield Row(f"{told}: forest", found["forest"][MEAN], "%")
@@ -74,7 +76,7 @@ def _shipped_rows(n_frames: int, kept: Kept) -> Iterator[Row]:
 
 def _shipped(images: TrainingImages, model: LimbModel) -> Confusions:
     """Count what every pixel that has depth is taken for; clutter is one of the labels."""
-    result = evaluate_model(images, model, LimbParams(step=1), lambda _done, _all: None)
+    result = evaluate_model(images, model, PARAMS, lambda _done, _all: None)
     steps = {"forest": result.forest, "network": result.network, "cut": result.cut}
     return {name: step.counts for name, step in steps.items() if step is not None}
 

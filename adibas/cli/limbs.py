@@ -119,9 +119,9 @@ def _add_cut(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--smoothness",
         type=positive,
-        default=2.0,
+        default=1.0,
         metavar="N",
-        help=_("lambda of the graph cut; 2 if not given"),
+        help=_("lambda of the graph cut; 1 if not given"),
     )
 
 

@@ -11,13 +11,19 @@ _GRADIENT_BLOCK = 512
 """Likewise, of a product that sums over cells: longer ones are done at a higher rate."""
 _N_SUMS = 8
 """Parts that gradients are summed in: always the same ones, whatever the number of cores."""
+RECTIFIED, AS_IT_IS = np.float32(0.0), np.float32(-np.inf)
+"""The least that a convolution makes: nothing below zero, or anything."""
 
 
 @compiled_parallel
 def convolved(
-    features: Float32Array, neighbors: Int32Array, weights: Float32Array, bias: Float32Array
+    features: Float32Array,
+    neighbors: Int32Array,
+    weights: Float32Array,
+    bias: Float32Array,
+    least: np.float32,
 ) -> Float32Array:
-    """Return (N + 1, D) sums over neighbours, and a last row of zeros.
+    """Return (N + 1, D) sums over neighbours, `least` at the least, and a last row of zeros.
 
     Parameters
     ----------
@@ -27,6 +33,8 @@ def convolved(
     weights : (9 C, D) float32 array
         Of all features of the first neighbour, the second, ...
     bias : (D,) float32 array
+    least : float32
+        `RECTIFIED`, or `AS_IT_IS`.
     """
     n_sites, n_neighbors = neighbors.shape
     n_features, n_made = features.shape[1], weights.shape[1]
@@ -44,16 +52,8 @@ def convolved(
         product = np.dot(gathered, weights)
         for site in range(first, past):
             for feature in range(n_made):
-                made[site, feature] = product[site - first, feature] + bias[feature]
+                made[site, feature] = max(product[site - first, feature] + bias[feature], least)
     return made
-
-
-@compiled_parallel
-def rectified(features: Float32Array) -> None:
-    """Set what is below zero to zero, in place."""
-    for site in parallel_range(len(features)):
-        for feature in range(features.shape[1]):
-            features[site, feature] = max(features[site, feature], np.float32(0))
 
 
 @compiled_parallel

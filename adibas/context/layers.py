@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, Int32Array
-from adibas.context.kernels import convolved, mirrored, weight_gradient
+from adibas.context.kernels import AS_IT_IS, convolved, mirrored, weight_gradient
 from adibas.context.network import with_nothing
 from adibas.context.sites import N_NEIGHBORS, SiteLevel
 
@@ -58,7 +58,8 @@ class NormalizedConvolution:
     def forward(self, features: Float32Array, level: SiteLevel) -> tuple[Float32Array, Back]:
         """Return (N + 1, D) features of (N + 1, C), and the way back."""
         weights, scale = self.values["weights"], self.values["scale"]
-        raw = convolved(features, level.neighbors, weights, np.zeros_like(scale))[:-1]
+        nothing = np.zeros_like(scale)
+        raw = convolved(features, level.neighbors, weights, nothing, AS_IT_IS)[:-1]
         mean, variance = raw.mean(axis=0), raw.var(axis=0)
         self._remember(mean, variance)
         deviation = np.sqrt(variance + np.float32(_LEAST_VARIANCE))
@@ -73,8 +74,9 @@ class NormalizedConvolution:
             both = by_normal.mean(axis=0) + normal * (by_normal * normal).mean(axis=0)
             by_raw = with_nothing((by_normal - both) / deviation)
             self.gradients["weights"] = weight_gradient(features, level.neighbors, by_raw)
-            nothing = np.zeros(self._n_before, np.float32)
-            return convolved(by_raw, level.neighbors, mirrored(weights, self._n_before), nothing)
+            back_weights = mirrored(weights, self._n_before)
+            no_bias = np.zeros(self._n_before, np.float32)
+            return convolved(by_raw, level.neighbors, back_weights, no_bias, AS_IT_IS)
 
         return with_nothing(made), back
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import Float32Array, check_shape, read_only
-from adibas.context.kernels import convolved, pooled, rectified
+from adibas.context.kernels import RECTIFIED, convolved, pooled
 from adibas.context.sites import N_NEIGHBORS, SiteLevel
 
 
@@ -97,22 +97,14 @@ class ContextNetwork:
             if number:
                 features, _ = pooled(features, level.children)
             for _ in range(2):
-                features = _layer(features, level, *next(layers))
+                features = convolved(features, level.neighbors, *next(layers), RECTIFIED)
             kept.append(features)
         for level, skipped in zip(levels[-2::-1], kept[-2::-1], strict=True):
             features = with_nothing(np.hstack([features[level.parents], skipped[:-1]]))
             for _ in range(2):
-                features = _layer(features, level, *next(layers))
+                features = convolved(features, level.neighbors, *next(layers), RECTIFIED)
         last = np.hstack([features[:-1], inputs])
         return np.asarray(last @ self.last_weights + self.last_bias)
-
-
-def _layer(
-    features: Float32Array, level: SiteLevel, weights: Float32Array, bias: Float32Array
-) -> Float32Array:
-    made = convolved(features, level.neighbors, weights, bias)
-    rectified(made)
-    return made
 
 
 def with_nothing(features: Float32Array) -> Float32Array:

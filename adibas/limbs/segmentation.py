@@ -32,7 +32,7 @@ class LimbParams:
         ``omega_1`` (alpha-expansion), ``omega_2`` (alpha-beta swap), or ``none``: the likeliest
         label of the forest.
     smoothness : float
-        Lambda. The thesis has 50; 2 is right more often (see ``docs/limbs.md``).
+        Lambda. The thesis has 50; 1 is right more often (see ``docs/limbs.md``).
     connectivity : 4 or 8
     step : int
         Of how many rows and columns one is looked at; the pixels between take the label of the
@@ -42,7 +42,7 @@ class LimbParams:
     """
 
     cut: Cut = "omega_1"
-    smoothness: float = 2.0
+    smoothness: float = 1.0
     connectivity: Connectivity = 8
     step: int = 2
     is_from_behind: bool = False

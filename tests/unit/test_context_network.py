@@ -8,7 +8,7 @@ from scipy.signal import correlate
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import ContextExample, batch_of
-from adibas.context.kernels import convolved, weight_gradient
+from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved, weight_gradient
 from adibas.context.network import NetworkShape, with_nothing
 from adibas.context.sites import SiteLevel, site_levels
 from adibas.context.training import (
@@ -94,7 +94,7 @@ class TestConvolution:
         features = rng.normal(size=(len(level), 5)).astype(np.float32)
         weights = rng.normal(size=(9 * 5, 6)).astype(np.float32)
         bias = rng.normal(size=6).astype(np.float32)
-        made = convolved(with_nothing(features), level.neighbors, weights, bias)
+        made = convolved(with_nothing(features), level.neighbors, weights, bias, AS_IT_IS)
         picture, kernel = _picture(features, occupied), weights.reshape(3, 3, 5, 6)
         for feature in range(6):
             dense = sum(
@@ -105,6 +105,8 @@ class TestConvolution:
                 made[:-1, feature], dense[occupied] + bias[feature], atol=1e-4
             )
         assert not made[-1].any()
+        rectified = convolved(with_nothing(features), level.neighbors, weights, bias, RECTIFIED)
+        np.testing.assert_array_equal(rectified, np.maximum(made, 0))
 
     def test_gradients_are_the_same_with_any_number_of_cores(
         self, rng: np.random.Generator

@@ -2,18 +2,22 @@
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
 from adibas.cli import limbs, main
+from adibas.context.training import ContextTraining
 from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_segmenting import PICTURE, shipped_model
 from adibas.pipeline.limb_training import SHIPPED, SHIPPED_FRAMES
 from adibas.recordings import create_recording
 from adibas.simulation.scenes import open_scene
+
+ROOT = Path(__file__).parents[2]
 
 
 def record(path, scene):
@@ -39,6 +43,18 @@ def test_the_command_makes_the_shipped_models_again_if_nothing_is_said(labels):
     assert (provenance["n_images"], provenance["mirrored"]) == (SHIPPED_FRAMES, True)
     forest = (SHIPPED.n_trees, SHIPPED.max_depth, SHIPPED.n_pixels)
     assert (SHIPPED_FRAMES, forest) == (limbs.N_FRAMES, limbs.SHIPPED_FOREST)
+
+
+@pytest.mark.parametrize("labels", [FULL_BODY, UPPER_BODY])
+def test_make_train_gives_the_network_of_the_shipped_models(labels):
+    model = shipped_model(labels.name)
+    learned = model.forest.provenance["context"]
+    params = json.loads(json.dumps(asdict(ContextTraining())))
+    assert (learned["params"], learned["images"]) == (params, "simulator")
+    assert model.context.shape.widths == tuple(params["widths"])
+    told = f"--seed {learned['seed']} --frames {learned['n_images']}"
+    assert told in (ROOT / "Makefile").read_text("utf-8")
+    assert learned["seed"] != model.forest.provenance["seed"], "images that the forest has not seen"
 
 
 def test_the_limbs_of_a_patient_are_written_as_pictures_and_as_images_to_train_on(tmp_path, capsys):
