@@ -3,15 +3,18 @@
 # What is already there is left alone, so that it can be run before every command.
 # Ends with exit code 1 and the one command to type where it may not install something.
 #
-#     installers/setup.sh [installer]      with what only the building of installers needs
+#     installers/setup.sh [installer|ci]      with what only the building of installers, or CI, needs
 set -eu
 cd "$(dirname "$0")/.."
 
 packages=installers/debian-packages.txt
 lock=installers/requirements.lock
 stamp=.venv/.installed
-comments='/^# Installer/,$d; s/#.*//'
-[ "${1:-}" = installer ] && comments='s/#.*//'
+case "${1:-}" in
+    installer) comments='/^# CI/,$d; s/#.*//' ;;
+    ci) comments='/^# Installer/,/^# CI/d; s/#.*//' ;;
+    *) comments='/^# Installer/,$d; s/#.*//' ;;
+esac
 
 install_system_packages() {
     command -v dpkg-query >/dev/null 2>&1 || return 0  # not Debian: the user's own package manager

@@ -182,7 +182,7 @@ def test_the_command_trains_and_evaluates(folder, tmp_path, capsys):
     assert main(["limbs", "evaluate", str(folder), *told]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["protocol"] == "model"
-    assert document["cut"]["mean_per_class"] > 0.9
+    assert document["cut"]["mean_per_class"] > 0.85
     assert np.sum(document["cut"]["confusion"]) == 10 * (40 * 14 + 8 * 8)
     assert len(list(pictures.iterdir())) == 10
 

@@ -41,18 +41,19 @@ def machine(tmp_path):
     return add_command, run, tree
 
 
-@pytest.mark.parametrize("is_for_installers", [False, True])
-def test_where_it_may_not_install_it_tells_the_one_command(machine, is_for_installers):
+@pytest.mark.parametrize("extra", ["", "installer", "ci"])
+def test_where_it_may_not_install_it_tells_the_one_command(machine, extra):
     add_command, run, _tree = machine
     add_command("dpkg-query", "exit 1")
     add_command("id", "echo 1000")
-    result = run(*["installer"] * is_for_installers)
+    result = run(*[extra] * bool(extra))
     assert result.returncode == 1
     command = result.stderr.splitlines()[-1].strip()
     assert command.startswith("sudo apt-get update && sudo apt-get install -y ")
-    always, for_installers = PACKAGE_LIST.read_text().split("# Installer")
-    expected = package_names(always) + package_names(for_installers)[1:] * is_for_installers
-    assert command.split()[8:] == expected
+    always, others = PACKAGE_LIST.read_text().split("# Installer")
+    for_installers, for_ci = others.split("# CI")
+    only = {"": "", "installer": for_installers, "ci": for_ci}[extra]
+    assert command.split()[8:] == package_names(always) + package_names(only)[1:]
 
 
 def test_as_root_it_refreshes_the_index_and_installs_what_is_missing(machine, tmp_path):
