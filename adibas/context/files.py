@@ -15,18 +15,22 @@ from adibas.context.sites import N_NEIGHBORS
 SHAPE, STEPS, NUMBERS = "context_shape", "context_steps", "context_numbers"
 """Names of the arrays: sizes; weights in steps; sizes of the steps, then what is added."""
 _MOST_STEPS = 127
+_LEAST = 1e-20
+"""Taken for the largest weight where all are zero."""
 
 
 def network_arrays(network: ContextNetwork) -> dict[str, AnyArray]:
     """Return the arrays of a network."""
     shape = network.shape
     layers = (*network.weights, network.last_weights)
-    sizes = [np.maximum(np.abs(one).max(axis=0), 1e-20) / _MOST_STEPS for one in layers]
-    steps = [np.rint(one / size) for one, size in zip(layers, sizes, strict=True)]
+    step_sizes = [np.maximum(np.abs(one).max(axis=0), _LEAST) / _MOST_STEPS for one in layers]
+    steps = [np.rint(one / size) for one, size in zip(layers, step_sizes, strict=True)]
     return {
         SHAPE: np.array([shape.n_inputs, shape.n_labels, *shape.widths], np.int32),
         STEPS: np.concatenate([one.ravel() for one in steps]).astype(np.int8),
-        NUMBERS: np.concatenate([*sizes, *network.biases, network.last_bias]).astype(np.float32),
+        NUMBERS: np.concatenate([*step_sizes, *network.biases, network.last_bias]).astype(
+            np.float32
+        ),
     }
 
 

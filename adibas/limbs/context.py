@@ -87,11 +87,11 @@ def context_example(
         rows.astype(np.int16),
         columns.astype(np.int16),
         cell_features(view, forest, cells).astype(np.float16),
-        *_most_frequent(depth_m, labels, cells, len(forest.labels)),
+        *_two_most_frequent(depth_m, labels, cells, len(forest.labels)),
     )
 
 
-def _most_frequent(
+def _two_most_frequent(
     depth_m: Float32Array, labels: UInt8Array, cells: PersonCells, n_labels: int
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Return (N,) labels of cells from 0, the next most frequent ones, and what share these have.

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from adibas.cli import limbs, main
+from adibas.cli.command_line import build_parser
 from adibas.context.training import ContextTraining
 from adibas.data.limbs import FULL_BODY, UPPER_BODY
+from adibas.limbs.segmentation import LimbParams
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_segmenting import PICTURE, shipped_model
 from adibas.pipeline.limb_training import SHIPPED, SHIPPED_FRAMES
@@ -55,6 +57,13 @@ def test_make_train_gives_the_network_of_the_shipped_models(labels):
     told = f"--seed {learned['seed']} --frames {learned['n_images']}"
     assert told in (ROOT / "Makefile").read_text("utf-8")
     assert learned["seed"] != model.forest.provenance["seed"], "images that the forest has not seen"
+
+
+@pytest.mark.parametrize("action", ["segment", "evaluate"])
+def test_the_command_cuts_as_the_live_picture_does_if_nothing_is_said(action):
+    arguments = ["limbs", action, "some", *["--out", "folder"] * (action == "segment")]
+    told = build_parser().parse_args(arguments)
+    assert (told.cut, told.smoothness) == (LimbParams().cut, LimbParams().smoothness)
 
 
 def test_the_limbs_of_a_patient_are_written_as_pictures_and_as_images_to_train_on(tmp_path, capsys):
