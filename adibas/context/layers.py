@@ -9,8 +9,17 @@ from typing import TypeAlias
 
 import numpy as np
 
-from adibas.arrays import AnyArray, Float32Array, Int32Array
-from adibas.context.kernels import AS_IT_IS, convolved, mirrored, weight_gradient
+from adibas.arrays import AnyArray, Float32Array, FloatArray, Int32Array
+from adibas.context.kernels import (
+    AS_IT_IS,
+    convolved,
+    mirrored,
+    moments,
+    rectified,
+    slope_sums,
+    slopes_before,
+    weight_gradient,
+)
 from adibas.context.network import with_nothing
 from adibas.context.sites import N_NEIGHBORS, SiteLevel
 
@@ -58,33 +67,40 @@ class NormalizedConvolution:
     def forward(self, features: Float32Array, level: SiteLevel) -> tuple[Float32Array, Back]:
         """Return (N + 1, D) features of (N + 1, C), and the way back."""
         weights, scale = self.values["weights"], self.values["scale"]
-        nothing = np.zeros_like(scale)
-        raw = convolved(features, level.neighbors, weights, nothing, AS_IT_IS)[:-1]
-        mean, variance = raw.mean(axis=0), raw.var(axis=0)
-        self._remember(mean, variance)
-        deviation = np.sqrt(variance + np.float32(_LEAST_VARIANCE))
-        normal = (raw - mean) / deviation
-        made = np.maximum(normal * scale + self.values["shift"], np.float32(0))
+        nothing, level_size = np.zeros_like(scale), max(len(level), 1)
+        raw = convolved(features, level.neighbors, weights, nothing, AS_IT_IS)
+        mean, variance = moments(raw)
+        self._remember(_single(mean), _single(variance))
+        deviation = np.sqrt(variance + _LEAST_VARIANCE)
+        factor = scale / deviation
+        offset = self.values["shift"] - mean * factor
+        made = rectified(raw, _single(factor), _single(offset))
 
         def back(by_made: Float32Array) -> Float32Array:
-            by_line = by_made[:-1] * (made > 0)
-            self.gradients["shift"] = by_line.sum(axis=0)
-            self.gradients["scale"] = (by_line * normal).sum(axis=0)
-            by_normal = by_line * scale
-            both = by_normal.mean(axis=0) + normal * (by_normal * normal).mean(axis=0)
-            by_raw = with_nothing((by_normal - both) / deviation)
+            by_shift, by_raw_scale = slope_sums(by_made, made, raw)
+            by_scale = (by_raw_scale - mean * by_shift) / deviation
+            self.gradients.update(shift=_single(by_shift), scale=_single(by_scale))
+            bend = factor * by_scale / (deviation * level_size)
+            common = factor * by_shift / level_size - mean * bend
+            by_raw = slopes_before(
+                by_made, made, raw, _single(factor), _single(bend), _single(common)
+            )
             self.gradients["weights"] = weight_gradient(features, level.neighbors, by_raw)
             back_weights = mirrored(weights, self._n_before)
             no_bias = np.zeros(self._n_before, np.float32)
             return convolved(by_raw, level.neighbors, back_weights, no_bias, AS_IT_IS)
 
-        return with_nothing(made), back
+        return made, back
 
     def _remember(self, mean: Float32Array, variance: Float32Array) -> None:
         self.running["n_batches"] += 1
         share = max(np.float32(_FORGETS), 1 / self.running["n_batches"][0])
         for name, value in (("mean", mean), ("variance", variance)):
             self.running[name] += share * (value - self.running[name])
+
+
+def _single(values: FloatArray) -> Float32Array:
+    return np.asarray(values, np.float32)
 
 
 class Linear:

@@ -8,7 +8,8 @@ from scipy.signal import correlate
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import ContextExample, batch_of
-from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved, weight_gradient
+from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved
+from adibas.context.layers import NormalizedConvolution
 from adibas.context.network import NetworkShape, with_nothing
 from adibas.context.sites import SiteLevel, site_levels
 from adibas.context.training import (
@@ -116,15 +117,31 @@ class TestConvolution:
         level = site_levels(np.ones((50, 40), bool), 1)[0]
         features = with_nothing(rng.normal(size=(len(level), 5)).astype(np.float32))
         by_made = with_nothing(rng.normal(size=(len(level), 6)).astype(np.float32))
+        layer = NormalizedConvolution(5, 6, rng)
         found = []
         cores = numba.get_num_threads()
         try:
             for n_cores in (1, cores):
                 numba.set_num_threads(n_cores)
-                found.append(weight_gradient(features, level.neighbors, by_made))
+                made, back = layer.forward(features, level)
+                found.append({"made": made, "by_features": back(by_made), **layer.gradients})
         finally:
             numba.set_num_threads(cores)
-        np.testing.assert_array_equal(found[0], found[1])
+        for name, value in found[0].items():
+            np.testing.assert_array_equal(value, found[1][name], err_msg=name)
+
+    def test_a_batch_has_mean_0_and_variance_1_before_it_is_rectified(
+        self, rng: np.random.Generator
+    ) -> None:
+        level = site_levels(np.ones((30, 20), bool), 1)[0]
+        features = with_nothing(rng.normal(size=(len(level), 5)).astype(np.float32))
+        layer = NormalizedConvolution(5, 6, rng)
+        layer.values["shift"][:] = 20.0  # nothing is below zero
+        layer.values["scale"][:] = 3.0
+        made, _ = layer.forward(features, level)
+        np.testing.assert_allclose(made[:-1].mean(axis=0), 20.0, atol=1e-4)
+        np.testing.assert_allclose(made[:-1].std(axis=0), 3.0, rtol=1e-3)
+        assert not made[-1].any()
 
 
 class TestDerivatives:
