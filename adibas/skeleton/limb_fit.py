@@ -8,6 +8,7 @@ from adibas.arrays import FloatArray
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.data.part_cloud import PartCloud
 from adibas.skeleton.limb_fit_kernels import fit_limbs_from
+from adibas.skeleton.limb_start_kernels import limb_starts, limb_support
 
 LIMBS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = tuple(
     (tuple(f"{side}_{joint}" for joint in joints), tuple(f"{side}_{part}" for part in parts))
@@ -18,9 +19,6 @@ LIMBS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = tuple(
     )
 )
 """Joints of each limb from its root on, and its parts."""
-
-N_MIDDLES, MIDDLE_BAND, END_BAND = 4, 0.15, 0.3
-"""Elbows or knees that are tried as starts, and how well lengths must fit for that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +127,7 @@ def _fitted(
     sizes = np.array(
         [lengths_m[1], lengths_m[2], params.length_weight, params.width_m, params.least_part]
     )
-    starts_m = _starts(points, joints_m, latest_m, lengths_m)
+    starts_m = limb_starts(points, joints_m, latest_m, lengths_m[1:])
     costs = fit_limbs_from(points, both, starts_m, pulls, sizes)
     known = np.where(np.isfinite(costs), costs, np.inf)
     best_m = starts_m[int(known.argmin())] if np.isfinite(known).any() else joints_m
@@ -146,42 +144,6 @@ def _fitted(
 _LEGS = [k for k, name in enumerate(BODY_PART_NAMES) if name.endswith("upper_leg")]
 
 
-def _starts(
-    points: FloatArray, joints_m: FloatArray, latest_m: FloatArray, lengths_m: FloatArray
-) -> FloatArray:
-    """Return (S, 3, 3) starts: as chosen, a moment ago, stretched to the farthest point, bent."""
-    root_m = joints_m[0]
-    away_m = points[:, :3] - root_m
-    far_m = np.linalg.norm(away_m, axis=1)
-    end_m = points[far_m >= np.quantile(far_m, 0.95), :3].mean(axis=0)
-    way = (end_m - root_m) / max(float(np.linalg.norm(end_m - root_m)), 1e-6)
-    straight_m = np.stack(
-        [root_m, root_m + lengths_m[1] * way, root_m + (lengths_m[1] + lengths_m[2]) * way]
-    )
-    known = [one_m for one_m in (joints_m, latest_m) if np.isfinite(one_m[1:]).any()]
-    starts = [straight_m, *(np.where(np.isfinite(one_m), one_m, straight_m) for one_m in known)]
-    near_length = np.abs(far_m - lengths_m[1]) < MIDDLE_BAND * lengths_m[1]
-    for middle_m in _spread_out(points[near_length, :3]):
-        gap = np.linalg.norm(points[:, :3] - middle_m, axis=1) - lengths_m[2]
-        ends_m = points[np.abs(gap) < END_BAND * lengths_m[2], :3]
-        if len(ends_m):
-            beside_m = np.linalg.norm(ends_m - 0.5 * (root_m + middle_m), axis=1)
-            starts.append(np.stack([root_m, middle_m, ends_m[beside_m.argmax()]]))
-    return np.stack(starts)
-
-
-def _spread_out(points_m: FloatArray) -> FloatArray:
-    """Return up to `N_MIDDLES` of the points, each as far as can be from those before."""
-    if not len(points_m):
-        return points_m
-    chosen = [0]
-    gap_m = np.linalg.norm(points_m - points_m[0], axis=1)
-    while len(chosen) < min(N_MIDDLES, len(points_m)):
-        chosen.append(int(gap_m.argmax()))
-        gap_m = np.minimum(gap_m, np.linalg.norm(points_m - points_m[chosen[-1]], axis=1))
-    return np.asarray(points_m[chosen])
-
-
 def _seen_only(
     points: FloatArray, shares: FloatArray, joints_m: FloatArray, params: LimbFitParams
 ) -> FloatArray:
@@ -189,22 +151,12 @@ def _seen_only(
 
     The end must have surface that the upper bone does not explain, by place or by its part.
     """
-    seen_m = joints_m.copy()
-    for joint in (1, 2):
-        near = np.linalg.norm(points[:, :3] - joints_m[joint], axis=1) < params.reach_m
-        if points[near, 3].sum() < params.least_near * points[:, 3].sum():
-            seen_m[joint] = np.nan
-    upper_m, lower_m = (_distances_m(points, joints_m[k], joints_m[k + 1]) for k in (0, 1))
-    on_lower = lower_m < params.reach_m
-    own = on_lower & ((upper_m > 1.5 * params.width_m) | (shares[:, 1] > shares[:, 0]))
-    if points[own, 3].sum() < params.least_own * points[:, 3].sum():
+    seen_m, all_points = joints_m.copy(), points[:, 3].sum()
+    at_middle, at_end, of_end = limb_support(
+        points, shares, joints_m, params.reach_m, 1.5 * params.width_m
+    )
+    if at_middle < params.least_near * all_points:
+        seen_m[1] = np.nan
+    if at_end < params.least_near * all_points or of_end < params.least_own * all_points:
         seen_m[2] = np.nan
     return seen_m
-
-
-def _distances_m(points: FloatArray, a_m: FloatArray, b_m: FloatArray) -> FloatArray:
-    """Return (N,) distances of points from the bone from a to b."""
-    bone_m = b_m - a_m
-    along = (points[:, :3] - a_m) @ bone_m / max(float(bone_m @ bone_m), 1e-9)
-    nearest_m = a_m + np.clip(along, 0.0, 1.0)[:, None] * bone_m
-    return np.asarray(np.linalg.norm(points[:, :3] - nearest_m, axis=1))

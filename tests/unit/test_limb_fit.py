@@ -6,6 +6,7 @@ import pytest
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES, other_side
 from adibas.data.part_cloud import PartCloud
 from adibas.skeleton.limb_fit import LimbFitParams, fit_limbs
+from adibas.skeleton.limb_start_kernels import limb_starts, limb_support
 
 RADIUS_M = LimbFitParams().arm_radius_m
 SHOULDER, ELBOW, HAND = (
@@ -86,6 +87,60 @@ def test_an_elbow_that_nothing_was_proposed_for_needs_surface_beside_it(lowest_m
         params = LimbFitParams(bare_reach_m=reach_m)
         found_m = fit_limbs(cloud, known_m, NOWHERE, lengths_of(true_m), params)
         assert np.isfinite(found_m[ELBOW]).all() == expected
+
+
+class TestStarts:
+    ROOT_M = np.array([0.0, 0.0, 2.0])
+    LENGTHS_M = np.array([0.3, 0.25])
+    UNKNOWN_M = np.array([[0.0, 0.0, 2.0], [np.nan] * 3, [np.nan] * 3])
+
+    @pytest.fixture
+    def points(self):
+        """Along an arm that is bent at a right angle, 0.3 and 0.25 m, a point each millimetre."""
+        upper = [(0.0, 0.001 * k, 2.0, 1.0) for k in range(1, 300)]
+        lower = [(0.001 * k, 0.3, 2.0, 1.0) for k in range(250)]
+        return np.array(upper + lower)
+
+    def test_the_first_is_stretched_to_the_middle_of_the_farthest_points(self, points):
+        starts_m = limb_starts(points, self.UNKNOWN_M, self.UNKNOWN_M, self.LENGTHS_M)
+        far_m = np.linalg.norm(points[:, :3] - self.ROOT_M, axis=1)
+        end_m = points[far_m >= np.quantile(far_m, 0.95), :3].mean(axis=0)
+        way = (end_m - self.ROOT_M) / np.linalg.norm(end_m - self.ROOT_M)
+        np.testing.assert_allclose(
+            starts_m[0], self.ROOT_M + np.array([[0.0], [0.3], [0.55]]) * way
+        )
+
+    def test_what_is_known_is_another_one_and_the_rest_of_it_stretched(self, points):
+        known_m = self.UNKNOWN_M.copy()
+        known_m[2] = (0.2, 0.3, 2.0)
+        without = limb_starts(points, self.UNKNOWN_M, self.UNKNOWN_M, self.LENGTHS_M)
+        starts_m = limb_starts(points, self.UNKNOWN_M, known_m, self.LENGTHS_M)
+        assert len(starts_m) == len(without) + 1
+        np.testing.assert_array_equal(starts_m[1], [self.ROOT_M, starts_m[0, 1], known_m[2]])
+
+    def test_one_of_the_bent_ones_is_nearly_the_arm(self, points):
+        starts_m = limb_starts(points, self.UNKNOWN_M, self.UNKNOWN_M, self.LENGTHS_M)
+        arm_m = np.array([self.ROOT_M, (0.0, 0.3, 2.0), (0.25, 0.3, 2.0)])
+        gaps_m = np.linalg.norm(starts_m - arm_m, axis=2).max(axis=1)
+        assert gaps_m.min() < 0.1
+
+    def test_where_nothing_is_a_bone_away_there_are_no_bent_ones(self, points):
+        starts_m = limb_starts(points[:50], self.UNKNOWN_M, self.UNKNOWN_M, self.LENGTHS_M)
+        assert len(starts_m) == 1
+
+
+def test_surface_speaks_for_the_joints_that_it_is_near_to():
+    joints_m = np.array([[0.0, 0.0, 2.0], [0.0, 0.3, 2.0], [0.0, 0.6, 2.0]])
+    rng = np.random.default_rng(5)
+    points = rng.uniform((-0.2, -0.1, 1.9, 0.5), (0.2, 0.8, 2.1, 1.5), (300, 4))
+    shares = rng.uniform(size=(300, 2))
+    near = [np.linalg.norm(points[:, :3] - joints_m[k], axis=1) < 0.14 for k in (1, 2)]
+    to_lower = points[:, :3] - np.clip(points[:, 1, None], 0.3, 0.6) * [0, 1, 0] - [0, 0, 2]
+    to_upper = points[:, :3] - np.clip(points[:, 1, None], 0.0, 0.3) * [0, 1, 0] - [0, 0, 2]
+    own = np.linalg.norm(to_lower, axis=1) < 0.14
+    own &= (np.linalg.norm(to_upper, axis=1) > 0.06) | (shares[:, 1] > shares[:, 0])
+    expected = [points[those, 3].sum() for those in (*near, own)]
+    np.testing.assert_allclose(limb_support(points, shares, joints_m, 0.14, 0.06), expected)
 
 
 def test_without_a_shoulder_or_surface_nothing_changes():

@@ -14,11 +14,12 @@ from adibas.simulation.poses import standing
 from adibas.skeleton.choice_kernels import FAR, bone_cost, choose
 from adibas.skeleton.following import ChosenJoints, PersonFollower
 from adibas.skeleton.identities import Identities
-from adibas.skeleton.person_size import PersonSize
+from adibas.skeleton.person_size import PersonSize, SizeParams
 from adibas.skeleton.proportions import (
     MIRRORED,
     ORDER,
     PARENTS,
+    bone_lengths_m,
     learn_proportions,
     proportions_from_json,
     proportions_to_json,
@@ -182,6 +183,29 @@ def test_the_size_of_a_child_is_learned(proportions):
         size.learn(joints_m)
     assert size.stature_m == pytest.approx(1.22, abs=0.1)
     assert (size.bones_m()[1] <= before_m).all()
+
+
+@pytest.mark.parametrize("n_frames", [1, 4, 5])
+def test_a_bone_is_as_long_as_in_the_middle_one_of_the_frames_that_show_it(
+    adult_m, proportions, n_frames
+):
+    rng = np.random.default_rng(n_frames)
+    size, lengths_m = PersonSize(proportions), []
+    for _ in range(n_frames):
+        joints_m = adult_m + rng.normal(scale=0.01, size=adult_m.shape)
+        joints_m[rng.choice(N_JOINTS, 3, replace=False)] = np.nan
+        size.learn(joints_m)
+        lengths_m.append(bone_lengths_m(joints_m))
+    assert size.n_seen == n_frames
+    usual_m = proportions.lengths * size.stature_m
+    seen = np.isfinite(lengths_m).sum(axis=0)
+    for bone in np.flatnonzero((seen > 0) & (usual_m > 0)):
+        middle_m = np.clip(np.nanmedian(np.array(lengths_m)[:, bone]) / usual_m[bone], 0.75, 1.25)
+        share = seen[bone] / (seen[bone] + SizeParams().n_own)
+        expected_m = usual_m[bone] * (1 + share * (middle_m - 1))
+        assert size.bones_m()[0][bone] == pytest.approx(expected_m)
+    for bone in np.flatnonzero((seen == 0) & (usual_m > 0)):
+        assert size.bones_m()[0][bone] == pytest.approx(usual_m[bone])
 
 
 def test_few_joints_teach_no_size(proportions):
