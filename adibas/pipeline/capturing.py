@@ -39,6 +39,7 @@ from adibas.skeleton.namer import Namer
 from adibas.texts import message
 
 POLL_S = 0.1
+BACK_BURSTS = 2
 
 NOT_SOUGHT = message("No marker was looked for, because no marker colour was learned.")
 NOT_FOUND = message("No marker was found in the burst.")
@@ -97,6 +98,14 @@ class CaptureFindings:
     surface: BurstDisparity
     picture_rgb: UInt8Array
     notices: tuple[str, ...]
+
+
+def frames_of_view(view: str, burst_frames: int) -> int:
+    """Return how many frames a view gets: from behind two bursts' worth, for the back's shape.
+
+    Curves of the spine are small beside the sensor's noise (docs/body-surface.md, *Figures*).
+    """
+    return BACK_BURSTS * burst_frames if view == "posterior" else burst_frames
 
 
 def take_capture(

@@ -225,6 +225,9 @@ def test_four_captures_take_the_four_views_one_after_the_other(seen, view, takin
         count_down(clock)
     assert [request.view for request in taking.requests] == list(VIEWS)
     assert len({request.session_id for request in taking.requests}) == 1
+    frames = {request.view: request.n_frames for request in taking.requests}
+    assert frames.pop("posterior") == 60, "the shape of the back needs more"
+    assert set(frames.values()) == {30}
     name, pictures = view.show_views.call_args.args
     assert (name, set(pictures)) == ("left_lateral", set(VIEWS))
     assert [kind for kind, _ in told] == ["good"] * 4

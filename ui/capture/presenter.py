@@ -7,7 +7,7 @@ from adibas.arrays import UInt8Array
 from adibas.clock import utc_now
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
-from adibas.pipeline.capturing import CaptureRequest, take_capture
+from adibas.pipeline.capturing import CaptureRequest, frames_of_view, take_capture
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.targets import target_from_document, target_to_document
@@ -172,7 +172,7 @@ class CapturePresenter:
         request = CaptureRequest(
             session_id=session.session_id,
             view=self._next_view,
-            n_frames=self._workspace.preferences.now.burst_frames,
+            n_frames=frames_of_view(self._next_view, self._workspace.preferences.now.burst_frames),
             target=self._workspace.target,
             oldest_calibration_days=self._workspace.preferences.now.calibration_days,
         )
