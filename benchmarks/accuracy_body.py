@@ -17,6 +17,7 @@ from adibas.markers.disparity import fuse_depth
 from adibas.pipeline.back import Back, BackParams, measure_back
 from adibas.pipeline.body import girths_of
 from adibas.pipeline.body_views import LEAST_SHARE, BodyView, person_in
+from adibas.pipeline.capturing import frames_of_view
 from adibas.pipeline.whole_body import WholeBody, join_body
 from adibas.simulation.depth_noise import EXACT
 from adibas.simulation.poses import DOWN, FORWARD, HEADINGS_RAD, LEFT, View
@@ -36,6 +37,7 @@ QUICK_BACKS = 8
 BODY_SEEDS = range(4000, 4010)
 QUICK_BODIES = 2
 N_FRAMES = 30
+"""Of a burst; what a view gets of them is what the program's window takes."""
 VIEWS: tuple[View, ...] = ("posterior", "anterior", "right_lateral", "left_lateral")
 SWAY_M, SWAY_RAD = 0.005, np.radians(1.0)
 FAR_MM = 5.0
@@ -66,15 +68,23 @@ class Spine:
 
 def _backs(seeds: range) -> Iterator[Row]:
     spines: list[Spine] = []
+    of_one_burst: list[FloatArray] = []
     deviations = Deviations()
     for seed in seeds:
         scene = draw_back_scene(seed)
-        view = _seen(scene, "posterior", seed, 0.0)
+        view = _seen(scene, "posterior", seed)
         spine = _spine(scene, view, seed)
         if spine is not None:
             spines.append(spine)
             deviations.add(scene, view, seed)
-    told = f"bent spines, {N_FRAMES} frames at 2 m, seeds {seeds[0]}-{seeds[-1]}"
+        short = _spine(scene, _seen(scene, "posterior", seed, n_frames=N_FRAMES), seed)
+        if short is not None:
+            of_one_burst.append(short.errors)
+    asked = f"frames at 2 m, seeds {seeds[0]}-{seeds[-1]}"
+    told = f"bent spines, {frames_of_view('posterior', N_FRAMES)} {asked}"
+    for column, name in enumerate(("kyphosis", "lordosis")):
+        short_error = rms(np.array(of_one_burst)[:, column])
+        yield Row(f"bent spines, {N_FRAMES} {asked}: {name}, rms", short_error, "deg")
     errors, plain, held, aside_mm = (
         np.array([getattr(one, name) for one in spines])
         for name in ("errors", "plain_errors", "held", "aside_mm")
@@ -225,9 +235,12 @@ def _seen(
     scene: BackScene,
     view: View,
     seed: int,
-    sway: float,
+    sway: float = 0.0,
     motion: RigidTransform | None = None,
+    n_frames: int | None = None,
 ) -> BodyView:
+    """Return a view of as many frames as the window takes, or of `n_frames`."""
+    n_frames = n_frames or frames_of_view(view, N_FRAMES)
     posed = scene.posed(view)
     if sway and motion is not None:
         heading = about(DOWN, HEADINGS_RAD[view])
@@ -235,7 +248,7 @@ def _seen(
         posed = replace(posed, vertices_m=vertices_m)
     calibration: RgbdCalibration = scene.calibration
     surface = fuse_depth(
-        burst(scene, posed, N_FRAMES, seed),
+        burst(scene, posed, n_frames, seed),
         calibration.depth_bias,
         calibration.depth,
         least_share=LEAST_SHARE,

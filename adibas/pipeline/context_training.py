@@ -54,7 +54,7 @@ class ContextRequest:
     model: Path
     out: Path
     folder: Path | None = None
-    n_frames: int = 32_000
+    n_frames: int = 64_000
     seed: int = 1
     params: ContextTraining = field(default_factory=ContextTraining)
 
