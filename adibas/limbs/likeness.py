@@ -34,7 +34,7 @@ PART_QUANTITIES = (
     "area",
 )
 """What `describe_parts` gives, in this order."""
-LOST_SHARE = 0.02
+LOST_SHARE = 0.01
 """Of simulated people, seen as badly as those that models are trained on, who are not recognised.
 
 Ours: with none lost half of the things would not be, either; real people lie far above.
