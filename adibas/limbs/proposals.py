@@ -95,12 +95,9 @@ class PartPoints:
             The labels are not those of the whole body.
         """
         columns = [self.names.index(name) for name in BODY_PART_NAMES]
-        cells = self.cells[self.cells[..., 3].sum(axis=1) > 0]
-        total = cells[..., 3].sum(axis=1)
-        return PartCloud(
-            cells[..., :3].sum(axis=1) / total[:, None],
-            np.ascontiguousarray(cells[:, columns, 3]),
-        )
+        of_all = self.cells.sum(axis=1)
+        used = np.flatnonzero(of_all[:, 3] > 0)
+        return PartCloud(of_all[used, :3] / of_all[used, 3:], self.cells[used[:, None], columns, 3])
 
     def middles_m(self) -> dict[str, FloatArray]:
         """Return the middle of each part that is seen."""

@@ -1,6 +1,7 @@
 """Arms and legs of known size laid into the surface of their parts."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -90,30 +91,39 @@ def fit_limbs(
         Of the bone that ends at each joint.
     """
     params = params or LimbFitParams()
-    fitted_m = joints_m.copy()
+    fitted_m, of_all = joints_m.copy(), cloud.weights_m2.sum(axis=1)
     for names, parts in LIMBS:
         at = [JOINT_NAMES.index(name) for name in names]
         columns = [BODY_PART_NAMES.index(part) for part in parts]
-        fitted_m[at] = _fitted(cloud, columns, joints_m[at], latest_m[at], lengths_m[at], params)
+        surface = _LimbSurface(cloud.points_m, cloud.weights_m2[:, columns], of_all)
+        is_leg = columns[0] in _LEGS
+        fitted_m[at] = _fitted(surface, is_leg, joints_m[at], latest_m[at], lengths_m[at], params)
     return fitted_m
 
 
+class _LimbSurface(NamedTuple):
+    """(N, 3) points of a person, (N, 3) weights of a limb's parts, and (N,) of all parts."""
+
+    points_m: FloatArray
+    weights_m2: FloatArray
+    of_all_m2: FloatArray
+
+
 def _fitted(
-    cloud: PartCloud,
-    columns: list[int],
+    surface: _LimbSurface,
+    is_leg: bool,
     joints_m: FloatArray,
     latest_m: FloatArray,
     lengths_m: FloatArray,
     params: LimbFitParams,
 ) -> FloatArray:
-    weights = cloud.weights_m2[:, columns]
+    weights = surface.weights_m2
     total = weights.sum(axis=1)
-    used = total > params.least_limb * cloud.weights_m2.sum(axis=1)
+    used = total > params.least_limb * surface.of_all_m2
     if used.sum() < params.least_points or not np.isfinite(joints_m[0, 0]):
         return joints_m
-    is_leg = columns[0] in _LEGS
     radius_m = params.leg_radius_m if is_leg else params.arm_radius_m
-    places_m = cloud.points_m[used]
+    places_m = surface.points_m[used]
     places_m = places_m * (1.0 + radius_m / np.linalg.norm(places_m, axis=1, keepdims=True))
     weight = total[used] / total[used].mean()
     points = np.ascontiguousarray(np.column_stack([places_m, weight]))
@@ -133,11 +143,11 @@ def _fitted(
     best_m = starts_m[int(known.argmin())] if np.isfinite(known).any() else joints_m
     seen_m = _seen_only(points, both, best_m, params)
     is_bare = ~np.isfinite(joints_m[:, 0])
-    own_m = cloud.points_m[total > params.bare_share * cloud.weights_m2.sum(axis=1)]
-    gaps_m = np.linalg.norm(own_m[:, None] - seen_m[is_bare], axis=2)
-    seen_m[is_bare] = np.where(
-        (gaps_m < params.bare_reach_m).any(axis=0)[:, None], seen_m[is_bare], np.nan
-    )
+    if is_bare.any():
+        own_m = surface.points_m[total > params.bare_share * surface.of_all_m2]
+        gaps_m = np.linalg.norm(own_m[:, None] - seen_m[is_bare], axis=2)
+        is_near = (gaps_m < params.bare_reach_m).any(axis=0)
+        seen_m[is_bare] = np.where(is_near[:, None], seen_m[is_bare], np.nan)
     return seen_m
 
 
