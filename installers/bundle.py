@@ -18,7 +18,7 @@ EXCLUDED = (
     *("_pytest", "babel", "coverage", "dtaidistance", "hypothesis", "mcap", "mypy", "pip"),
     *("pygments", "pypdf", "pytest", "rich", "setuptools", "lz4", "charset_normalizer"),
     *("jinja2", "markdown", "mkdocs", "watchdog"),
-    *("open3d", "skimage", "sklearn"),
+    *("open3d", "skimage"),
     *(f"sqlalchemy.dialects.{database}" for database in ("mssql", "mysql", "oracle")),
     *("matplotlib.tests", "numba.cuda", "numba.tests", "pydoc_data"),
     *("cffi", "pycparser", "zstandard.backend_cffi"),  # compilers of C; for other Pythons
