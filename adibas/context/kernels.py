@@ -124,8 +124,8 @@ def pooled(features: Float32Array, children: Int32Array) -> tuple[Float32Array, 
 
 
 @compiled_parallel
-def moments(values: Float32Array) -> FloatArray:
-    """Return (2, D) mean and variance of the first N rows of (N + 1, D) values."""
+def sums_with(values: Float32Array, others: Float32Array) -> FloatArray:
+    """Return (2, D) sums of the first N rows of (N + 1, D) values, and of values times others."""
     n_sites, n_features = values.shape[0] - 1, values.shape[1]
     sums = np.zeros((_N_SUMS, 2, n_features))
     share = (n_sites + _N_SUMS - 1) // _N_SUMS
@@ -134,13 +134,11 @@ def moments(values: Float32Array) -> FloatArray:
             for feature in range(n_features):
                 value = np.float64(values[site, feature])
                 sums[part, 0, feature] += value
-                sums[part, 1, feature] += value * value
-    found = np.zeros((2, n_features))
+                sums[part, 1, feature] += value * others[site, feature]
+    total = np.zeros((2, n_features))
     for part in range(_N_SUMS):
-        found += sums[part] / max(n_sites, 1)
-    for feature in range(n_features):
-        found[1, feature] = max(found[1, feature] - found[0, feature] ** 2, 0.0)
-    return found
+        total += sums[part]
+    return total
 
 
 @compiled_parallel
@@ -157,52 +155,30 @@ def rectified(values: Float32Array, factor: Float32Array, offset: Float32Array) 
 
 
 @compiled_parallel
-def slope_sums(by_made: Float32Array, made: Float32Array, values: Float32Array) -> FloatArray:
-    """Return (2, D) sums of derivatives by what is above zero, and of their products with `values`.
-
-    Parameters
-    ----------
-    by_made : (N + 1, D) float32 array
-        Derivatives by what `rectified` returned.
-    made, values : (N + 1, D) float32 arrays
-        That, and of what.
-    """
-    n_sites, n_features = values.shape[0] - 1, values.shape[1]
-    sums = np.zeros((_N_SUMS, 2, n_features))
-    share = (n_sites + _N_SUMS - 1) // _N_SUMS
-    for part in parallel_range(_N_SUMS):
-        for site in range(part * share, min((part + 1) * share, n_sites)):
-            for feature in range(n_features):
-                is_above = made[site, feature] > 0
-                slope = np.float64(by_made[site, feature]) if is_above else 0.0
-                sums[part, 0, feature] += slope
-                sums[part, 1, feature] += slope * values[site, feature]
-    found = np.zeros((2, n_features))
-    for part in range(_N_SUMS):
-        found += sums[part]
+def slopes_of_rectified(by_made: Float32Array, made: Float32Array) -> Float32Array:
+    """Return (N + 1, D) derivatives by what `rectified` returned, zero where that is zero."""
+    found = np.empty_like(by_made)
+    for site in parallel_range(by_made.shape[0]):
+        for feature in range(by_made.shape[1]):
+            is_above = made[site, feature] > 0
+            found[site, feature] = by_made[site, feature] if is_above else np.float32(0)
     return found
 
 
 @compiled_parallel
-def slopes_before(
-    by_made: Float32Array,
-    made: Float32Array,
-    values: Float32Array,
+def combined(
+    slopes: Float32Array,
     factor: Float32Array,
+    values: Float32Array,
     bend: Float32Array,
     offset: Float32Array,
 ) -> Float32Array:
-    """Return (N + 1, D) derivatives by the values before `rectified`; the last row is zero.
-
-    Those by what is above zero times `factor`, less ``bend * values + offset``.
-    """
+    """Return (N + 1, D) ``slopes * factor - (values * bend + offset)``; a last row of zeros."""
     n_sites, n_features = values.shape[0] - 1, values.shape[1]
     found = np.empty((n_sites + 1, n_features), np.float32)
     found[n_sites] = 0
     for site in parallel_range(n_sites):
         for feature in range(n_features):
-            is_above = made[site, feature] > 0
-            slope = by_made[site, feature] * factor[feature] if is_above else np.float32(0)
-            common = bend[feature] * values[site, feature] + offset[feature]
-            found[site, feature] = slope - common
+            common = values[site, feature] * bend[feature] + offset[feature]
+            found[site, feature] = slopes[site, feature] * factor[feature] - common
     return found

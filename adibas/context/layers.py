@@ -12,12 +12,12 @@ import numpy as np
 from adibas.arrays import AnyArray, Float32Array, FloatArray, Int32Array
 from adibas.context.kernels import (
     AS_IT_IS,
+    combined,
     convolved,
     mirrored,
-    moments,
     rectified,
-    slope_sums,
-    slopes_before,
+    slopes_of_rectified,
+    sums_with,
     weight_gradient,
 )
 from adibas.context.network import with_nothing
@@ -67,9 +67,10 @@ class NormalizedConvolution:
     def forward(self, features: Float32Array, level: SiteLevel) -> tuple[Float32Array, Back]:
         """Return (N + 1, D) features of (N + 1, C), and the way back."""
         weights, scale = self.values["weights"], self.values["scale"]
-        nothing, level_size = np.zeros_like(scale), max(len(level), 1)
+        nothing, n_cells = np.zeros_like(scale), max(len(level), 1)
         raw = convolved(features, level.neighbors, weights, nothing, AS_IT_IS)
-        mean, variance = moments(raw)
+        mean, mean_square = sums_with(raw, raw) / n_cells
+        variance = np.maximum(mean_square - mean**2, 0.0)
         self._remember(_single(mean), _single(variance))
         deviation = np.sqrt(variance + _LEAST_VARIANCE)
         factor = scale / deviation
@@ -77,14 +78,13 @@ class NormalizedConvolution:
         made = rectified(raw, _single(factor), _single(offset))
 
         def back(by_made: Float32Array) -> Float32Array:
-            by_shift, by_raw_scale = slope_sums(by_made, made, raw)
-            by_scale = (by_raw_scale - mean * by_shift) / deviation
+            by_line = slopes_of_rectified(by_made, made)
+            by_shift, with_raw = sums_with(by_line, raw)
+            by_scale = (with_raw - mean * by_shift) / deviation
             self.gradients.update(shift=_single(by_shift), scale=_single(by_scale))
-            bend = factor * by_scale / (deviation * level_size)
-            common = factor * by_shift / level_size - mean * bend
-            by_raw = slopes_before(
-                by_made, made, raw, _single(factor), _single(bend), _single(common)
-            )
+            bend = factor * by_scale / (deviation * n_cells)
+            common = factor * by_shift / n_cells - mean * bend
+            by_raw = combined(by_line, _single(factor), raw, _single(bend), _single(common))
             self.gradients["weights"] = weight_gradient(features, level.neighbors, by_raw)
             back_weights = mirrored(weights, self._n_before)
             no_bias = np.zeros(self._n_before, np.float32)

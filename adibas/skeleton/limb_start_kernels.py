@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray
+from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.kernels import compiled
 
 N_MIDDLES, MIDDLE_BAND, END_BAND = 4, 0.15, 0.3
@@ -79,17 +79,18 @@ def _way_to_farthest(points: FloatArray, far_m: FloatArray, root_m: FloatArray) 
 
 
 @compiled
-def _spread_out(points: FloatArray, is_one: BoolArray) -> list[int]:
-    """Return up to `N_MIDDLES` of some points, each as far as can be from those before."""
-    chosen = [-1 for _ in range(0)]
-    gap_m = np.where(is_one, np.inf, -1.0)
-    latest = int(gap_m.argmax())
-    while len(chosen) < N_MIDDLES and gap_m[latest] >= 0.0:
-        chosen.append(latest)
+def _spread_out(points: FloatArray, is_middle: BoolArray) -> IntArray:
+    """Return up to `N_MIDDLES` of the middles, each as far as can be from those before."""
+    chosen, n_chosen = np.empty(N_MIDDLES, np.int64), 0
+    gap_m = np.where(is_middle, np.inf, -1.0)
+    latest = gap_m.argmax()
+    while n_chosen < N_MIDDLES and gap_m[latest] >= 0.0:
+        chosen[n_chosen] = latest
+        n_chosen += 1
         gap_m = np.minimum(gap_m, _gaps_m(points, points[latest]))
         gap_m[latest] = -1.0
-        latest = int(gap_m.argmax())
-    return chosen
+        latest = gap_m.argmax()
+    return chosen[:n_chosen]
 
 
 @compiled
