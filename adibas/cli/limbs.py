@@ -75,7 +75,7 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
         metavar="model.npz",
         help=_(
             "keep the forest of this model, and learn on images that it has not seen to correct it "
-            "by what is around"
+            "by what is around; what it has learned of that before is kept and goes on"
         ),
     )
     how.add_argument(

@@ -27,6 +27,8 @@ Back: TypeAlias = Callable[[Float32Array], Float32Array]
 _FORGETS = 0.02
 """Share of the running mean and variance that each batch replaces; of few, each has the same."""
 _LEAST_VARIANCE = 1e-5
+_FIRST_LENGTH, _LEAST_LENGTH = np.sqrt(2.0), 1e-9
+"""Of the weights of a feature, as they are drawn at first; of one that has none left."""
 
 
 class NormalizedConvolution:
@@ -58,6 +60,22 @@ class NormalizedConvolution:
         }
         self._n_before = n_before
 
+    def take_over(
+        self, weights: Float32Array, bias: Float32Array, features: Float32Array, level: SiteLevel
+    ) -> None:
+        """Do with these features, and others like them, what a folded convolution does.
+
+        The weights are made as long as they are drawn at first, so that they learn as fast as then:
+        of a longer one the same step turns less.
+        """
+        lengths = np.maximum(np.linalg.norm(weights, axis=0), _LEAST_LENGTH)
+        stretch = _single(_FIRST_LENGTH / lengths)
+        self.values["weights"] = np.ascontiguousarray(weights * stretch)
+        mean, variance = _moments(self._raw(features, level), max(len(level), 1))
+        deviation = np.sqrt(variance + _LEAST_VARIANCE)
+        self.values["scale"] = _single(deviation / stretch)
+        self.values["shift"] = _single(bias + mean / stretch)
+
     def folded(self) -> tuple[Float32Array, Float32Array]:
         """Return weights and bias of a convolution that does the same with the running values."""
         scale = self.values["scale"] / np.sqrt(self.running["variance"] + _LEAST_VARIANCE)
@@ -67,10 +85,9 @@ class NormalizedConvolution:
     def forward(self, features: Float32Array, level: SiteLevel) -> tuple[Float32Array, Back]:
         """Return (N + 1, D) features of (N + 1, C), and the way back."""
         weights, scale = self.values["weights"], self.values["scale"]
-        nothing, n_cells = np.zeros_like(scale), max(len(level), 1)
-        raw = convolved(features, level.neighbors, weights, nothing, AS_IT_IS)
-        mean, mean_square = sums_with(raw, raw) / n_cells
-        variance = np.maximum(mean_square - mean**2, 0.0)
+        raw = self._raw(features, level)
+        n_cells = max(len(level), 1)
+        mean, variance = _moments(raw, n_cells)
         self._remember(_single(mean), _single(variance))
         deviation = np.sqrt(variance + _LEAST_VARIANCE)
         factor = scale / deviation
@@ -92,11 +109,22 @@ class NormalizedConvolution:
 
         return made, back
 
+    def _raw(self, features: Float32Array, level: SiteLevel) -> Float32Array:
+        weights = self.values["weights"]
+        nothing = np.zeros(weights.shape[1], np.float32)
+        return convolved(features, level.neighbors, weights, nothing, AS_IT_IS)
+
     def _remember(self, mean: Float32Array, variance: Float32Array) -> None:
         self.running["n_batches"] += 1
         share = max(np.float32(_FORGETS), 1 / self.running["n_batches"][0])
         for name, value in (("mean", mean), ("variance", variance)):
             self.running[name] += share * (value - self.running[name])
+
+
+def _moments(raw: Float32Array, n_cells: int) -> tuple[FloatArray, FloatArray]:
+    """Return mean and variance of each feature over the cells."""
+    mean, mean_square = sums_with(raw, raw) / n_cells
+    return mean, np.maximum(mean_square - mean**2, 0.0)
 
 
 def _single(values: FloatArray) -> Float32Array:

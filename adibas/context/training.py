@@ -1,17 +1,18 @@
 """Training of a context network: batches of people, Adam, a rate that falls like a cosine.
 
 Sources: Kingma and Ba, Adam, ICLR 2015, algorithm 1; Loshchilov and Hutter, SGDR, ICLR 2017,
-equation 5, without restarts.
+equation 5: one fall a training, from half the rate where a network goes on.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, IntArray
-from adibas.context.examples import ContextExample, batch_of
+from adibas.context.examples import Batch, ContextExample, batch_of
 from adibas.context.kernels import pooled
 from adibas.context.layers import Back, Linear, NormalizedConvolution, from_parents, from_pooled
 from adibas.context.network import ContextNetwork, NetworkShape, with_nothing
@@ -24,6 +25,10 @@ _N_WARMING = 100
 """Steps in which the rate rises to its full size."""
 _FIRST_CORRECTION, _FIRST_OPINION = 0.1, 2.0
 """Weights, at first, of what is around and of the inputs, halves of logarithms of probabilities."""
+_RATE_OF_THE_TAUGHT = 0.5
+"""Share of the rate with which a network that learned before goes on."""
+_N_MEASURING = 4
+"""Batches that tell how large the features of such a network are."""
 _FIRST_WEIGHTS, _ORDER = 0xC0, 0xC1
 """What is drawn from the seed."""
 
@@ -55,6 +60,22 @@ class ContextTraining:
     seed: int = 1
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _TakingOver:
+    """A layer that does what a taught one does, from the first features on that it is given."""
+
+    layer: NormalizedConvolution
+    weights: Float32Array
+    bias: Float32Array
+
+    def forward(self, features: Float32Array, level: SiteLevel) -> tuple[Float32Array, Back]:
+        self.layer.take_over(self.weights, self.bias, features, level)
+        return self.layer.forward(features, level)
+
+
+_Convolution: TypeAlias = NormalizedConvolution | _TakingOver
+
+
 class LearningNetwork:
     """A network while it learns; the first inputs are an opinion on each label.
 
@@ -81,6 +102,21 @@ class LearningNetwork:
         opinions = np.arange(n_labels)
         weights[n_features + opinions, opinions] = _FIRST_OPINION
 
+    def take_over(
+        self, network: ContextNetwork, inputs: Float32Array, levels: Sequence[SiteLevel]
+    ) -> None:
+        """Do with these inputs, and others like them, what a network of the same shape does."""
+        taught = zip(network.weights, network.biases, strict=True)
+        layers = [
+            _TakingOver(layer, weights, bias)
+            for layer, (weights, bias) in zip(self._convolutions, taught, strict=True)
+        ]
+        self._last.values = {
+            "weights": network.last_weights.copy(),
+            "bias": network.last_bias.copy(),
+        }
+        self._forward(layers, inputs, levels)
+
     @property
     def layers(self) -> list[NormalizedConvolution | Linear]:
         """Return all layers, in the order in which they are done."""
@@ -90,7 +126,15 @@ class LearningNetwork:
         self, inputs: Float32Array, levels: Sequence[SiteLevel]
     ) -> tuple[Float32Array, Back]:
         """Return (N, K) log odds, and what takes derivatives by them to every layer."""
-        layers = iter(self._convolutions)
+        return self._forward(self._convolutions, inputs, levels)
+
+    def _forward(
+        self,
+        convolutions: Sequence[_Convolution],
+        inputs: Float32Array,
+        levels: Sequence[SiteLevel],
+    ) -> tuple[Float32Array, Back]:
+        layers = iter(convolutions)
         ways: list[tuple[Back, Back]] = []
         features, kept, owners = with_nothing(inputs), [], []
         for number, level in enumerate(levels):
@@ -138,7 +182,7 @@ class LearningNetwork:
 
 
 def _twice(
-    layers: Iterator[NormalizedConvolution], features: Float32Array, level: SiteLevel
+    layers: Iterator[_Convolution], features: Float32Array, level: SiteLevel
 ) -> tuple[Float32Array, tuple[Back, Back]]:
     features, first_way = next(layers).forward(features, level)
     features, second_way = next(layers).forward(features, level)
@@ -227,6 +271,8 @@ class ContextTrainer:
     mirror_order : (K,) int array
         Label of the other side of each label.
     params : ContextTraining
+    taught : ContextNetwork or None
+        Goes on learning, with smaller steps; None: a new one.
     """
 
     def __init__(
@@ -234,12 +280,19 @@ class ContextTrainer:
         examples: Sequence[ContextExample],
         mirror_order: IntArray,
         params: ContextTraining,
+        taught: ContextNetwork | None = None,
     ) -> None:
         n_labels, n_inputs = len(mirror_order), examples[0].features.shape[1]
         shape = NetworkShape(n_inputs, n_labels, params.widths)
         rng = np.random.default_rng([params.seed, _FIRST_WEIGHTS])
         self._examples, self._mirror_order, self._params = examples, mirror_order, params
         self._network = LearningNetwork(shape, rng)
+        self._rate = params.rate
+        if taught is not None:
+            self._rate *= _RATE_OF_THE_TAUGHT
+            order = rng.permutation(len(examples))[: _N_MEASURING * params.batch_size]
+            batch = self._batch(order, rng)
+            self._network.take_over(taught, batch.inputs, batch.levels)
         self._adam = _Adam(self._network)
         self._weights = label_weights(examples, n_labels, params.evenness)
         self._per_pass = -(-len(examples) // params.batch_size)
@@ -255,12 +308,15 @@ class ContextTrainer:
         n_steps = self._params.n_passes * self._per_pass
         order, size = rng.permutation(len(self._examples)), self._params.batch_size
         for first in range(0, len(order), size):
-            chosen = [self._examples[number] for number in order[first : first + size]]
-            batch = batch_of(chosen, self._mirror_order, len(self._params.widths), rng)
+            batch = self._batch(order[first : first + size], rng)
             log_odds, back = self._network.forward(batch.inputs, batch.levels)
             back(loss_and_slope(log_odds, batch.labels, self._weights)[1])
-            self._adam.step(_rate(self._params.rate, self._adam.n_steps, n_steps))
+            self._adam.step(_rate(self._rate, self._adam.n_steps, n_steps))
             progress(self._adam.n_steps, n_steps)
+
+    def _batch(self, order: IntArray, rng: np.random.Generator) -> Batch:
+        chosen = [self._examples[number] for number in order]
+        return batch_of(chosen, self._mirror_order, len(self._params.widths), rng)
 
     def kept(self) -> dict[str, AnyArray]:
         """Return everything that the next pass needs, by name."""

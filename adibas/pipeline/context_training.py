@@ -39,7 +39,7 @@ class ContextRequest:
     Attributes
     ----------
     model : Path
-        Whose forest is corrected.
+        Whose forest is corrected; a network that it has already goes on learning.
     out : Path
         The model with the network; what is unfinished is kept in a folder beside it.
     folder : Path or None
@@ -74,13 +74,17 @@ def train_context_of(
     model = load_model(request.model)
     work = work_folder(request.out)
     folder = None if request.folder is None else LimbFolder(request.folder)
+    params = request.params
+    if model.context is not None:
+        params = replace(params, widths=model.context.shape.widths)
     settings = {
         "version": __version__,
         "model_created_utc": model.created_utc,
         "images": "simulator" if request.folder is None else request.folder.name,
         "n_images": request.n_frames if folder is None else len(folder),
         "seed": request.seed,
-        "params": {**asdict(request.params), "widths": list(request.params.widths)},
+        "params": {**asdict(params), "widths": list(params.widths)},
+        "before": model.forest.provenance.get("context"),
     }
     _check_unseen(model.forest, settings)
     check_same(work, settings)
@@ -90,8 +94,8 @@ def train_context_of(
             "The images have other labels than the model ({found}). Choose images with its labels.",
             found=", ".join(images.labels),
         )
-    trainer = _trainer(images, model.forest, request, progress)
-    _run(trainer, work / _KEPT, request.params.n_passes, progress)
+    trainer = _trainer(images, model, params, progress)
+    _run(trainer, work / _KEPT, params.n_passes, progress)
     made = {"context": settings, "created_utc": to_text(clock())}
     provenance = {**model.forest.provenance, **made}
     forest = replace(model.forest, provenance=provenance)
@@ -112,8 +116,9 @@ def _check_unseen(forest: Forest, settings: Mapping[str, object]) -> None:
 
 
 def _trainer(
-    images: TrainingImages, forest: Forest, request: ContextRequest, progress: Progress
+    images: TrainingImages, model: LimbModel, params: ContextTraining, progress: Progress
 ) -> ContextTrainer:
+    forest = model.forest
     examples: list[ContextExample] = []
     for index in range(len(images)):
         depth_m, labels, focal_px = images.read(index)
@@ -124,7 +129,8 @@ def _trainer(
         progress("looking", index + 1, len(images))
     if not examples:
         raise LimbError("Nobody with depth is in the images. Choose other images.")
-    return ContextTrainer(examples, np.array(mirror_order(forest.labels)), request.params)
+    order = np.array(mirror_order(forest.labels))
+    return ContextTrainer(examples, order, params, model.context)
 
 
 def _run(trainer: ContextTrainer, kept: Path, n_passes: int, progress: Progress) -> None:

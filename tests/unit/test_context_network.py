@@ -203,6 +203,21 @@ class TestNetwork:
             log_odds, _ = network.forward(inputs, levels)
         np.testing.assert_allclose(network.learned().log_odds(inputs, levels), log_odds, atol=2e-2)
 
+    def test_one_that_takes_over_what_was_learned_says_the_same(
+        self, rng: np.random.Generator, network: LearningNetwork, levels: tuple[SiteLevel, ...]
+    ) -> None:
+        inputs = _inputs(rng, len(levels[0]))
+        for _ in range(3):  # running means are no longer those of one batch
+            network.forward(inputs + rng.normal(size=SHAPE.n_inputs).astype(np.float32), levels)
+        taught = network.learned()
+        other = LearningNetwork(SHAPE, np.random.default_rng(9))
+        other.take_over(taught, inputs, levels)
+        expected = taught.log_odds(inputs, levels)
+        np.testing.assert_allclose(other.forward(inputs, levels)[0], expected, atol=2e-4)
+        np.testing.assert_allclose(other.learned().log_odds(inputs, levels), expected, atol=2e-4)
+        lengths = np.linalg.norm(other.layers[0].values["weights"], axis=0)
+        np.testing.assert_allclose(lengths, np.sqrt(2.0), rtol=1e-5)
+
     def test_people_of_one_batch_do_not_touch(
         self, rng: np.random.Generator, network: LearningNetwork
     ) -> None:

@@ -221,6 +221,24 @@ class TestTraining:
             np.testing.assert_array_equal(first, second)
         assert [path.name for path in tmp_path.iterdir()] == ["model.npz"]
 
+    def test_a_network_that_a_model_has_already_goes_on_learning(
+        self, with_context, tmp_path
+    ):
+        more = fill(tmp_path / "more", 14, first=400)
+        passes = replace(NETWORK, widths=(4,), n_passes=1, rate=0.0)  # its own widths stay
+        request = ContextRequest(with_context, tmp_path / "model.npz", more, params=passes)
+        train_context_of(request, _silent)
+        before, behind = load_model(with_context), load_model(request.out)
+        assert behind.context.shape == before.context.shape
+        told = behind.forest.provenance["context"]
+        assert (told["images"], told["params"]["widths"]) == ("more", [6, 8])
+        assert told["before"] == before.forest.provenance["context"]
+        depth_m, labels, focal_px = LimbFolder(more).read(2)
+        view = PersonView(depth_m, labels > 0, labels > 0, focal_px)
+        np.testing.assert_allclose(
+            limb_probabilities(view, behind), limb_probabilities(view, before), atol=0.1
+        )
+
     def test_the_forest_s_own_images_are_refused(self, forest_path, folder, tmp_path):
         request = ContextRequest(forest_path, tmp_path / "model.npz", folder, seed=0)
         with pytest.raises(LimbError, match="trained on these images"):
