@@ -69,7 +69,8 @@ class Reliability:
     Attributes
     ----------
     n_patients, n_values : int
-        Patients with two repeats at least, and their values.
+        What the figures rest on: patients with two repeats at least, and their values; those with
+        the markers placed anew alone where there are such.
     sem, sem_interval : float and (float, float), or None
         Standard deviation within a patient (standard error of measurement), and its 95 %.
     icc_2_1, icc_3_1 : Correlation or None

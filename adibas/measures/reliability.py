@@ -23,7 +23,6 @@ LEAST_PATIENTS = 10
 LEAST_REPEATS = 2
 TAIL = 0.025
 FULL_TURN_DEG = 360.0
-MDC_FACTOR = float(ndtri(1.0 - TAIL)) * math.sqrt(2.0)
 
 NO_REPEATS = message("No patient was measured twice, so that nothing is known of repeats.")
 FEW_PATIENTS = message(
@@ -52,15 +51,14 @@ def reliability_of(repeats: Sequence[Repeat]) -> Reliability:
     """
     rows = [values for values in _by_patient(repeats) if len(values) >= LEAST_REPEATS]
     anew = [values for values in _by_patient(_placed_anew(repeats)) if len(values) >= LEAST_REPEATS]
-    n_values = sum(map(len, rows))
     if not rows:
         return Reliability(0, 0, reasons=(Sentence(NO_REPEATS),))
     reasons = []
-    sem, interval = within_subject_sd(anew or rows)
+    used = anew or rows
+    sem, interval = within_subject_sd(used)
     if not anew:
         reasons.append(Sentence(NOT_PLACED_ANEW))
     consistency = agreement = None
-    used = anew or rows
     if len(used) < LEAST_PATIENTS:
         fields = {"least": LEAST_PATIENTS, "n": len(used)}
         reasons.append(Sentence(FEW_PATIENTS, fields))
@@ -71,10 +69,11 @@ def reliability_of(repeats: Sequence[Repeat]) -> Reliability:
             agreement, consistency = icc_2_1(table), icc_3_1(table)
         else:
             reasons.append(Sentence(NO_SPREAD))
-    mdc95 = MDC_FACTOR * sem if anew else None
+    n_values = sum(map(len, used))
+    mdc95 = detectable_change(sem, n_values - len(used)) if anew else None
     pairs = [(values[0], values[1]) for values in used]
     return Reliability(
-        n_patients=len(rows),
+        n_patients=len(used),
         n_values=n_values,
         sem=sem,
         sem_interval=interval,
@@ -132,6 +131,24 @@ def within_subject_sd(rows: Sequence[Sequence[float]]) -> tuple[float, tuple[flo
     freedom = sum(len(values) - 1 for values in rows)
     low, high = (math.sqrt(square_sum / chdtri(freedom, tail)) for tail in (TAIL, 1.0 - TAIL))
     return math.sqrt(square_sum / freedom), (low, high)
+
+
+def detectable_change(sem: float, freedom: float) -> float:
+    """Return the change that chance alone exceeds in 5 of 100 unchanged patients.
+
+    The two values of a patient who has not changed differ by sqrt(2) SEM (standard deviation), and
+    that over an estimate of it follows Student's distribution. With many repeats it is the usual
+    1.96 sqrt(2) SEM, which of few repeats chance would exceed more often: with one pair in 30 of
+    100, with ten in 8.
+
+    Parameters
+    ----------
+    sem : float
+        Standard deviation within patients.
+    freedom : float
+        Degrees of freedom it was estimated with.
+    """
+    return float(stdtrit(freedom, 1.0 - TAIL)) * math.sqrt(2.0) * sem
 
 
 def icc_2_1(table: FloatArray) -> Correlation:

@@ -5,6 +5,7 @@ on the picture's right. So a view and a plane give every direction, and left and
 exchanged by the order of points.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +42,7 @@ class Vertical:
     sd_rad : float
         Of its angle, in each of two directions; 0 where it is not known.
     origin : VerticalOrigin
-        Where it comes from; `UNKNOWN` is the camera's own upper side.
+        Where it comes from; `UNKNOWN` is the upper side of the picture as it is shown.
     is_sd_known : bool
         Whether `sd_rad` was measured.
     """
@@ -66,8 +67,17 @@ class Vertical:
         return np.asarray(self.sd_rad**2 * (np.eye(3) - np.outer(self.up, self.up)))
 
 
-def vertical_of(calibration: RgbdCalibration) -> Vertical:
-    """Return the vertical that a calibration holds."""
+def up_of_picture(rotation_deg: int) -> FloatArray:
+    """Return the unit vector to the upper side of a picture that is turned clockwise for showing.
+
+    In its camera's axes; `rotation_deg` is a multiple of 90.
+    """
+    angle_rad = math.radians(rotation_deg)
+    return np.array([-round(math.sin(angle_rad)), -round(math.cos(angle_rad)), 0.0])
+
+
+def vertical_of(calibration: RgbdCalibration, rotation_deg: int = 0) -> Vertical:
+    """Return the vertical that a calibration holds; else the upper side of the turned picture."""
     rotation = calibration.color_from_depth.rotation
     sd_rad = calibration.gravity_sd_rad
     is_known = sd_rad is not None
@@ -77,7 +87,14 @@ def vertical_of(calibration: RgbdCalibration) -> Vertical:
     if calibration.floor is not None:
         up = rotation @ calibration.floor.normal
         return Vertical(up, sd_rad or 0.0, VerticalOrigin.FLOOR, is_known)
-    return Vertical(np.array([0.0, -1.0, 0.0]), 0.0, VerticalOrigin.UNKNOWN, is_sd_known=False)
+    up = up_of_picture(rotation_deg)
+    return Vertical(up, 0.0, VerticalOrigin.UNKNOWN, is_sd_known=False)
+
+
+def to_the_right(up: FloatArray) -> FloatArray:
+    """Return the (..., 3) level directions to the right of who looks along the optical axis."""
+    ahead = unit(_OPTICAL_AXIS - up[..., 2:] * up)
+    return np.asarray(np.cross(ahead, up))
 
 
 def axis_along(
@@ -106,8 +123,7 @@ def axis_along(
     if axis == UP:
         return up
     if across_m is None:
-        ahead = unit(_OPTICAL_AXIS - up[..., 2:] * up)
-        return np.asarray(TO_PICTURES_RIGHT[view, axis] * np.cross(ahead, up))
+        return TO_PICTURES_RIGHT[view, axis] * to_the_right(up)
     level = unit(across_m - (across_m * up).sum(axis=-1, keepdims=True) * up)
     left = level if is_sideways else np.cross(up, level)
     sign = 1.0 if axis in ("left", "anterior") else -1.0

@@ -59,10 +59,14 @@ def trends_of(
 
 
 def _values(visit: Visit) -> dict[Key, tuple[MeasureDefinition, Estimate]]:
-    return {
-        (capture.view, result.definition.measure_id): (result.definition, result.main)
+    last = {
+        (capture.view, result.definition.measure_id): result
         for capture in visit.captures
         for result in capture.results
+    }
+    return {
+        key: (result.definition, result.main)
+        for key, result in last.items()
         if result.main is not None
     }
 

@@ -72,6 +72,9 @@ def protocol_of_body(
 
 def _seen(wish: ProtocolWish, view: MarkedView) -> ProtocolMeasures:
     vertical = vertical_of(view.seen.calibration)
+    if vertical.origin is VerticalOrigin.UNKNOWN:  # the floor that is seen tells the sides at least
+        up = view.seen.calibration.color_from_depth.rotation @ view.seen.floor.normal
+        vertical = replace(vertical, up=up)
     capturing = Capturing(view.view, vertical, wish.plane, view.by_hand)
     return measure_protocol(wish.protocol, view.markers, capturing)
 

@@ -152,10 +152,10 @@ def take_capture(
         findings = analyse_capture(burst, calibration, request.target, params, progress)
         writer.close()
     namer = _namer(store, request)
-    markers, doubts = findings.markers, findings.notices
+    markers, doubts, rotation_deg = findings.markers, findings.notices, params.rotation_deg
     if namer is not None:
-        markers = with_names(namer, markers, request.view, calibration)
-        doubts += doubts_about_view(namer, markers, request.view, calibration)
+        markers = with_names(namer, markers, request.view, calibration, rotation_deg=rotation_deg)
+        doubts += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
     new = NewCapture(
         view=request.view,
         recording_id=writer.recording_id,

@@ -2,8 +2,9 @@
 
 Sessions that the operator calls repeats, with the one before them on that day, are repeats with the
 markers placed anew; captures of one view in one session are repeats with the same markers. Of
-several such series of a patient the one with most repeats counts: between them a patient may have
-changed, on one day by what was treated.
+several such series of a patient the one counts in which the markers were placed most often, of
+these the one with most repeats: between them a patient may have changed, on one day by what was
+treated.
 """
 
 from collections import Counter
@@ -52,7 +53,8 @@ def measured_captures(
     StoreError
         The session is gone.
     """
-    return tuple(_measured(capture, wish) for capture in _known(store, session_id, wish))
+    session = store.sessions.get(session_id)
+    return tuple(_measured(session, one, wish) for one in _known(store, session_id, wish))
 
 
 def reliability_in_clinic(
@@ -85,9 +87,9 @@ def _known(store: SessionStore, session_id: str, wish: ProtocolWish) -> tuple[Ca
     return tuple(capture for capture in captures if capture.view in wish.protocol.views)
 
 
-def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
+def _measured(session: Session, capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
     by_hand = capture.history.placed_by_hand()
-    vertical = vertical_of(capture.calibration)
+    vertical = vertical_of(capture.calibration, session.setup.rotation_deg)
     capturing = Capturing(capture.view, vertical, wish.plane, by_hand)
     return measure_protocol(wish.protocol, capture.markers(), capturing)
 
@@ -95,26 +97,31 @@ def _measured(capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
 def _of_patient(
     store: SessionStore, wish: ProtocolWish, sessions: tuple[Session, ...], listed: set[str]
 ) -> dict[Key, list[Repeat]]:
-    """Return the repeats of each measure in the series that has most; sessions oldest first.
+    """Return the repeats of each measure in the series that counts; sessions oldest first.
 
     A series without repeats tells nothing and is not measured, but for views that are not `listed`
     yet: a measure without repeats is told as well.
     """
     best: dict[Key, list[Repeat]] = {}
     for some in _series(sessions):
-        visits = [_known(store, session.session_id, wish) for session in some]
-        counts = Counter(capture.view for captures in visits for capture in captures)
+        visits = [(session, _known(store, session.session_id, wish)) for session in some]
+        counts = Counter(capture.view for _session, captures in visits for capture in captures)
         if max(counts.values(), default=0) < LEAST_REPEATS and set(counts) <= listed:
             continue
         listed |= set(counts)
         found: dict[Key, list[Repeat]] = {}
-        for captures in visits:
-            for key, repeat in _of_session(wish, captures, sessions[0].patient, found):
+        for session, captures in visits:
+            for key, repeat in _of_session(wish, session, captures, found):
                 found.setdefault(key, []).append(repeat)
         for key, repeats in found.items():
-            if len(repeats) >= len(best.get(key, ())):
+            if _weight(repeats) >= _weight(best.get(key, [])):
                 best[key] = repeats
     return best
+
+
+def _weight(repeats: list[Repeat]) -> tuple[int, int]:
+    """Return how often the markers were placed anew in a series, and how many repeats it has."""
+    return sum(one.is_placed_anew for one in repeats), len(repeats)
 
 
 def _series(sessions: tuple[Session, ...]) -> Iterator[tuple[Session, ...]]:
@@ -137,18 +144,18 @@ def is_repeat_of(session: Session, before: Session) -> bool:
 
 def _of_session(
     wish: ProtocolWish,
+    session: Session,
     captures: tuple[Capture, ...],
-    patient: str,
     earlier: dict[Key, list[Repeat]],
 ) -> Iterator[tuple[Key, Repeat]]:
     seen = set(earlier)  # before anything of this session is added to it
     told: set[Key] = set()
     for capture in captures:
-        measures = _measured(capture, wish)
+        measures = _measured(session, capture, wish)
         for result in measures.results:
             if result.main is None:
                 continue
             key = (measures.view, result.definition.measure_id)
             value = result.main.value / result.definition.per_unit
-            yield key, Repeat(patient, value, key in seen and key not in told)
+            yield key, Repeat(session.patient, value, key in seen and key not in told)
             told.add(key)

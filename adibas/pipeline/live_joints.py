@@ -27,6 +27,7 @@ def joints_among(
     depth_in_color_m: Float32Array,
     calibration: RgbdCalibration,
     naming: Naming,
+    rotation_deg: int = 0,
 ) -> Mapping[str, tuple[float, float]]:
     """Return the pixel (u, v) of each joint that a marker surely marks.
 
@@ -40,6 +41,8 @@ def joints_among(
         With the colour camera.
     naming : Naming
         Nothing is named after a protocol whose landmarks nobody knows, or that is lost.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
     """
     try:
         protocol = find_protocol(naming.protocol)
@@ -61,7 +64,7 @@ def joints_among(
         for number, blob in enumerate(blobs, 1)
         if (position_m := _place_m(blob, depth_in_color_m, calibration.color)) is not None
     )
-    named = with_names(namer, markers, naming.view, calibration)
+    named = with_names(namer, markers, naming.view, calibration, rotation_deg=rotation_deg)
     return {one.label: (one.u, one.v) for one in named if one.label in JOINT_NAMES}
 
 

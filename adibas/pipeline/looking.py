@@ -155,7 +155,9 @@ def _joints(
 ) -> Mapping[str, tuple[float, float]]:
     if found is None or look.naming is None:
         return {}
-    return joints_among(found.blobs, depth_in_color_m, calibration, look.naming)
+    return joints_among(
+        found.blobs, depth_in_color_m, calibration, look.naming, look.params.rotation_deg
+    )
 
 
 def _floor(

@@ -39,6 +39,7 @@ from adibas.pipeline.skeleton_names import upright_turn
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
+from adibas.recordings.clock_jumps import check_steps
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.recordings.ports import RecordingReader
@@ -185,6 +186,7 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
     with open_recording(request.source) as recording:
         if len(recording) == 0:
             raise RecordingError("The recording holds no whole frame. Record the session again.")
+        check_steps(request.source.name, np.asarray(recording.timestamps_ns) / NS_PER_S)
         calibration = calibration_of(recording, request.calibration)
         check_age(calibration, request.oldest_calibration_days, clock())
         joints, doubts = _follow(recording, calibration, target, request, progress)
@@ -217,7 +219,8 @@ def _follow(
     progress: Progress,
 ) -> tuple[SkeletonTrack, tuple[Sentence, ...]]:
     """Return the joints in the colour camera's axes, and what the reader must know of them."""
-    upright_from_camera = upright_turn(vertical_of(calibration).up)
+    up = vertical_of(calibration, request.posture.rotation_deg).up
+    upright_from_camera = upright_turn(up)
     n_frames = len(recording)
     timestamps_ns = np.asarray(recording.timestamps_ns, np.int64)
     times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S

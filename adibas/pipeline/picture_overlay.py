@@ -60,6 +60,7 @@ class PlacedMarkers:
 
     markers: tuple[Marker, ...]
     calibration: RgbdCalibration
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +125,7 @@ def lay_over(earlier: PlacedMarkers, later: PlacedMarkers) -> PictureOverlay:
         for one in (earlier, later)
     )
     anchors = [
-        _anchor(positions_m.mean(axis=0), seen.calibration, camera, on_floor=has_floor)
+        _anchor(positions_m.mean(axis=0), seen, camera, on_floor=has_floor)
         for positions_m, seen, camera in (
             (first, earlier, old.intrinsics),
             (second, later, new.intrinsics),
@@ -146,10 +147,11 @@ def _shared(earlier: PlacedMarkers, later: PlacedMarkers) -> tuple[FloatArray, F
 
 
 def _anchor(
-    middle_m: FloatArray, calibration: RgbdCalibration, camera: Intrinsics, *, on_floor: bool
+    middle_m: FloatArray, seen: PlacedMarkers, camera: Intrinsics, *, on_floor: bool
 ) -> _Anchor:
     """Return where the body stands; `middle_m` is in the colour camera's axes."""
-    up = vertical_of(calibration).up
+    calibration = seen.calibration
+    up = vertical_of(calibration, seen.rotation_deg).up
     place_m = middle_m
     floor = calibration.floor
     if on_floor and floor is not None:

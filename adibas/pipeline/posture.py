@@ -1,6 +1,5 @@
 """One burst of frames to markers in space: the order of the stages."""
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -25,6 +24,7 @@ from adibas.markers.detection import DetectionParams, Detections, find_color_mar
 from adibas.markers.disparity import DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
+from adibas.measures.sight_plane import up_of_picture
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
 from adibas.pipeline.posture_checks import apart_from_merged, count_people, refuse_beside
@@ -87,8 +87,7 @@ class PostureParams:
     @property
     def up(self) -> FloatArray:
         """Unit vector in the depth camera's axes that points up, as far as the mounting says."""
-        angle_rad = math.radians(self.rotation_deg)
-        return np.array([-round(math.sin(angle_rad)), -round(math.cos(angle_rad)), 0.0])
+        return up_of_picture(self.rotation_deg)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

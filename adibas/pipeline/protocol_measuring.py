@@ -47,7 +47,10 @@ def check_view(wish: ProtocolWish, view: str) -> None:
 
 
 def with_measures(
-    analysis: PostureAnalysis, wish: ProtocolWish, by_hand: Collection[str] = ()
+    analysis: PostureAnalysis,
+    wish: ProtocolWish,
+    by_hand: Collection[str] = (),
+    rotation_deg: int = 0,
 ) -> PostureAnalysis:
     """Return the analysis with the measures of a protocol.
 
@@ -59,10 +62,12 @@ def with_measures(
         What to measure.
     by_hand : collection of str
         Labels of markers that were placed by hand.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
     """
     if not analysis.view:
         return replace(analysis, notices=(*analysis.notices, NO_VIEW))
-    vertical = vertical_of(analysis.calibration)
+    vertical = vertical_of(analysis.calibration, rotation_deg)
     capturing = Capturing(analysis.view, vertical, wish.plane, by_hand)
     provenance = analysis.provenance
     parameters = {

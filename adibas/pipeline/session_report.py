@@ -58,6 +58,7 @@ def capture_report(
     picture_rgb: UInt8Array,
     surface_per_m: Float32Array | None,
     protocol: ProtocolWish | None = None,
+    rotation_deg: int = 0,
 ) -> CaptureReport:
     """Measure a capture as it was corrected.
 
@@ -69,9 +70,11 @@ def capture_report(
         Mean of 1/z, 1/metres (`BurstDisparity.mean_per_m`); None where none was kept.
     protocol : ProtocolWish or None
         What to measure besides distances and angles.
+    rotation_deg : int
+        Of the session: how far its pictures are turned clockwise to be upright.
     """
     analysis = posture_analysis(capture, picture_rgb, surface_per_m=surface_per_m)
     by_hand = capture.history.placed_by_hand()
     if protocol is not None:
-        analysis = with_measures(analysis, protocol, by_hand)
+        analysis = with_measures(analysis, protocol, by_hand, rotation_deg)
     return CaptureReport(analysis, by_hand, capture.history.measures())

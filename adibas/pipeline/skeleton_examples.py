@@ -100,7 +100,7 @@ def examples_of(
     protocol = _protocol_of(which.protocol)
     found = []
     for done, one in enumerate(captures, 1):
-        points = _points(store.captures.get(one.capture_id), protocol)
+        points = _points(store.captures.get(one.capture_id), protocol, one.rotation_deg)
         if points is not None:
             found.append(Example(one.patient, points))
         progress(done, len(captures))
@@ -128,13 +128,13 @@ def _marks_the_same_everywhere(protocol: Protocol) -> bool:
     return len({frozenset(landmark.views) for landmark in protocol.landmarks}) == 1
 
 
-def _points(capture: Capture, protocol: Protocol | None) -> PointSet | None:
+def _points(capture: Capture, protocol: Protocol | None, rotation_deg: int) -> PointSet | None:
     """Return the named markers of a capture, upright; None where there are too few."""
     named = dict(_named(capture, protocol))
     if len(named) < LEAST_NAMES:
         return None
     positions_m = np.stack(list(named.values()))
-    upright_m = positions_m @ upright_turn(vertical_of(capture.calibration).up).T
+    upright_m = positions_m @ upright_turn(vertical_of(capture.calibration, rotation_deg).up).T
     labels = tuple(named)
     return PointSet(capture.capture_id, labels, labels, upright_m, capture.view)
 

@@ -31,6 +31,7 @@ def with_names(
     view: str,
     calibration: RgbdCalibration,
     named_by_hand: frozenset[str] = frozenset(),
+    rotation_deg: int = 0,
 ) -> tuple[Marker, ...]:
     """Return the markers with the names that the model is sure of, in their order.
 
@@ -45,6 +46,8 @@ def with_names(
         As declared; empty: left and right only where the shape tells them.
     named_by_hand : frozenset of str
         Labels that stay; no other marker gets one of them.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
 
     Returns
     -------
@@ -54,7 +57,7 @@ def with_names(
     placed = tuple(marker for marker in markers if marker.position_m is not None)
     if not placed:
         return markers
-    turn = upright_turn(vertical_of(calibration).up)
+    turn = upright_turn(vertical_of(calibration, rotation_deg).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
     diameters_m = diameters_of(placed, calibration)
     alone = namer.label(positions_m @ turn.T, view, diameters_m)

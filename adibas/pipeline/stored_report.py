@@ -63,7 +63,9 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
     if not captures:
         raise ReportError("The session has no capture to report. Capture a view first.")
     protocol, notices = wish_of_session(session) if wish.protocol is None else (wish.protocol, ())
-    reports = tuple(_with_notices(shown, notices) for shown in _measured(store, captures, protocol))
+    reports = tuple(
+        _with_notices(shown, notices) for shown in _measured(store, session, captures, protocol)
+    )
     report = report_of_session(session, reports, wish.language, wish.pictures)
     if not wish.compared_with:
         return report
@@ -71,14 +73,18 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
 
 
 def _measured(
-    store: SessionStore, captures: Iterable[Capture], protocol: ProtocolWish | None
+    store: SessionStore,
+    session: Session,
+    captures: Iterable[Capture],
+    protocol: ProtocolWish | None,
 ) -> Iterator[CaptureReport]:
     """Yield each capture as it was corrected."""
     for capture in captures:
         surface = store.captures.surface(capture.capture_id)
         picture_rgb = store.captures.picture(capture.capture_id)
         surface_per_m = None if surface is None else surface.mean_per_m
-        yield capture_report(capture, picture_rgb, surface_per_m, protocol)
+        rotation_deg = session.setup.rotation_deg
+        yield capture_report(capture, picture_rgb, surface_per_m, protocol, rotation_deg)
 
 
 def _with_notices(shown: CaptureReport, notices: tuple[str, ...]) -> CaptureReport:
@@ -104,7 +110,7 @@ def _compared(
         since_utc=earlier.started_utc,
         comparison=found,
         trends=tuple(_until(one, session.started_utc) for one in trends if _began(one, session)),
-        earlier=tuple(_measured(store, captures, protocol)),
+        earlier=tuple(_measured(store, earlier, captures, protocol)),
         earlier_rotation_deg=earlier.setup.rotation_deg,
     )
 

@@ -17,7 +17,11 @@ LOOKS_OTHERWISE = message(
 
 
 def doubts_about_view(
-    namer: Namer, markers: tuple[Marker, ...], view: str, calibration: RgbdCalibration
+    namer: Namer,
+    markers: tuple[Marker, ...],
+    view: str,
+    calibration: RgbdCalibration,
+    rotation_deg: int = 0,
 ) -> tuple[str, ...]:
     """Return what must be known of the declared view, or nothing.
 
@@ -29,12 +33,14 @@ def doubts_about_view(
     ----------
     markers : tuple of Marker
         With their names.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
     """
     placed = [marker for marker in markers if marker.position_m is not None]
     if not view or namer.names != JOINT_NAMES or not placed:
         return ()
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
-    upright_m = positions_m @ upright_turn(vertical_of(calibration).up).T
+    upright_m = positions_m @ upright_turn(vertical_of(calibration, rotation_deg).up).T
     untold = namer.label(upright_m, diameters_m=diameters_of(placed, calibration))
     contrary = alike = 0
     for marker, name in zip(placed, untold.names, strict=True):

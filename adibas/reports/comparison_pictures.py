@@ -98,7 +98,10 @@ def _overlaid(
 ) -> tuple[UInt8Array, OverlayWay]:
     """Return both pictures of a view in one, as the report wants them, and what lies on what."""
     before, now = (one.analysis for one in captures)
-    overlay = lay_over(*(PlacedMarkers(one.markers, one.calibration) for one in (before, now)))
+    overlay = lay_over(
+        PlacedMarkers(before.markers, before.calibration, compared.earlier_rotation_deg),
+        PlacedMarkers(now.markers, now.calibration, report.rotation_deg),
+    )
     before_rgb = _as_taken(before, report.pictures, compared.earlier_rotation_deg)
     now_rgb = _as_taken(now, report.pictures, report.rotation_deg)
     both_rgb = mixed(overlay.laid(before_rgb, now_rgb.shape), now_rgb, HALF)

@@ -73,6 +73,7 @@ def _story(report: SessionReport) -> list[Flowable]:
                 picture_of(capture.analysis, report.pictures, report.rotation_deg, is_cropped=True),
                 PICTURE_HEIGHT_PX,
             ),
+            report.rotation_deg,
         )
         for name, capture in zip(capture_names(report), report.captures, strict=True)
     ]

@@ -50,11 +50,22 @@ MOST_BLOCKS = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ViewPage:
-    """One view: its name, the capture, and the (H, W, 3) picture with the markers drawn."""
+    """One view.
+
+    Attributes
+    ----------
+    name : str
+    capture : CaptureReport
+    picture_rgb : (H, W, 3) uint8 array
+        Upright, with the markers drawn.
+    rotation_deg : int
+        How far the camera's picture was turned clockwise for it.
+    """
 
     name: str
     capture: CaptureReport
     picture_rgb: UInt8Array
+    rotation_deg: int
 
 
 def view_flowables(page: ViewPage) -> Iterator[Flowable]:
@@ -97,7 +108,9 @@ def _side_by_side(page: ViewPage, rows: list[MarkerRow]) -> Flowable:
     tables = [*_markers(page.capture, rows, right), *_free_measures(page.capture, right)]
     used = sum(table.wrap(right, PICTURE_HEIGHT)[1] for table in tables)
     room = PICTURE_HEIGHT - used - GAP
-    plot = marker_plot(page.capture, right, room) if room >= LEAST_PLOT_HEIGHT else None
+    plot = None
+    if room >= LEAST_PLOT_HEIGHT:
+        plot = marker_plot(page.capture, right, room, page.rotation_deg)
     if plot is not None:
         tables.append(picture(plot, right, room))
     return Table([[shown, tables]], [left, right], style=TableStyle(style), hAlign="LEFT")

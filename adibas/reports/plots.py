@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adibas.arrays import FloatArray, UInt8Array
-from adibas.data.calibration import RgbdCalibration
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.report import CaptureReport
+from adibas.measures.sight_plane import to_the_right, vertical_of
 from adibas.reports.fonts import REGULAR, font_path
 from adibas.reports.rows import MM_PER_M
 from adibas.texts import translate as _
@@ -26,7 +26,9 @@ MARGIN_MM = 60.0
 EMPTY_BOX = "\N{WHITE SQUARE}"
 
 
-def marker_plot(capture: CaptureReport, width_pt: float, height_pt: float) -> UInt8Array | None:
+def marker_plot(
+    capture: CaptureReport, width_pt: float, height_pt: float, rotation_deg: int = 0
+) -> UInt8Array | None:
     """Draw the markers upright and to scale, with a grid of 100 mm and a plumb line.
 
     Parameters
@@ -35,6 +37,8 @@ def marker_plot(capture: CaptureReport, width_pt: float, height_pt: float) -> UI
         Its free measures are drawn as lines.
     width_pt, height_pt : float
         Size on the page, points.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
 
     Returns
     -------
@@ -45,7 +49,7 @@ def marker_plot(capture: CaptureReport, width_pt: float, height_pt: float) -> UI
     from matplotlib.figure import Figure
     from PIL import Image
 
-    places_mm = upright_places_mm(capture)
+    places_mm = upright_places_mm(capture, rotation_deg)
     if len(places_mm) < 2:  # noqa: PLR2004  (a single point has no scale)
         return None
     figure = Figure((width_pt / POINTS_PER_INCH, height_pt / POINTS_PER_INCH), layout="constrained")
@@ -73,18 +77,20 @@ def marker_plot(capture: CaptureReport, width_pt: float, height_pt: float) -> UI
     return picture
 
 
-def upright_places_mm(capture: CaptureReport) -> dict[str, tuple[float, float]]:
+def upright_places_mm(
+    capture: CaptureReport, rotation_deg: int = 0
+) -> dict[str, tuple[float, float]]:
     """Return where the markers are across (to the picture's right) and up, millimetres.
 
-    Both are counted from the middle of the markers. Up is where floor or gravity of the
-    calibration say, else where the camera's own upper side is.
+    Both are counted from the middle of the markers, in the vertical plane that the camera looks at
+    squarely. Up is the vertical of the measures; where it is not known, the upper side of the
+    picture as it is shown.
     """
     measured = [m for m in capture.analysis.markers if m.position_m is not None]
     if not measured:
         return {}
-    up = _up(capture.analysis.calibration)
-    across = np.array([1.0, 0.0, 0.0]) - up[0] * up
-    across /= np.linalg.norm(across)
+    up = vertical_of(capture.analysis.calibration, rotation_deg).up
+    across = to_the_right(up)
     places_m = np.array([marker.position_m for marker in measured]) @ np.stack([across, up], axis=1)
     places_mm = MM_PER_M * (places_m - places_m.mean(axis=0))
     return {
@@ -104,16 +110,6 @@ def _characters() -> frozenset[int]:
     from matplotlib.ft2font import FT2Font
 
     return frozenset(FT2Font(str(font_path(REGULAR))).get_charmap())
-
-
-def _up(calibration: RgbdCalibration) -> FloatArray:
-    """Return the unit vector that points up, in the colour camera's axes."""
-    rotation = calibration.color_from_depth.rotation
-    if calibration.floor is not None:
-        return np.asarray(rotation @ calibration.floor.normal)
-    if calibration.gravity is not None:
-        return np.asarray(-(rotation @ calibration.gravity))
-    return np.array([0.0, -1.0, 0.0])
 
 
 def _scale(axes: "Axes", places_mm: FloatArray, aspect: float) -> None:

@@ -34,6 +34,8 @@ class CorrectedCapture:
         Of session and capture; may be empty.
     corrected_utc : datetime
         When the last correction was made that is in force.
+    rotation_deg : int
+        How far the session's pictures are turned clockwise to be upright.
     """
 
     capture_id: str
@@ -42,6 +44,7 @@ class CorrectedCapture:
     protocol: str
     view: str
     corrected_utc: datetime
+    rotation_deg: int
 
 
 def corrected_captures(transaction: Transaction) -> tuple[CorrectedCapture, ...]:
@@ -61,16 +64,22 @@ def corrected_captures(transaction: Transaction) -> tuple[CorrectedCapture, ...]
         .order_by(CAPTURES.c.captured_utc, CAPTURES.c.capture_id)
     )
     return tuple(
-        CorrectedCapture(
-            row.capture_id,
-            row.session_id,
-            row.pseudonym,
-            setup_from_json(row.setup).protocol,
-            row.view,
-            datetime.fromisoformat(corrected_utc[row.capture_id]),
-        )
+        _corrected(row, corrected_utc[row.capture_id])
         for row in transaction.execute(wanted)
         if row.capture_id in corrected_utc
+    )
+
+
+def _corrected(row: Row, corrected_utc: str) -> CorrectedCapture:
+    setup = setup_from_json(row.setup)
+    return CorrectedCapture(
+        row.capture_id,
+        row.session_id,
+        row.pseudonym,
+        setup.protocol,
+        row.view,
+        datetime.fromisoformat(corrected_utc),
+        setup.rotation_deg,
     )
 
 

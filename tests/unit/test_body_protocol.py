@@ -9,6 +9,7 @@ import pytest
 
 from adibas.data.markers import Marker
 from adibas.data.protocol_measures import PlaneChoice, VerticalOrigin
+from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.protocol_store import find_protocol
@@ -29,6 +30,7 @@ CAMERA_FROM_PATIENT = {
 """By hand: from the right the face, which is before, is on the picture's right."""
 AWAY_M = np.array([0.0, 0.0, 2.5])
 SD_M = 0.001
+FLOOR = Plane(np.array([0.0, -1.0, 0.0]), 1.0)
 
 
 @cache
@@ -56,7 +58,9 @@ def sides_of(places, wanted, calibration=None, views=()):
         )
         for name, place in places.items()
     ]
-    seen = SimpleNamespace(view="posterior", calibration=calibration or scene().info.calibration)
+    seen = SimpleNamespace(
+        view="posterior", calibration=calibration or scene().info.calibration, floor=FLOOR
+    )
     level = RigidTransform(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
     return protocol_of_body(wanted, [MarkedView(seen), *views], landmarks, level)
 

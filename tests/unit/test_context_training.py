@@ -221,9 +221,7 @@ class TestTraining:
             np.testing.assert_array_equal(first, second)
         assert [path.name for path in tmp_path.iterdir()] == ["model.npz"]
 
-    def test_a_network_that_a_model_has_already_goes_on_learning(
-        self, with_context, tmp_path
-    ):
+    def test_a_network_that_a_model_has_already_goes_on_learning(self, with_context, tmp_path):
         more = fill(tmp_path / "more", 14, first=400)
         passes = replace(NETWORK, widths=(4,), n_passes=1, rate=0.0)  # its own widths stay
         request = ContextRequest(with_context, tmp_path / "model.npz", more, params=passes)

@@ -63,6 +63,39 @@ def test_a_camera_that_hangs_aslant_still_gives_upright_places(known):
     assert places["m2"] == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
+@pytest.mark.parametrize("side_deg", [90.0, -90.0])
+@pytest.mark.parametrize("off_deg", [-2.0, 0.0, 2.0])
+def test_a_camera_on_its_side_that_looks_down_a_little_mirrors_nobody(side_deg, off_deg):
+    roll, pitch = math.radians(side_deg + off_deg), math.radians(5.0)
+    rolled = np.array(
+        [
+            [math.cos(roll), -math.sin(roll), 0.0],
+            [math.sin(roll), math.cos(roll), 0.0],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+    pitched = np.array(
+        [
+            [1.0, 0.0, 0.0],
+            [0.0, math.cos(pitch), -math.sin(pitch)],
+            [0.0, math.sin(pitch), math.cos(pitch)],
+        ]
+    )
+    camera_from_world = rolled @ pitched
+    calibration = RgbdCalibration(gravity=camera_from_world @ np.array([0.0, 1.0, 0.0]))
+    world_m = [np.array([0.2, -0.5, 2.0]), np.array([-0.2, 0.5, 2.4])]
+    places = upright_places_mm(capture([camera_from_world @ one for one in world_m], calibration))
+    assert places["m0"] == pytest.approx((200.0, 500.0))
+    assert places["m1"] == pytest.approx((-200.0, -500.0))
+
+
+def test_without_a_vertical_the_upper_side_of_the_turned_picture_is_up():
+    shown = capture([np.array([-0.3, -0.1, 2.0]), np.array([0.3, 0.1, 2.0])])
+    assert upright_places_mm(shown, 90)["m0"] == pytest.approx((100.0, 300.0))
+    assert upright_places_mm(shown, 180)["m0"] == pytest.approx((300.0, -100.0))
+    assert upright_places_mm(shown, 270)["m0"] == pytest.approx((-100.0, -300.0))
+
+
 def test_without_a_vertical_the_upper_side_of_the_picture_is_up():
     places = upright_places_mm(capture([np.array([0.1, -0.3, 2.0]), np.array([-0.1, 0.3, 2.0])]))
     assert places["m0"] == pytest.approx((100.0, 300.0))

@@ -14,10 +14,10 @@ from adibas.data.protocols import MeasureDefinition, Wording
 from adibas.data.views import VIEWS
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
-from adibas.measures.protocol_measures import Capturing, measure_protocol
+from adibas.measures.protocol_measures import UNKNOWN_LABEL, Capturing, measure_protocol
 from adibas.measures.protocol_sides import patient_axis
 from adibas.measures.protocol_store import find_protocol
-from adibas.measures.sight_plane import Vertical, vertical_of
+from adibas.measures.sight_plane import Vertical, up_of_picture, vertical_of
 from tests.unit.standing_points import CAMERA_FROM_BODY, LEVEL, mirrored, seen_from, standing
 
 SAPO = find_protocol("sapo-1")
@@ -52,6 +52,27 @@ def turned(places, name, about, angle_deg, axes):
     new[first] = arm[first] * math.cos(angle) - arm[second] * math.sin(angle)
     new[second] = arm[first] * math.sin(angle) + arm[second] * math.cos(angle)
     return places | {name: places[about] + new}
+
+
+@pytest.mark.parametrize("rotation_deg", [0, 90, 180, 270])
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_turned_sensor_without_a_vertical_exchanges_nobody_s_sides(view, rotation_deg):
+    up = up_of_picture(rotation_deg)
+    camera_from_upright = np.stack([np.cross(-up, [0.0, 0.0, 1.0]), -up, [0.0, 0.0, 1.0]], axis=1)
+    markers = [
+        replace(one, position_m=camera_from_upright @ one.position_m)
+        for one in seen_from(view, standing())
+    ]
+    vertical = vertical_of(RgbdCalibration(), rotation_deg)
+    found = measure_protocol(SAPO, markers, Capturing(view, vertical))
+    assert vertical.origin is VerticalOrigin.UNKNOWN
+    assert {one.message for one in found.notices} <= {UNKNOWN_LABEL}
+    expected = results(view, standing(), capturing=Capturing(view, vertical_of(RgbdCalibration())))
+    for one in found.results:
+        spatial = expected[one.definition.measure_id].spatial
+        assert (one.spatial is None) == (spatial is None)
+        if spatial is not None:
+            assert one.spatial.value == pytest.approx(spatial.value, abs=1e-9)
 
 
 def test_a_straight_patient_measures_nothing_where_nothing_is_bent():

@@ -377,7 +377,7 @@ def test_the_command_line_tells_how_measures_repeat(clinic, tmp_path, capsys):
     found = {one["id"]: one for one in json.loads(captured.out)["measures"]}
     one = found["ANT.ACR.H"]
     assert one["n_patients"] == 10
-    assert one["mdc95"] == pytest.approx(2.772 * one["sem"], rel=1e-3)
+    assert one["mdc95"] == pytest.approx(2.228 * 2**0.5 * one["sem"], rel=1e-3)  # t of 10
     assert one["icc_2_1"]["ci95"][0] < one["icc_2_1"]["value"] < 1
     # 1 mm of height over 360 mm, twice a patient.
     assert one["sem_ci95"][0] < np.degrees(0.001 / 0.36) < one["sem_ci95"][1]
@@ -406,6 +406,25 @@ def test_captures_of_one_session_are_repeats_with_the_same_markers(tmp_path):
     assert "placed anew" in found.reasons[0].text
 
 
+def test_markers_placed_anew_count_more_than_many_captures_of_one_placing(tmp_path, monkeypatch):
+    from adibas.pipeline.clinic_repeats import reliability_in_clinic
+
+    monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
+    days = [datetime(2026, 11, day, 9, 0, tzinfo=UTC) for day in (2, 3)]
+    now = [days[0]]
+    with open_sample(tmp_path / "store", clock=lambda: now[0]) as store:
+        patient = store.patients.add(Identity("Somebody")).pseudonym
+        add_visit(store, patient, [0.001])
+        now[0] += timedelta(hours=1)
+        call_repeat(store, add_visit(store, patient, [0.003]))
+        now[0] = days[1]
+        add_visit(store, patient, [0.001, 0.0011, 0.0012])
+        found = reliability_in_clinic(store, SAPO, "op").by_measure["anterior", "ANT.ACR.H"]
+    assert found.n_values == 2
+    assert found.sem == pytest.approx(np.degrees(0.002 / 0.36) / np.sqrt(2), rel=1e-3)
+    assert found.mdc95 is not None
+
+
 def test_two_sessions_of_a_day_are_repeats_only_where_somebody_says_so(tmp_path, monkeypatch):
     from adibas.pipeline.clinic_repeats import reliability_in_clinic
 
@@ -424,7 +443,7 @@ def test_two_sessions_of_a_day_are_repeats_only_where_somebody_says_so(tmp_path,
     assert main(["sessions", "repeat", again, "--store", str(folder)]) == 0
     with open_sample(folder) as store:
         sem = np.degrees(0.002 / 0.36) / np.sqrt(2)
-        assert found(store).mdc95 == pytest.approx(1.96 * np.sqrt(2) * sem, rel=1e-2)
+        assert found(store).mdc95 == pytest.approx(12.706 * np.sqrt(2) * sem, rel=1e-2)
     for session in (again, treated):
         assert main(["sessions", "repeat", session, "--no", "--store", str(folder)]) == 0
     with open_sample(folder) as store:

@@ -20,8 +20,8 @@ from adibas.errors import ProtocolError
 from adibas.measures.comparison import compare_sessions
 from adibas.measures.protocol_store import find_protocol
 from adibas.measures.reliability import (
-    MDC_FACTOR,
     agreement_of,
+    detectable_change,
     icc_2_1,
     icc_3_1,
     mean_squares,
@@ -74,8 +74,35 @@ def test_the_error_of_repeats_of_the_large_meter_is_that_of_bland_and_altman():
 
 def test_a_published_sem_gives_its_published_detectable_change():
     """Ruivo et al. 2014: 2.72 and 7.54, 2.35 and 6.51 degrees."""
-    assert pytest.approx(7.54, abs=0.005) == MDC_FACTOR * 2.72
-    assert pytest.approx(6.51, abs=0.005) == MDC_FACTOR * 2.35
+    assert detectable_change(2.72, math.inf) == pytest.approx(7.54, abs=0.005)
+    assert detectable_change(2.35, math.inf) == pytest.approx(6.51, abs=0.005)
+
+
+@pytest.mark.parametrize("n_patients", [1, 3, 10])
+def test_five_of_a_hundred_unchanged_patients_are_beyond_it_however_few_the_repeats(n_patients):
+    rng = np.random.default_rng(n_patients)
+    n_beyond = n_judged = 0
+    for _clinic in range(3000):
+        pairs = rng.normal(0, 2, (n_patients, 2)).tolist()
+        found = reliability_of(
+            [
+                Repeat(f"P{n}", value, k > 0)
+                for n, pair in enumerate(pairs)
+                for k, value in enumerate(pair)
+            ]
+        )
+        changes = np.diff(rng.normal(0, 2, (10, 2)))
+        n_beyond += int((np.abs(changes) > found.mdc95).sum())
+        n_judged += len(changes)
+    assert n_beyond / n_judged == pytest.approx(0.05, abs=0.012)
+
+
+def test_the_figures_tell_how_many_patients_they_rest_on():
+    """One with the markers placed anew, twenty with the same markers."""
+    many = [replace(one, patient=f"S{one.patient}") for one in repeats(20, 2, is_placed_anew=False)]
+    found = reliability_of([*many, *repeats(1, 3)])
+    assert (found.n_patients, found.n_values) == (1, 3)
+    assert found.sem == reliability_of(repeats(1, 3)).sem
 
 
 def test_correlations_are_one_without_error_and_differ_where_a_judge_is_stricter():
@@ -138,7 +165,7 @@ def test_ten_patients_with_two_repeats_suffice_and_nine_do_not():
     assert enough.reasons == ()
     assert enough.icc_2_1.value > 0.9
     assert len(enough.agreement.differences) == 10
-    assert enough.mdc95 == pytest.approx(2.772 * enough.sem, rel=1e-3)
+    assert enough.mdc95 == pytest.approx(2.228 * math.sqrt(2) * enough.sem, rel=1e-3)  # t of 10
     assert enough.sem_interval[0] < enough.sem < enough.sem_interval[1]
     assert (few.icc_2_1, few.icc_3_1) == (None, None)
     assert few.sem is not None

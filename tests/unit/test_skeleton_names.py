@@ -46,7 +46,7 @@ def markers_at(positions_m):
 def tilted_by(monkeypatch):
     def tilt(up):
         vertical = SimpleNamespace(up=np.array(up))
-        monkeypatch.setattr(skeleton_names, "vertical_of", lambda _calibration: vertical)
+        monkeypatch.setattr(skeleton_names, "vertical_of", lambda *_seen: vertical)
 
     return tilt
 

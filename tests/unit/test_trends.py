@@ -61,6 +61,10 @@ def test_of_several_captures_of_one_view_the_last_counts():
     assert [point.value for point in found.points] == pytest.approx([5.0])
 
 
+def test_a_capture_that_was_taken_again_counts_no_more_even_where_the_last_has_no_value():
+    assert trends_of([visit(0, 1.0, None)]) == ()
+
+
 def test_a_session_without_a_value_is_no_point():
     (found,) = trends_of([visit(0, 1.0), visit(1, None), visit(2)])
     assert [point.session_id for point in found.points] == ["s0"]

@@ -78,8 +78,8 @@ def read_pair(
     if first is None or second is None or earlier is None or later is None:
         return views, Pair(view, earlier, later)
     overlay = lay_over(
-        PlacedMarkers(earlier.markers, first.calibration),
-        PlacedMarkers(later.markers, second.calibration),
+        PlacedMarkers(earlier.markers, first.calibration, earlier.rotation_deg),
+        PlacedMarkers(later.markers, second.calibration, later.rotation_deg),
     )
     laid_rgb = overlay.laid(earlier.picture_rgb, later.picture_rgb.shape)
     return views, Pair(view, earlier, later, overlay, laid_rgb)
