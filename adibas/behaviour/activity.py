@@ -44,7 +44,8 @@ class ActivityParams:
         Slower is no movement, however small the noise: 0.01, a hand that is drawn along by the
         breath.
     still_s : (float, float) or None
-        A time in which nobody moved, on the recording's clock.
+        A time in which nobody moved, on the recording's clock. Of a joint that was not seen for
+        long enough in it, see `tells_noise`, the noise is told as without.
     """
 
     lowpass: LowpassParams = field(default_factory=LowpassParams)
@@ -157,7 +158,7 @@ def steps_of(track: SkeletonTrack, params: ActivityParams | None = None) -> Step
         least_m = white_m * float(np.sqrt(chdtri(N_AXES, params.noise_share)))
         least_m = np.maximum(least_m, params.least_speed_m_s / rate_hz)
     steps = Steps(times_s, lengths_m, least_m, noise_m)
-    return steps if params.still_s is None else _held_against(steps, params)
+    return steps if params.still_s is None else _held_against(steps, params.still_s, params)
 
 
 def activity(steps: Steps, spans_s: Sequence[Seconds] | None = None) -> tuple[JointActivity, ...]:
@@ -224,15 +225,19 @@ def _noise_m(measured_m: FloatArray, smooth_m: FloatArray, filtered: FloatArray)
     return SD_OF_MAD * float(np.median(np.abs(known))) / gain
 
 
-def _held_against(steps: Steps, params: ActivityParams) -> Steps:
+def tells_noise(steps: Steps, still_s: Seconds) -> BoolArray:
+    """Return (15,): whether a still time has enough steps of a joint to say what its noise is."""
+    return np.asarray(steps.seen[steps.within([still_s])].sum(axis=0) >= FEWEST_SAMPLES)
+
+
+def _held_against(steps: Steps, still_s: Seconds, params: ActivityParams) -> Steps:
     """Return the steps with those of the still time as noise, where it has enough of them."""
-    still = steps.lengths_m[steps.within([params.still_s or (0.0, 0.0)])]
+    still = steps.lengths_m[steps.within([still_s])]
     least_m = steps.least_m.copy()
-    for joint in range(len(JOINT_NAMES)):
+    for joint in np.flatnonzero(tells_noise(steps, still_s)):
         known = still[np.isfinite(still[:, joint]), joint]
-        if len(known) >= FEWEST_SAMPLES:
-            least_m[joint] = max(
-                float(np.quantile(known, 1.0 - params.noise_share)),
-                params.least_speed_m_s * steps.step_s,
-            )
+        least_m[joint] = max(
+            float(np.quantile(known, 1.0 - params.noise_share)),
+            params.least_speed_m_s * steps.step_s,
+        )
     return Steps(steps.times_s, steps.lengths_m, least_m, steps.noise_m)

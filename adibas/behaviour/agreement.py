@@ -54,6 +54,10 @@ MOST_STATES = 60
 NO_STATES = message("No behaviour of the ethogram is a state, so that no time can be compared.")
 TOO_MANY_STATES = message("More than {most} states cannot be compared in combination.")
 NOBODY_SAW = message("Nobody coded anything of {subjects}, who are left out.")
+FIRST_TWO = message(
+    "There are {n} observers: Fleiss' kappa and correlations are of all of them, all else of the "
+    "first two, {first} and {second}."
+)
 OTHER_TIMES = message(
     "The observers watched from {begin} to {end} s together; the rest of the session is left out."
 )
@@ -162,6 +166,10 @@ def agreement(codings: Sequence[Coding], params: AgreementParams | None = None) 
     ]
     tables = [Table("event-kappa", (*names, ""), event_table)]
     notices = []
+    if len(codings) > 2:  # noqa: PLR2004
+        who = [one.observer or str(number) for number, one in enumerate(codings[:2], 1)]
+        told = {"n": len(codings), "first": who[0], "second": who[1]}
+        notices.append(Sentence(FIRST_TWO, told))
     if any((coding.begin_ms, coding.end_ms) != within for coding in codings):
         begin_s, end_s = (time_ms / MS_PER_S for time_ms in within)
         notices.append(Sentence(OTHER_TIMES, {"begin": begin_s, "end": end_s}, decimals=3))

@@ -79,7 +79,10 @@ def _add_measuring(parser: argparse.ArgumentParser) -> None:
         "--still",
         type=seconds_range,
         metavar="A:B",
-        help=_("seconds in which nobody moved: its steps are the noise"),
+        help=_(
+            "seconds in which nobody moved, on the recording's clock (timestamp_s of a table): its "
+            "steps are the noise"
+        ),
     )
 
 

@@ -90,6 +90,14 @@ class Examples:
         gestures = [gesture for gesture, keep in zip(self.gestures, kept, strict=True) if keep]
         return Examples(self.labels, self.streams, gestures, self.groups[kept], self.is_isolated)
 
+    def fewest_left(self) -> IntArray:
+        """Return (labels,): examples of each gesture without the group that has most of them."""
+        found = np.zeros(len(self.labels), np.int64)
+        for label in range(len(self.labels)):
+            mine = self.groups[[gesture.label == label for gesture in self.gestures]]
+            found[label] = len(mine) - np.bincount(mine).max(initial=0)
+        return found
+
     def without(self, held: BoolArray) -> "Examples":
         """Return the examples that are not `held` (k,), and streams in which the held are blank.
 

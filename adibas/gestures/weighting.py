@@ -62,20 +62,24 @@ def weights_of_gestures(examples: Examples) -> FloatArray:
     As `joint_weights`, with all that is not the gesture in place of the other gestures: the other
     gestures, and pieces of its length of the streams in which none is marked. Of those the third
     that is most like the gesture: in a bend every joint is elsewhere, and that alone would make
-    every joint tell a wave. Each row has the sum 1; all alike where no joint tells anything, or
-    where there is nothing else.
+    every joint tell a wave. Each row has the sum 1; all alike where no joint tells anything, where
+    there is nothing else, or where there is no example: who alone shows a gesture may be left out.
     """
-    rows = []
-    for label in range(len(examples.labels)):
-        own = [one for one in examples.gestures if one.label == label]
-        others = [one for one in examples.gestures if one.label != label]
-        others += _unmarked(examples, int(np.median([one.end - one.begin + 1 for one in own])))
-        pieces = [_some(examples, part) for part in (own, others)]
-        rows.append(_told_apart(*pieces) if others else np.zeros(N_JOINTS))
-    raw = np.array(rows)
+    raw = np.array([_own_weights(examples, label) for label in range(len(examples.labels))])
     total = raw.sum(axis=1, keepdims=True)
     alike = np.full(N_JOINTS, 1.0 / N_JOINTS)
     return np.where(total > 0, raw / np.where(total > 0, total, 1.0), alike)
+
+
+def _own_weights(examples: Examples, label: int) -> FloatArray:
+    """Return (14,) weights of one gesture before they are made to sum to 1; 0 where none tells."""
+    own = [one for one in examples.gestures if one.label == label]
+    if not own:
+        return np.zeros(N_JOINTS)
+    others = [one for one in examples.gestures if one.label != label]
+    others += _unmarked(examples, int(np.median([one.end - one.begin + 1 for one in own])))
+    pieces = [_some(examples, part) for part in (own, others)]
+    return _told_apart(*pieces) if others else np.zeros(N_JOINTS)
 
 
 def _unmarked(examples: Examples, n_frames: int) -> list[Segment]:

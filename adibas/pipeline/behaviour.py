@@ -29,7 +29,9 @@ from adibas.pipeline.behaviour_activity import (
     activity_of,
     subject_of,
     under_conditions,
+    unseen_while_still,
 )
+from adibas.pipeline.behaviour_times import check_still, in_ms, sections_of, session_of
 from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events
 from adibas.pipeline.movement import JOINT_FILE
@@ -175,8 +177,10 @@ def analyse_behaviour(
     observed, more = _observed(request, ethogram)
     notices += more
     models = [read_model(path) for path in request.models]
-    session_ms = _session_ms(tracks, observed)
-    sections = _sections(request, observed, session_ms)
+    session_ms = session_of(tracks, observed)
+    sections = sections_of(request.sections, observed, session_ms)
+    if request.activity.still_s is not None:
+        check_still(request.activity.still_s, session_ms)
     occurrences: list[Occurrence] = []
     people: list[PersonActivity] = []
     total = len(tracks)
@@ -188,6 +192,7 @@ def analyse_behaviour(
         occurrences += found
         notices += _notices(track, found, session_ms)
         people.append(activity_of(track, sections, session_ms, request.activity))
+        notices += unseen_while_still(people[-1], request.activity)
     progress(total, total)
     scheme = program_ethogram(models, [track.person for track in tracks], ethogram)
     detected = Coding(name, scheme, *session_ms, tuple(occurrences), PROGRAM, sections)
@@ -287,41 +292,6 @@ def _observed(
     return chosen, [Sentence(OTHER_SESSION, told)]
 
 
-def _session_ms(tracks: Sequence[SkeletonTrack], observed: Coding | None) -> Span:
-    """Return the time that joints or the observer cover."""
-    begin = min(float(track.times_s[0]) for track in tracks) * MS_PER_S
-    end = max(float(track.times_s[-1]) for track in tracks) * MS_PER_S
-    if observed is None:
-        return int(np.floor(begin)), int(np.ceil(end))
-    return min(int(np.floor(begin)), observed.begin_ms), max(int(np.ceil(end)), observed.end_ms)
-
-
-def _sections(
-    request: BehaviourRequest, observed: Coding | None, session_ms: Span
-) -> tuple[Section, ...]:
-    told = [
-        Section(name, round(begin * MS_PER_S), round(end * MS_PER_S))
-        for name, begin, end in request.sections
-    ]
-    found = sorted(
-        [*told, *(() if observed is None else observed.sections)], key=lambda one: one.begin_ms
-    )
-    latest = session_ms[0]
-    for one in found:
-        if not latest <= one.begin_ms <= one.end_ms <= session_ms[1]:
-            raise BehaviourError(
-                "The section {name} from {begin} to {end} s overlaps with another one, or lies "
-                "outside the recording ({first} to {last} s). Correct its times.",
-                name=one.name,
-                begin=one.begin_ms / MS_PER_S,
-                end=one.end_ms / MS_PER_S,
-                first=session_ms[0] / MS_PER_S,
-                last=session_ms[1] / MS_PER_S,
-            )
-        latest = one.end_ms
-    return tuple(found)
-
-
 def _occurrences(
     name: str,
     track: SkeletonTrack,
@@ -335,9 +305,9 @@ def _occurrences(
         found += gesture_occurrences(detected_events(name, track, models), subject)
     session_s = (session_ms[0] / MS_PER_S, session_ms[1] / MS_PER_S)
     for begin, end in hidden_spans_s(track, session_s, request.posture):
-        found.append(Occurrence(OUT_OF_VIEW, *_ms((begin, end)), subject))
+        found.append(Occurrence(OUT_OF_VIEW, *in_ms((begin, end)), subject))
     for at in posture_changes_s(track, request.posture):
-        moment, _same = _ms((float(at), float(at)))
+        moment, _same = in_ms((float(at), float(at)))
         found.append(Occurrence(POSTURE_CHANGE, moment, moment, subject))
     return found
 
@@ -347,7 +317,7 @@ def gesture_occurrences(events: Sequence[TimedEvent], subject: str) -> list[Occu
     found: list[Occurrence] = []
     ends: dict[str, int] = {}
     for event in sorted(events, key=lambda one: one.begin_s):
-        begin, end = _ms((event.begin_s, event.end_s))
+        begin, end = in_ms((event.begin_s, event.end_s))
         begin = max(begin, ends.get(event.label, begin))
         if end >= begin:
             found.append(Occurrence(event.label, begin, end, subject))
@@ -386,7 +356,3 @@ def _provenance(request: BehaviourRequest, clock: Clock) -> Provenance:
     return Provenance(
         request.access.sha256(request.source), "", __version__, to_text(clock()), parameters
     )
-
-
-def _ms(span_s: tuple[float, float]) -> Span:
-    return round(span_s[0] * MS_PER_S), round(span_s[1] * MS_PER_S)

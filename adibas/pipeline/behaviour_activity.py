@@ -3,11 +3,28 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from adibas.behaviour.activity import ActivityParams, JointActivity, Steps, activity, steps_of
+import numpy as np
+
+from adibas.behaviour.activity import (
+    ActivityParams,
+    JointActivity,
+    Steps,
+    activity,
+    steps_of,
+    tells_noise,
+)
 from adibas.behaviour.bands import BandPower, band_power
 from adibas.behaviour.budget import Span, condition_spans
 from adibas.data.coding import MS_PER_S, Section
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
+from adibas.texts import message
+
+UNSEEN_WHILE_STILL = message(
+    "These joints of person {person} were seen too shortly in the still time, or not at all: "
+    "{joints}. Their noise is told without it."
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +62,16 @@ def activity_of(
     bands = band_power(track, steps.noise_m)
     by_condition = _by_condition(steps, sections, session_ms)
     return PersonActivity(track.person, steps, activity(steps), bands, by_condition)
+
+
+def unseen_while_still(person: PersonActivity, params: ActivityParams) -> list[Sentence]:
+    """Say for which joints the still time is of no use; those that never appear have no noise."""
+    if params.still_s is None:
+        return []
+    is_untold = person.steps.seen.any(axis=0) & ~tells_noise(person.steps, params.still_s)
+    names = [JOINT_NAMES[joint].replace("_", " ") for joint in np.flatnonzero(is_untold)]
+    told = {"person": person.person, "joints": ", ".join(names)}
+    return [Sentence(UNSEEN_WHILE_STILL, told)] if names else []
 
 
 def under_conditions(

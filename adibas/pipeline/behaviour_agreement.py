@@ -50,7 +50,7 @@ class AgreementReport:
     Attributes
     ----------
     files : tuple of str
-        Names of the files, in the order of the observers.
+        Their names; the observers stand in their order, those of one file side by side.
     params : AgreementParams
     sessions : tuple of ComparedSession
     notices : tuple of Sentence
@@ -67,21 +67,18 @@ def compare_files(
 ) -> AgreementReport:
     """Compare the codings of several files; sessions are paired by their names.
 
-    Where every file holds one session, they are paired whatever their names.
+    Where every file holds one session, they are paired whatever their names. A file may hold
+    several observers of a session, as our own tables may: all of them are compared.
 
     Raises
     ------
     BehaviourError
         A file cannot be used, or no session is in all of them.
     """
-    files = [read_codings(path, ethogram) for path in paths]
-    if len(files) == 1 and len(files[0]) > 1:
-        # One file with several observers of a session, as our own tables may have.
-        return _report(paths, params, _by_observer(files[0]), ())
-    if all(len(some) == 1 for some in files):
-        groups = {files[0][0].name: tuple(some[0] for some in files)}
-        return _report(paths, params, groups, ())
-    named = [{one.name: one for one in some} for some in files]
+    named = [_by_session(read_codings(path, ethogram)) for path in paths]
+    if all(len(some) == 1 for some in named):
+        together = tuple(one for some in named for codings in some.values() for one in codings)
+        return _report(paths, params, {together[0].name: together}, ())
     shared = [name for name in named[0] if all(name in some for some in named)]
     if not shared:
         raise BehaviourError(
@@ -89,7 +86,7 @@ def compare_files(
         )
     alone = sorted({name for some in named for name in some} - set(shared))
     notices = (Sentence(SESSIONS_ALONE, {"names": ", ".join(alone)}),) if alone else ()
-    groups = {name: tuple(some[name] for some in named) for name in shared}
+    groups = {name: tuple(one for some in named for one in some[name]) for name in shared}
     return _report(paths, params, groups, notices)
 
 
@@ -107,11 +104,11 @@ def compare_codings(codings: Sequence[Coding], params: AgreementParams) -> Agree
     )
 
 
-def _by_observer(codings: Sequence[Coding]) -> dict[str, tuple[Coding, ...]]:
+def _by_session(codings: Sequence[Coding]) -> dict[str, list[Coding]]:
     groups: dict[str, list[Coding]] = {}
     for one in codings:
         groups.setdefault(one.name, []).append(one)
-    return {name: tuple(some) for name, some in groups.items()}
+    return groups
 
 
 def _report(

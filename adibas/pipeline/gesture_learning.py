@@ -239,18 +239,9 @@ def _left_out(examples: Examples, rule: str) -> tuple[str, IntArray | None]:
     parts = (EXAMPLE, single) if len(single) <= MOST_PARTS else (PART, single % MOST_PARTS)
     whole = parts if rule == EXAMPLE else (rule, examples.groups)
     for kind, groups in (whole, parts):
-        if _leave_enough(examples, groups):
+        if (replace(examples, groups=groups).fewest_left() >= FEWEST).all():
             return kind, groups
     return rule, None
-
-
-def _leave_enough(examples: Examples, groups: IntArray) -> bool:
-    labels = np.array([one.label for one in examples.gestures], np.int64)
-    return all(
-        np.sum((labels == label) & (groups != group)) >= FEWEST
-        for group in np.unique(groups)
-        for label in range(len(examples.labels))
-    )
 
 
 def _uneven(examples: Examples) -> list[Sentence]:

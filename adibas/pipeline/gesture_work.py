@@ -15,14 +15,20 @@ from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.evaluation import Evaluation, compare, leave_one_out
 from adibas.gestures.model import GestureModel, described_for
 from adibas.gestures.model_file import read_model
-from adibas.gestures.training import TrainingParams, check_examples, train
+from adibas.gestures.segments import Examples
+from adibas.gestures.training import FEWEST, TrainingParams, check_examples, train
 from adibas.pipeline.gesture_examples import EVENTS_FILE, read_examples, unseen_joints
 from adibas.pipeline.gesture_learning import Lesson, Trained, learn
 from adibas.progress import Progress
 from adibas.recordings.joints_csv import read_joints_csv, recording_name
 from adibas.texts import message
 
-FEWEST_GROUPS = 2
+LEFT_OUT = {
+    "subject": message("one person"),
+    "recording": message("one recording"),
+    "example": message("one of them"),
+}
+"""At a time, by what examples are kept apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,13 +118,28 @@ def evaluate_folder(
     check_examples(examples)
     n_groups = len(np.unique(examples.groups))
     if test is None:
-        if n_groups < FEWEST_GROUPS:
-            raise GestureError("There is only one example, which leaves nothing to train on.")
+        _check_left(examples, rule)
         result = leave_one_out(examples, descriptor, params, progress)
         return Evaluated(f"leave-one-{rule}-out", n_groups, result, notices)
     model = train(examples, descriptor, params, progress)
     others, _, more = read_examples(test, descriptor, examples.labels)
     return Evaluated("train-test", n_groups, compare(model, others), (*notices, *more))
+
+
+def _check_left(examples: Examples, rule: str) -> None:
+    """See that enough of each gesture is left to learn from, whatever is left out."""
+    for label, n_left in enumerate(examples.fewest_left()):
+        if n_left < FEWEST:
+            raise GestureError(
+                "{label} cannot be evaluated: without {left_out} there are {n} of its {total} "
+                "examples to learn from, and {least} are needed. Record it more often, better with "
+                "more people, or give other examples with --test.",
+                label=examples.labels[label],
+                left_out=LEFT_OUT[rule],
+                n=int(n_left),
+                total=sum(gesture.label == label for gesture in examples.gestures),
+                least=FEWEST,
+            )
 
 
 def evaluation_document(evaluated: Evaluated, params: TrainingParams) -> dict[str, object]:

@@ -32,6 +32,7 @@ from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
+from adibas.recordings.clock_jumps import check_steps
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.smoothing import Smoother, SmoothingParams
@@ -150,6 +151,8 @@ def pose_recording(
     model = shipped_model() if request.model is None else load_model(request.model)
     with request.access.open(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
+        times_ns = np.asarray(recording.timestamps_ns)[wanted.start : wanted.stop]
+        check_steps(request.recording.name, times_ns / NS_PER_S)
         calibration = calibration_of(recording, request.calibration)
         check_age(calibration, request.oldest_calibration_days, clock())
         found = _Found(request, calibration, model)

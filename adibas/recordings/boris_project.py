@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from adibas.data.coding import Coding, Occurrence, Section, problems_of
-from adibas.data.ethogram import Behaviour, Ethogram, Modifier, Subject
+from adibas.data.ethogram import Behaviour, Ethogram, Kind, Modifier, Subject
 from adibas.errors import BehaviourError
 from adibas.files import DAMAGED_JSON
 from adibas.recordings.boris_writing import (
@@ -30,8 +30,14 @@ POINT_TYPES = ("Point event", "Point event with coding map")
 N_FIELDS = 5
 
 
-def read_boris(path: Path) -> tuple[Coding, ...]:
+def read_boris(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
     """Read every observation of a project, in the order of the file.
+
+    Parameters
+    ----------
+    path : Path
+    ethogram : Ethogram, optional
+        In place of the project's own.
 
     Raises
     ------
@@ -40,9 +46,14 @@ def read_boris(path: Path) -> tuple[Coding, ...]:
     """
     document = _document(path)
     try:
-        ethogram = _ethogram(document)
-        observations = document["observations"]
-        return tuple(_coding(path, str(name), one, ethogram) for name, one in observations.items())
+        own = _ethogram(document)
+        scheme = ethogram or own
+        # What the project knows as a state has two events, whatever the scheme in its place says.
+        kinds = {one.name: one.kind for one in (*scheme.behaviours, *own.behaviours)}
+        return tuple(
+            _coding(path, str(name), one, scheme, kinds)
+            for name, one in document["observations"].items()
+        )
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise BehaviourError(
             "{file} is damaged: a part of the BORIS project is missing or wrong. Open it in BORIS "
@@ -125,9 +136,15 @@ def _modifier(conf: Mapping[str, Any]) -> Modifier:
     )
 
 
-def _coding(path: Path, name: str, conf: Mapping[str, Any], ethogram: Ethogram) -> Coding:
+def _coding(
+    path: Path,
+    name: str,
+    conf: Mapping[str, Any],
+    ethogram: Ethogram,
+    kinds: Mapping[str, Kind],
+) -> Coding:
     events = [list(event) for event in conf["events"]]
-    occurrences, places = _paired(path, name, events, ethogram)
+    occurrences, places = _paired(path, name, events, kinds)
     begin_ms, end_ms = _observed_ms(conf, occurrences)
     for problem in problems_of(ethogram, occurrences, (begin_ms, end_ms)):
         raise BehaviourError(
@@ -172,7 +189,7 @@ def _observed_ms(conf: Mapping[str, Any], occurrences: Sequence[Occurrence]) -> 
 
 
 def _paired(
-    path: Path, name: str, events: Sequence[Sequence[Any]], ethogram: Ethogram
+    path: Path, name: str, events: Sequence[Sequence[Any]], kinds: Mapping[str, Kind]
 ) -> tuple[list[Occurrence], list[int]]:
     """Return occurrences, and the place of the event that began each.
 
@@ -186,8 +203,7 @@ def _paired(
     places: list[int] = []
     for place in sorted(range(len(events)), key=lambda at: float(events[at][0])):
         _time, subject, code, told, _comment = map(str, events[place][:N_FIELDS])
-        behaviour = ethogram.behaviour(code)
-        is_state = behaviour is not None and behaviour.kind == "state"
+        is_state = kinds.get(code) == "state"
         key = (subject, code, told)
         if is_state and key not in begun:
             begun[key] = place

@@ -20,7 +20,7 @@ def read_codings(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, 
     ----------
     path : Path
     ethogram : Ethogram, optional
-        In place of the file's own; not for a BORIS project, which has one.
+        In place of the file's own; every event must fit it.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def read_codings(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, 
         case ".xlsx":
             return read_coding_excel(path, ethogram)
         case ".boris":
-            return read_boris(path)
+            return read_boris(path, ethogram)
         case ".eaf":
             return (read_elan(path, ethogram),)
     raise BehaviourError(

@@ -89,10 +89,11 @@ def _annotations(root: ET.Element) -> dict[str, list[tuple[int, int, str]]]:
 
 
 def _ours(path: Path, root: ET.Element, ours: dict[str, Any], ethogram: Ethogram | None) -> Coding:
-    scheme = ethogram or ethogram_of_text(json.dumps(ours["ethogram"]), path.name)
+    own = ethogram_of_text(json.dumps(ours["ethogram"]), path.name)
+    scheme = ethogram or own
     annotations = _annotations(root)
     occurrences = [
-        _occurrence(scheme, behaviour, subject, span)
+        _occurrence(own, behaviour, subject, span)
         for tier, behaviour, subject in ours["tiers"]
         for span in annotations.get(tier, ())
     ]

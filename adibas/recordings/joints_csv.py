@@ -22,10 +22,13 @@ from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import RecordingError
 from adibas.files import written_whole
+from adibas.recordings.clock_jumps import check_steps
 from adibas.texts import message
 
 SUFFIX = ".joints.csv"
 ROWS_A_BLOCK = 5000
+LATEST_S = 9e9
+"""The year 2255: later times do not fit into 64 bits of nanoseconds."""
 ORIGIN = "origin"
 PARTS = ("x_m", "y_m", "z_m", "confidence")
 COLUMNS = tuple(f"{joint}_{part}" for joint in JOINT_NAMES for part in PARTS)
@@ -60,7 +63,8 @@ def read_joints_csv(path: Path) -> JointFile:
     Raises
     ------
     RecordingError
-        The file is missing, has no time or joints, or a cell is no number.
+        The file is missing, has no time or joints, or a cell is no number; or a frame comes more
+        than a day after all before it.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -76,6 +80,7 @@ def read_joints_csv(path: Path) -> JointFile:
         kept, said = _forward(path, rows.times_s)
         notices += said
         tracks.append(rows.track(kept, int(person)))
+    check_steps(path.name, np.sort(np.concatenate([track.times_s for track in tracks])))
     return JointFile(tuple(tracks), tuple(notices), origin)
 
 
@@ -221,6 +226,14 @@ def _check(path: Path, cells: FloatArray) -> None:
             "{file} has a frame without a time, or an infinite number in it. Every row needs its "
             "timestamp_s.",
             file=path.name,
+        )
+    is_late = np.abs(cells[:, 0]) > LATEST_S
+    if is_late.any():
+        raise RecordingError(
+            "{file} has a frame at {at} s, which is no time. timestamp_s is in seconds, not in "
+            "milliseconds.",
+            file=path.name,
+            at=float(cells[is_late, 0][0]),
         )
 
 

@@ -112,7 +112,8 @@ def write_points(
         writer.writerow(head)
         for number, one in enumerate(sets):
             for i, point in enumerate(one.points):
-                position = [float(value) for value in one.positions_m[i]]
+                # A point in the plane has no z, but its cell: what follows keeps its column.
+                position = [*map(float, one.positions_m[i]), ""][: 3 if has_depth else 2]
                 view = [one.view] if has_view else []
                 size = [_size_text(one.diameters_m, i)] if has_size else []
                 more = [values[number][i] for values in extra.values()]

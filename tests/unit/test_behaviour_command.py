@@ -16,12 +16,12 @@ from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour, gestu
 from adibas.pipeline.behaviour_agreement import icc_of
 from adibas.pipeline.joined_access import joined_name
 from adibas.recordings.boris_writing import write_boris
-from adibas.recordings.coding_csv import write_coding_csv
+from adibas.recordings.coding_csv import coding_csv_text, write_coding_csv
 from adibas.recordings.codings import read_codings
 from adibas.recordings.joints_csv import write_joints_csv
 from adibas.resources import resource_path
 from tests.unit.coding_samples import coding
-from tests.unit.test_activity import HAND, circling, still
+from tests.unit.test_activity import FOOT, HAND, circling, still
 
 
 @pytest.fixture
@@ -83,6 +83,32 @@ def test_a_table_of_joints_becomes_a_timeline(joints, tmp_path, capsys):
     book.close()
 
 
+@pytest.mark.parametrize(
+    ("still_s", "words"),
+    [
+        ("25:35", []),
+        ("5:15", ["person 2 ", ": head, neck, "]),
+        ("40:50", ["person 1 ", ": left hand."]),
+    ],
+)
+def test_joints_of_which_a_still_time_tells_no_noise_are_named(tmp_path, capsys, still_s, words):
+    times_s, first_m = still(900, 15.0, 0.005, begin_s=0.0)
+    first_m[600:745, HAND] = np.nan  # seven steps of the last still time are left
+    _times, second_m = still(900, 15.0, 0.005, seed=1)
+    second_m[:300] = np.nan
+    second_m[:, FOOT] = np.nan  # whoever never appears has no noise
+    path = tmp_path / "a.csv"
+    write_joints_csv(path, [track_of(times_s, first_m), track_of(times_s, second_m, 2)])
+    code, document = told(
+        capsys, "behaviour", path, "--still", still_s, "--out", tmp_path / "r.xlsx"
+    )
+    assert code == 0
+    said = [notice for notice in document["notices"] if "in the still time" in notice]
+    assert len(said) == bool(words)
+    assert all(word in notice for notice in said for word in words)
+    assert all("right foot" not in notice for notice in said)
+
+
 def test_who_has_no_neck_does_no_gesture(tmp_path):
     times_s, joints_m = still(100, 15.0)
     joints_m[:, JOINT_NAMES.index("neck")] = np.nan
@@ -140,6 +166,7 @@ def test_gestures_of_a_model_are_in_the_timeline(joints):
     [
         (["--section", "a=0:20", "--section", "b=10:30"], "overlaps with another one"),
         (["--section", "a=0:200"], "outside the recording"),
+        (["--still", "50:70"], "still time from 50.0 to 70.0 s lies outside the recording (0.0 to"),
         (["--coding", "none.csv"], "none.csv cannot be read"),
         (["--model", "none.json"], "none.json cannot be read"),
     ],
@@ -217,6 +244,33 @@ def test_sessions_are_paired_by_name(tmp_path, capsys):
     write_coding_csv(tmp_path / "d.csv", [dataclasses.replace(one, name="y"), two])
     assert main(["coding", "agreement", str(tmp_path / "c.csv"), str(tmp_path / "d.csv")]) == 1
     assert "No session is in all files" in capsys.readouterr().err
+
+
+def test_all_observers_of_a_file_are_compared_with_those_of_the_others(tmp_path, capsys):
+    ann, bob, cy = (
+        coding(("seated", begin, end, "child"), observer=name)
+        for name, begin, end in (("ann", 0, 20), ("bob", 30, 60), ("cy", 0, 20))
+    )
+    other = coding(("nods", 1, 1), observer="ann")
+    other = dataclasses.replace(other, name="session 2")
+    _head, *rows = coding_csv_text([bob]).splitlines(keepends=True)
+    (tmp_path / "two.csv").write_text(coding_csv_text([ann]) + "".join(rows))
+    (tmp_path / "more.csv").write_text(coding_csv_text([ann, other]) + "".join(rows))
+    write_coding_csv(tmp_path / "cy.csv", [cy])
+    for files, observers in (
+        (("two",), ["ann", "bob"]),
+        (("two", "cy"), ["ann", "bob", "cy"]),
+        (("cy", "more"), ["cy", "ann", "bob"]),
+    ):
+        paths = [tmp_path / f"{name}.csv" for name in files]
+        code, document = told(capsys, "coding", "agreement", *paths)
+        assert code == 0
+        (session,) = document["sessions"]
+        assert session["observers"] == observers
+        first_two = f"first two, {observers[0]} and {observers[1]}"
+        assert any(first_two in one for one in session["notices"]) == (len(observers) > 2)
+        (fleiss,) = [one for one in session["figures"] if one["method"] == "fleiss-kappa"]
+        assert fleiss["n"] == 60
 
 
 def test_a_coding_goes_through_every_format(observers, tmp_path, capsys):

@@ -78,6 +78,63 @@ def test_events_are_the_same_after_a_table_of_boris(tmp_path, one):
     assert found[0].end_ms == one.end_ms
 
 
+NAMED = (*WRITERS, "c.eaf")
+
+
+def written(tmp_path, name, one):
+    if name == "c.eaf":
+        write_elan(tmp_path / name, one)
+    else:
+        WRITERS[name](tmp_path / name, [one])
+    return tmp_path / name
+
+
+def with_behaviours(**changes):
+    """Return `ETHOGRAM` with some behaviours changed, or left out where it says None."""
+    kept = [
+        dataclasses.replace(one, excludes=(), **(changes.get(one.name) or {}))
+        for one in ETHOGRAM.behaviours
+        if changes.get(one.name, {}) is not None
+    ]
+    return dataclasses.replace(ETHOGRAM, name="other", behaviours=tuple(kept))
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_an_ethogram_that_is_given_takes_the_place_of_the_files_own(tmp_path, name):
+    one = coding(("seated", 1, 2, "child"), ("nods", 3, 3))
+    other = with_behaviours(up=None)
+    (found,) = read_codings(written(tmp_path, name, one), other)
+    assert found == dataclasses.replace(one, ethogram=other)
+
+
+@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"seated": None}, "the behaviour seated is not in the ethogram"),
+        ({"seated": {"kind": "point"}}, "seated at 1.000 s is a point event, but it lasts"),
+        ({"nods": {"modifiers": ()}}, "nods at 3.000 s has the modifier 2"),
+    ],
+)
+def test_an_event_that_does_not_fit_the_given_ethogram_is_told(tmp_path, name, changes, words):
+    one = coding(("seated", 1, 2, "child"), ("nods", 3, 3, "", ("2",)))
+    path = written(tmp_path, name, one)
+    with pytest.raises(BehaviourError) as refused:
+        read_codings(path, with_behaviours(**changes))
+    assert words in str(refused.value)
+
+
+def test_what_a_project_of_boris_knows_no_more_is_a_state_where_the_given_ethogram_says_so(
+    tmp_path,
+):
+    one = coding(("seated", 1, 2, "child"))
+    document = project_document([one])
+    confs = document["behaviors_conf"].values()
+    lacking = {str(at): conf for at, conf in enumerate(confs) if conf["code"] != "seated"}
+    path = boris_file(tmp_path, **{**document, "behaviors_conf": lacking})
+    assert read_codings(path, ETHOGRAM) == (one,)
+
+
 def test_several_sessions_share_one_file(tmp_path):
     one = coding(("seated", 1, 2), ("nods", 3, 3))
     two = dataclasses.replace(one, name="=session 2", description="-3", observer="'x")

@@ -296,6 +296,24 @@ def test_the_command_trains_detects_and_evaluates(tmp_path, capsys):
     assert "Best class right" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("n_people", "words"),
+    [
+        (3, "bend cannot be evaluated: without one person there are 0 of its 2 examples"),
+        (1, "bend cannot be evaluated: without one of them there are 1 of its 2 examples"),
+    ],
+)
+def test_it_is_said_of_which_gesture_too_little_is_left_to_evaluate_it(
+    tmp_path, capsys, n_people, words
+):
+    tracks, events = streams(n_people)
+    alone = [one for one in events if one.label == "wave" or one.subject == "s0"]
+    assert main(["gestures", "evaluate", str(written(tmp_path, tracks, alone))]) == 1
+    said = capsys.readouterr().err
+    assert words in said
+    assert "only one example" not in said
+
+
 def test_gaps_and_joints_that_never_appear_are_said(tmp_path, capsys, trained):
     model = tmp_path / "model.json"
     write_model(model, trained)

@@ -340,6 +340,20 @@ def test_the_diameters_of_markers_count_and_stay_in_the_file(tmp_path):
     assert labels == {0.009: "left_hand", 0.027: ""}
 
 
+def test_what_is_said_of_points_in_the_plane_keeps_its_column_beside_shapes_of_space(tmp_path):
+    points = tmp_path / "points.csv"
+    sets = [
+        PointSet("flat", ("a",), ("",), np.array([[1.0, 2.0]])),
+        PointSet("whole", ("b",), ("",), np.array([[3.0, 4.0, 5.0]])),
+    ]
+    write_points(sets, points, {"confidence": [["0.5"], ["0.9"]], "guess": [["head"], ["neck"]]})
+    with points.open(newline="") as file:
+        told = [(row["z_m"], row["confidence"], row["guess"]) for row in csv.DictReader(file)]
+    assert told == [("", "0.5", "head"), ("5.0", "0.9", "neck")]
+    for one, again in zip(sets, read_points(points), strict=True):
+        np.testing.assert_array_equal(again.positions_m, one.positions_m)
+
+
 @pytest.mark.parametrize(
     ("text", "match"),
     [

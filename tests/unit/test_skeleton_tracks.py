@@ -84,6 +84,27 @@ def test_repeated_and_backward_times_are_left_out_and_said(tmp_path):
     assert "0.050 s" in texts[1]
 
 
+@pytest.mark.parametrize(
+    "rows", [["1,0", "1,0.1", "1,1700000000"], ["1,0", "2,1700000000", "1,0.1", "2,1700000000.1"]]
+)
+def test_joints_more_than_a_day_after_all_others_are_refused_and_the_times_told(tmp_path, rows):
+    path = tmp_path / "a.joints.csv"
+    path.write_text("\n".join(["person,timestamp_s,head_x_m", *(f"{row},1" for row in rows)]))
+    with pytest.raises(RecordingError) as refused:
+        read_joints_csv(path)
+    said = str(refused.value)
+    assert "a.joints.csv: the frame after the one at 0.1 s is at 1700000000.0 s" in said
+
+
+def test_a_long_pause_is_no_jump_and_neither_is_one_person_who_comes_late(tmp_path):
+    path = tmp_path / "a.joints.csv"
+    hours = "\n".join(f"1,{3600 * hour},1" for hour in (0, 20, 40, 60))
+    path.write_text(f"person,timestamp_s,head_x_m\n{hours}\n2,{3600 * 60},1\n")
+    found = read_joints_csv(path)
+    assert [len(track) for track in found.tracks] == [4, 1]
+    assert found.notices == ()
+
+
 def test_joints_without_a_column_were_never_seen(tmp_path):
     path = tmp_path / "a.joints.csv"
     write_rows(path, ["0", "0.1"])
@@ -101,6 +122,7 @@ def test_joints_without_a_column_were_never_seen(tmp_path):
         ("timestamp_s,head_x_m\n1,2\n2\n", "line 3"),
         ("timestamp_s,head_x_m\n,2\n", "without a time"),
         ("timestamp_s,head_x_m\n1,inf\n", "infinite"),
+        ("timestamp_s,head_x_m\n1700000000000,1\n", "is in seconds, not in milliseconds"),
         ("", "no table of joints"),
     ],
 )

@@ -9,7 +9,7 @@ from adibas.gestures.descriptor import DESCRIBED_JOINTS, DescriptorParams
 from adibas.gestures.model_file import read_model, write_model
 from adibas.gestures.proposals import ClassAligner
 from adibas.gestures.training import TrainingParams, train
-from adibas.gestures.weighting import spread
+from adibas.gestures.weighting import spread, weights_of_gestures
 from adibas.pipeline.gesture_examples import examples_of
 from tests.unit.gesture_examples import streams
 
@@ -34,6 +34,18 @@ def test_each_gesture_is_aligned_with_its_own_weights(weighed):
         only, begun = alone.curves(track.frames)
         np.testing.assert_array_equal(costs[:, label], only[:, label])
         np.testing.assert_array_equal(starts[:, label], begun[:, label])
+
+
+def test_a_gesture_that_one_person_alone_shows_is_learned_with_weights():
+    tracks, events = streams(3)
+    alone = [one for one in events if one.label == "wave" or one.subject == "s0"]
+    found, _rule, _notices = examples_of(tracks, alone, DescriptorParams())
+    model = train(found, DescriptorParams(), TrainingParams(method="weighted-dtw"))
+    assert model.labels == ("bend", "wave")
+    np.testing.assert_allclose(model.weights.sum(axis=1), 1.0)
+    bend, wave = weights_of_gestures(found.without(found.groups == 0))
+    assert np.ptp(bend) == 0.0
+    assert np.ptp(wave) > 0.0
 
 
 def test_a_model_file_keeps_the_weights_of_each_gesture(tmp_path, weighed):
