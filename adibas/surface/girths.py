@@ -5,6 +5,7 @@ without palpation, so these names say no more than what is measured.
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,29 +14,38 @@ from adibas.data.body_measures import BodyMeasure, Definition
 from adibas.surface.merging import BodySurface
 from adibas.surface.sagittal import Estimate
 from adibas.surface.slices import (
+    Seen,
     SliceParams,
-    SlicePart,
     leg_slices,
     steady_girths_m,
     trunk_slices,
     volume_m3,
 )
-from adibas.texts import message
+from adibas.texts import Message, message
 
 OWN = "ADiBAS, docs/body-surface.md"
 NOT_ROUND = message("The views do not show it from all sides.")
-TOUCHED = message("Arms or hands lie at the trunk. Hold them away from it.")
+NOT_APART = message(
+    "The thighs touch, or the views do not show them from all sides. Stand with the feet apart."
+)
+TOUCHED = message("Arms or hands lie at the body there. Hold them away from it.")
 LOIN, SEAT = (0.56, 0.70), (0.46, 0.56)
 TRUNK = (0.53, 0.65)
 CALF = (0.14, 0.27)
+THIGH = (0.30, 0.38)
+"""Above the knee-cap, below where hands hang."""
 LEAST_SHARE = 0.8
 """Of a segment's slices whose outline must be seen, for it to have a volume."""
 ERROR_SD = {
     "GIRTH.TRUNK.LEAST": 0.0105,
     "GIRTH.SEAT.GREATEST": 0.007,
+    "GIRTH.THIGH.LEFT": 0.013,
+    "GIRTH.THIGH.RIGHT": 0.013,
     "GIRTH.CALF.LEFT": 0.016,
     "GIRTH.CALF.RIGHT": 0.016,
     "VOLUME.TRUNK": 0.009,
+    "VOLUME.THIGH.LEFT": 0.025,
+    "VOLUME.THIGH.RIGHT": 0.025,
     "VOLUME.CALF.LEFT": 0.046,
     "VOLUME.CALF.RIGHT": 0.046,
 }
@@ -59,6 +69,20 @@ GIRTH_SEAT = Definition(
     "length",
     OWN,
 )
+GIRTH_LEFT_THIGH = Definition(
+    "GIRTH.THIGH.LEFT",
+    message("Greatest girth of the left thigh"),
+    message("between 30 and 38 % of the stature"),
+    "length",
+    OWN,
+)
+GIRTH_RIGHT_THIGH = Definition(
+    "GIRTH.THIGH.RIGHT",
+    message("Greatest girth of the right thigh"),
+    message("between 30 and 38 % of the stature"),
+    "length",
+    OWN,
+)
 GIRTH_LEFT_CALF = Definition(
     "GIRTH.CALF.LEFT",
     message("Greatest girth of the left calf"),
@@ -77,6 +101,20 @@ VOLUME_TRUNK = Definition(
     "VOLUME.TRUNK",
     message("Volume of the trunk"),
     message("between 53 and 65 % of the stature"),
+    "volume",
+    OWN,
+)
+VOLUME_LEFT_THIGH = Definition(
+    "VOLUME.THIGH.LEFT",
+    message("Volume of the left thigh"),
+    message("between 30 and 38 % of the stature"),
+    "volume",
+    OWN,
+)
+VOLUME_RIGHT_THIGH = Definition(
+    "VOLUME.THIGH.RIGHT",
+    message("Volume of the right thigh"),
+    message("between 30 and 38 % of the stature"),
     "volume",
     OWN,
 )
@@ -108,42 +146,52 @@ def slice_measures(
     loin, seat, trunk = (
         trunk_slices(surface, *between(one), params) for one in (LOIN, SEAT, TRUNK)
     )
+    thighs = leg_slices(surface, *between(THIGH), params)
     calves = leg_slices(surface, *between(CALF), params)
     return (
         _girth(GIRTH_LOIN, loin, np.min),
         _girth(GIRTH_SEAT, seat, np.max),
-        _girth(GIRTH_LEFT_CALF, (calves[0], 0), np.max),
-        _girth(GIRTH_RIGHT_CALF, (calves[1], 0), np.max),
-        _volume(VOLUME_TRUNK, trunk, between(TRUNK), params),
-        _volume(VOLUME_LEFT_CALF, (calves[0], 0), between(CALF), params),
-        _volume(VOLUME_RIGHT_CALF, (calves[1], 0), between(CALF), params),
+        _girth(GIRTH_LEFT_THIGH, thighs[0], np.max, NOT_APART),
+        _girth(GIRTH_RIGHT_THIGH, thighs[1], np.max, NOT_APART),
+        _girth(GIRTH_LEFT_CALF, calves[0], np.max),
+        _girth(GIRTH_RIGHT_CALF, calves[1], np.max),
+        _volume(VOLUME_TRUNK, trunk, _Span(*between(TRUNK), params.step_m)),
+        _volume(VOLUME_LEFT_THIGH, thighs[0], _Span(*between(THIGH), params.step_m), NOT_APART),
+        _volume(VOLUME_RIGHT_THIGH, thighs[1], _Span(*between(THIGH), params.step_m), NOT_APART),
+        _volume(VOLUME_LEFT_CALF, calves[0], _Span(*between(CALF), params.step_m)),
+        _volume(VOLUME_RIGHT_CALF, calves[1], _Span(*between(CALF), params.step_m)),
     )
+
+
+class _Span(NamedTuple):
+    """Of slices: from where to where, and how far apart."""
+
+    low_m: float
+    high_m: float
+    step_m: float
 
 
 def _girth(
     definition: Definition,
-    seen: tuple[list[SlicePart], int],
+    seen: Seen,
     chosen: Callable[[FloatArray], np.float64],
+    unseen: Message = NOT_ROUND,
 ) -> BodyMeasure:
     parts, n_touched = seen
     if n_touched and len(parts) < LEAST_FREE * (len(parts) + n_touched):
         return BodyMeasure(definition, None, reason=TOUCHED)
     if not parts:
-        return BodyMeasure(definition, None, reason=NOT_ROUND)
+        return BodyMeasure(definition, None, reason=unseen)
     return _known(definition, float(chosen(steady_girths_m(parts))))
 
 
 def _volume(
-    definition: Definition,
-    seen: tuple[list[SlicePart], int],
-    heights_m: tuple[float, float],
-    params: SliceParams,
+    definition: Definition, seen: Seen, span: _Span, unseen: Message = NOT_ROUND
 ) -> BodyMeasure:
     parts, n_touched = seen
-    n_wanted = (heights_m[1] - heights_m[0]) / params.step_m
-    if len(parts) < LEAST_SHARE * n_wanted:
-        return BodyMeasure(definition, None, reason=TOUCHED if n_touched else NOT_ROUND)
-    return _known(definition, volume_m3(parts, *heights_m, params.step_m))
+    if len(parts) < LEAST_SHARE * (span.high_m - span.low_m) / span.step_m:
+        return BodyMeasure(definition, None, reason=TOUCHED if n_touched else unseen)
+    return _known(definition, volume_m3(parts, *span))
 
 
 def _known(definition: Definition, value: float) -> BodyMeasure:

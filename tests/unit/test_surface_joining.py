@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
-from adibas.surface.girths import CALF, TOUCHED, slice_measures
+from adibas.surface.girths import CALF, NOT_APART, THIGH, TOUCHED, slice_measures
 from adibas.surface.merging import BodySurface, SeenPoints, merge_points
 from adibas.surface.patient_axes import TURNS_RAD, guessed_axes, turned
 from adibas.surface.slices import (
@@ -223,21 +223,21 @@ def test_legs_are_two_and_named_by_the_patient():
         )
     points_m = np.concatenate(columns)
     surface = uncoloured(points_m, np.tile([1.0, 0.0, 0.0], (len(points_m), 1)))
-    left, right = leg_slices(surface, 0.2, 0.6)
+    (left, _), (right, _) = leg_slices(surface, 0.2, 0.6)
     assert len(left) == len(right) >= 40
     assert np.median([part.girth_m for part in left]) == pytest.approx(2 * np.pi * 0.06, rel=0.02)
     assert np.median([part.girth_m for part in right]) == pytest.approx(2 * np.pi * 0.07, rel=0.02)
     assert slice_parts(surface, 3.0) == ()
 
 
-def legs(hidden_deg, radii_m=(0.057, 0.057), n=60_000):
+def legs(hidden_deg, radii_m=(0.057, 0.057), n=60_000, apart_m=0.2):
     """Two round legs of 0.1 to 0.7 m; of each the inner side, so wide, was seen by nobody."""
     rng = np.random.default_rng(0)
     columns = []
     for side, radius_m in zip((-1.0, 1.0), radii_m, strict=True):
         angles = rng.uniform(0.5 * hidden_deg, 360.0 - 0.5 * hidden_deg, n)
         inward = np.radians(angles)  # 0 faces the other leg
-        across_m = side * (0.1 - radius_m * np.cos(inward))
+        across_m = side * (apart_m / 2 - radius_m * np.cos(inward))
         columns.append(np.stack([across_m, rng.uniform(0.1, 0.7, n), radius_m * np.sin(inward)], 1))
     points_m = np.concatenate(columns)
     return uncoloured(points_m, np.tile([1.0, 0.0, 0.0], (len(points_m), 1)))
@@ -245,22 +245,50 @@ def legs(hidden_deg, radii_m=(0.057, 0.057), n=60_000):
 
 def test_an_inner_side_that_nobody_saw_is_bridged_by_an_arc():
     """A chord over 70 degrees is 1.2 % shorter than the round, and cuts off 2.2 % of the area."""
-    left, right = leg_slices(legs(70.0), 0.2, 0.6)
+    (left, _), (right, _) = leg_slices(legs(70.0), 0.2, 0.6)
     for part in (*left, *right):
         assert part.girth_m == pytest.approx(2 * np.pi * 0.057, rel=0.004)
         assert part.area_m2 == pytest.approx(np.pi * 0.057**2, rel=0.012)
         assert part.seen_share < 0.85
 
 
-def test_calves_have_a_volume_each():
-    found = {
-        one.definition.measure_id: one for one in slice_measures(legs(40.0, (0.05, 0.06)), 2.0)
-    }
-    length_m = 2.0 * (CALF[1] - CALF[0])
-    for name, radius_m in (("VOLUME.CALF.LEFT", 0.05), ("VOLUME.CALF.RIGHT", 0.06)):
-        exact = np.pi * radius_m**2 * length_m
-        assert found[name].value == pytest.approx(exact, rel=0.02)
-        assert found[name].interval[0] < exact < found[name].interval[1]
+STATURE_M = 1.8
+
+
+def of_legs(surface):
+    return {one.definition.measure_id: one for one in slice_measures(surface, STATURE_M)}
+
+
+@pytest.mark.parametrize(("part", "shares"), [("CALF", CALF), ("THIGH", THIGH)])
+def test_calves_and_thighs_have_a_girth_and_a_volume_each(part, shares):
+    found = of_legs(legs(40.0, (0.05, 0.06)))
+    length_m = STATURE_M * (shares[1] - shares[0])
+    for side, radius_m in (("LEFT", 0.05), ("RIGHT", 0.06)):
+        exact = {"GIRTH": 2 * np.pi * radius_m, "VOLUME": np.pi * radius_m**2 * length_m}
+        for kind, truth in exact.items():
+            one = found[f"{kind}.{part}.{side}"]
+            assert one.value == pytest.approx(truth, rel=0.02)
+            assert one.interval[0] < truth < one.interval[1]
+
+
+def test_a_thigh_that_a_hand_touches_is_not_measured_and_the_other_is():
+    rng = np.random.default_rng(3)
+    angles, heights_m = rng.uniform(0, 2 * np.pi, 40_000), rng.uniform(0.5, 0.7, 40_000)
+    across_m = 0.1 + 0.057 + 0.03 + 0.03 * np.cos(angles)
+    hand_m = np.stack([across_m, heights_m, 0.03 * np.sin(angles)], axis=1)
+    points_m = np.concatenate([legs(0.0).points_m, hand_m])
+    found = of_legs(uncoloured(points_m, np.tile([1.0, 0.0, 0.0], (len(points_m), 1))))
+    for kind in ("GIRTH", "VOLUME"):
+        assert found[f"{kind}.THIGH.RIGHT"].value is None
+        assert found[f"{kind}.THIGH.RIGHT"].reason is TOUCHED
+        assert found[f"{kind}.THIGH.LEFT"].value is not None
+        assert found[f"{kind}.CALF.RIGHT"].value is not None
+
+
+def test_thighs_that_touch_are_told_apart_by_nothing():
+    found = of_legs(legs(0.0, apart_m=0.11))
+    assert found["VOLUME.THIGH.LEFT"].value is None
+    assert found["VOLUME.THIGH.LEFT"].reason is NOT_APART
 
 
 def test_girths_have_names_and_what_is_not_seen_has_a_reason():
