@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 
 from adibas.errors import AdibasError
 from ui.events import Event
-from ui.ports import CancelledError, Job, JobControl, Result
+from ui.ports import CancelledError, Job, JobControl, Result, Stop
 
 N_WORKERS = 2
 
@@ -31,6 +31,7 @@ class ThreadJob(JobControl, Job):
     """One job: its thread asks it whether to go on, the window whether it still runs."""
 
     label: str
+    stop: Stop
     _tell: Callable[["ThreadJob", str, object], None]
     _stop: ThreadEvent = field(default_factory=ThreadEvent)
     _is_running: bool = True
@@ -61,8 +62,14 @@ class ThreadJob(JobControl, Job):
         """Whether the user asked it to stop."""
         return self._stop.is_set()
 
+    @property
+    def is_dropped(self) -> bool:
+        """Whether nobody wants to know what came of it."""
+        return self.is_cancelled and self.stop == "drops"
+
     def cancel(self) -> None:
-        self._stop.set()
+        if self.stop != "never":
+            self._stop.set()
 
     def end(self) -> None:
         """Note that nothing more will come."""
@@ -97,9 +104,11 @@ class JobRunner(QObject):
         done: Callable[[Result], None],
         failed: Callable[[AdibasError], None] | None = None,
         ended: Callable[[], None] | None = None,
+        *,
+        stop: Stop = "drops",
     ) -> ThreadJob:
         """Run `work` in a worker thread and give its result to `done` in the window's thread."""
-        job = ThreadJob(label, self._told.emit)
+        job = ThreadJob(label, stop, self._told.emit)
         self._handlers[job] = _Handlers(done, failed or self._problem, ended)
         self._pool.submit(self._run, job, work)
         self.changed.emit(job, 0, 0)
@@ -152,7 +161,7 @@ class JobRunner(QObject):
             told.ended()
         if what == "crashed":
             sys.excepthook(type(value), value, value.__traceback__)
-        elif what == "failed" and not job.is_cancelled:
+        elif what == "failed" and not job.is_dropped:
             told.failed(value)
-        elif what == "done" and not job.is_cancelled:
+        elif what == "done" and not job.is_dropped:
             told.done(value)

@@ -119,6 +119,7 @@ class OpenStore:
         workspace, window = self.workspace, self._window
         workspace.noticed.subscribe(window.tell)
         workspace.retry_offered.subscribe(window.offer_again)
+        workspace.retry_withdrawn.subscribe(window.withdraw_retry)
         workspace.dispute_found.subscribe(window.ask_which_holds)
         workspace.screen_wanted.subscribe(self._show_screen)
         workspace.patient_changed.subscribe(self._show_patient)

@@ -1,7 +1,7 @@
 """What presenters need of the window, without Qt."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Literal, Protocol, TypeVar
 
 from adibas.errors import AdibasError
 from ui.events import Event
@@ -14,6 +14,10 @@ if TYPE_CHECKING:  # they bring the compiler along, and the window does without 
     from adibas.sensors.ports import SensorOptions
 
 Result = TypeVar("Result")
+
+Stop = Literal["drops", "tells", "never"]
+"""What a stop makes of a job: what comes of it is dropped; told all the same, as far as it came;
+or it cannot be stopped, since what it does cannot be undone."""
 
 
 class CancelledError(Exception):
@@ -40,7 +44,7 @@ class Job(Protocol):
     def is_running(self) -> bool: ...
 
     def cancel(self) -> None:
-        """Ask it to stop at its next progress; only `ended` is told of it afterwards."""
+        """Ask it to stop at its next progress; what is told of it afterwards is its `Stop`."""
 
 
 class Jobs(Protocol):
@@ -53,6 +57,8 @@ class Jobs(Protocol):
         done: Callable[[Result], None],
         failed: Callable[[AdibasError], None] | None = None,
         ended: Callable[[], None] | None = None,
+        *,
+        stop: Stop = "drops",
     ) -> Job:
         """Run `work` in a worker thread and give its result to `done` in the window's thread.
 
@@ -66,6 +72,10 @@ class Jobs(Protocol):
         ended : callable or None
             Told first when nothing runs any more, whatever came of it: also where the user
             stopped the job, and where it met a bug.
+        stop : str
+            ``drops``: after a stop only `ended` is told. ``tells``: `work` may catch the
+            `CancelledError` and return what was done until then; it is told like any result.
+            ``never``: nothing stops it, and its result is told.
         """
         ...
 

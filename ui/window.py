@@ -230,6 +230,10 @@ class MainWindow(QMainWindow):
         """Tell the user what failed, and offer to try it again."""
         self._messages.offer_again(sentence, again)
 
+    def withdraw_retry(self) -> None:
+        """Offer no more to try something again."""
+        self._messages.withdraw_retry()
+
     def ask_which_holds(self, dispute: "Dispute") -> None:
         """Show what somebody else saved meanwhile, and let the user choose."""
         from ui.widgets.dispute_dialog import DisputeDialog

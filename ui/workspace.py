@@ -74,6 +74,8 @@ class Workspace:
         The user is told something.
     retry_offered(sentence, again)
         Something failed that can be tried again as it is.
+    retry_withdrawn()
+        It is not offered any more.
     dispute_found(dispute)
         Somebody else changed the same meanwhile: the user has to choose.
     """
@@ -97,10 +99,13 @@ class Workspace:
         self.screen_wanted: Event[[str]] = Event()
         self.noticed: Event[[NoticeKind, str]] = Event()
         self.retry_offered: Event[[str, Callable[[], object]]] = Event()
+        self.retry_withdrawn: Event[[]] = Event()
         self.dispute_found: Event[[Dispute]] = Event()
+        self._offered: _Attempt | None = None
 
     def choose_patient(self, patient: Patient | None) -> None:
         """Look at a patient; a session of another one is left."""
+        self.withdraw_retry()  # before anybody is told: who is told may offer another one
         self.patient = patient
         if self.session is not None and (
             patient is None or self.session.patient != patient.pseudonym
@@ -110,6 +115,7 @@ class Workspace:
 
     def choose_session(self, session: "Session | None") -> None:
         """Look at a session (the same one with new content, too)."""
+        self.withdraw_retry()
         is_other = (
             session is None or self.session is None or session.session_id != self.session.session_id
         )
@@ -117,6 +123,11 @@ class Workspace:
         if is_other:
             self.choose_capture(None)
         self.session_changed.emit()
+
+    def renew_session(self, session: "Session") -> None:
+        """Take the new content of a session, where it is the one that is being looked at."""
+        if self.session is not None and self.session.session_id == session.session_id:
+            self.choose_session(session)
 
     def choose_capture(self, capture_id: str | None) -> None:
         """Look at one capture of the session."""
@@ -179,12 +190,14 @@ class Workspace:
         """Save what others may change at the same time; return whether that went well at once.
 
         Where somebody did, the user is asked, and it is saved as he decides. Where the server of
-        the store does not answer, he is offered to try again.
+        the store does not answer, he is offered to try again, until he saves something, gives it
+        up, or looks at another patient or session.
 
         Parameters
         ----------
         save : callable
-            Takes the decisions of the user, which are none at first.
+            Takes the decisions of the user, which are none at first. What it saves, and where, is
+            bound now: by the time that it succeeds, he may be looking at something else.
         ended : callable
             Told after each attempt.
         is_kept : bool
@@ -193,12 +206,23 @@ class Workspace:
         """
         return self._attempt_shared(_Attempt(save, ended, is_kept), ())
 
+    def withdraw_retry(self) -> None:
+        """Offer no more to try again what failed: it was given up, or is saved otherwise."""
+        if self._offered is not None:
+            self._offered = None
+            self.retry_withdrawn.emit()
+
+    def _try_again(self, attempt: "_Attempt", decisions: "tuple[Decision, ...]") -> None:
+        if attempt is self._offered:
+            self._attempt_shared(attempt, decisions)
+
     def _attempt_shared(self, attempt: "_Attempt", decisions: "tuple[Decision, ...]") -> bool:
+        self.withdraw_retry()
         try:
             attempt.save(decisions)
         except ServerAwayError as error:
-            again = partial(self._attempt_shared, attempt, decisions)
-            self.retry_offered.emit(describe(error), again)
+            self._offered = attempt
+            self.retry_offered.emit(describe(error), partial(self._try_again, attempt, decisions))
         except AdibasError as error:
             self._tell_or_ask(error, attempt)
         else:

@@ -108,6 +108,8 @@ class Retention:
     ) -> tuple[Expired, ...]:
         """Purge whose time is over, and return who that was; the log has a line for each.
 
+        What `progress` raises ends it before the next one; the log sums up who is gone by then.
+
         Raises
         ------
         StoreError
@@ -116,14 +118,18 @@ class Retention:
         self._audit.require(Permission.RETAIN)
         self._database.check_writable()
         over = self.expired(rules, today)
-        for done, one in enumerate(over, 1):
-            self._purge(one.pseudonym)
-            if progress is not None:
-                progress(done, len(over))
-        if over:
-            self._audit.append(
-                "purge", "store", by="retention", patients=len(over), years=rules.years
-            )
+        n_gone = 0
+        try:
+            for one in over:
+                self._purge(one.pseudonym)
+                n_gone += 1
+                if progress is not None:
+                    progress(n_gone, len(over))
+        finally:
+            if n_gone:
+                self._audit.append(
+                    "purge", "store", by="retention", patients=n_gone, years=rules.years
+                )
         return over
 
 

@@ -94,9 +94,9 @@ class InlineJobs:
         self.problems: list[AdibasError] = []
         self.is_stopped = False
 
-    def start(self, label, work, done, failed=None, ended=None):
+    def start(self, label, work, done, failed=None, ended=None, *, stop="drops"):
         self.labels.append(label)
-        job = InlineJob(self.is_stopped)
+        job = InlineJob(is_stopped=self.is_stopped and stop != "never")
         ended = ended or (lambda: None)
         try:
             result = work(job)
@@ -188,6 +188,12 @@ class NoSensor:
 def workspace(store, inline_jobs, preferences) -> Workspace:
     """What screens share, over a real store, without a sensor."""
     return Workspace(store, inline_jobs, preferences, NoSensor())
+
+
+@pytest.fixture
+def second_window(read_only_store, inline_jobs, preferences) -> Workspace:
+    """What the screens of a second window share, which may only read."""
+    return Workspace(read_only_store, inline_jobs, preferences, NoSensor())
 
 
 @pytest.fixture

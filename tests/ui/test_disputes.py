@@ -1,6 +1,8 @@
 """What the window does where two operators changed the same: it asks, and loses nothing."""
 
+import weakref
 from dataclasses import replace
+from functools import partial
 from unittest.mock import create_autospec
 
 import pytest
@@ -285,6 +287,20 @@ def test_the_message_offers_to_try_again_once(qtbot):
     assert bar.text == ""
     bar.tell("bad", "Something else.")
     assert button.isHidden()
+
+
+def test_an_offer_that_is_withdrawn_goes_with_all_it_held_and_other_messages_stay(qtbot):
+    bar = MessageBar()
+    qtbot.addWidget(bar)
+    typed = Identity("Ana")
+    held = weakref.ref(again := partial(print, typed))
+    bar.offer_again("The server does not answer.", again)
+    del again
+    bar.withdraw_retry()
+    assert (bar.text, held()) == ("", None)
+    bar.tell("bad", "Something else.")
+    bar.withdraw_retry()
+    assert bar.text == "Something else."
 
 
 def test_a_second_window_that_only_reads_is_no_dispute(read_only_store, inline_jobs, preferences):

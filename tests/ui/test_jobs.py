@@ -148,6 +148,30 @@ def test_a_result_that_comes_after_the_cancelling_is_not_told(runner, wait):
     assert told == []
 
 
+@pytest.mark.parametrize("what", ["done", "failed"])
+@pytest.mark.parametrize("stop", ["tells", "never"])
+def test_what_cannot_be_undone_is_told_although_it_was_stopped(runner, wait, stop, what):
+    began, go_on, told = threading.Event(), threading.Event(), []
+
+    def work(control):
+        began.set()
+        go_on.wait(PATIENCE_S)
+        try:
+            control.progress(1, 2)
+        except CancelledError:
+            told.append("asked to stop")
+        if what == "failed":
+            raise StoreError("no")
+
+    done, failed = (lambda _value, name=name: told.append(name) for name in ("done", "failed"))
+    job = runner.start("a", work, done, failed, stop=stop)
+    assert began.wait(PATIENCE_S)
+    job.cancel()
+    go_on.set()
+    wait()
+    assert told == (["asked to stop", what] if stop == "tells" else [what])
+
+
 def test_closing_cancels_and_waits_and_tells_nothing(qapp, problems):
     runner, told, began = JobRunner(problems.append), [], threading.Event()
 

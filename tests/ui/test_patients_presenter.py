@@ -13,6 +13,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures import protocol_store
 from adibas.sessions import NewCapture
+from ui.jobs import JobRunner
 from ui.patients.content import (
     ConsentEntry,
     EntryError,
@@ -247,6 +248,51 @@ def test_a_patient_is_purged_after_the_pseudonym_was_asked_for(screen, store, an
     assert screen.workspace.patient is None
     assert store.patients.search("", with_deleted=True) == ()
     assert screen.told[-1][0] == "good"
+
+
+@pytest.fixture
+def stop_purges(screen, store, monkeypatch):
+    """Let real threads work, and ask them to stop in the middle of each removal; wait for them."""
+    runner = JobRunner(screen.workspace.report_problem)
+    monkeypatch.setattr(screen.workspace, "jobs", runner)
+    for purged in (store.patients, store.sessions):
+
+        def stopped(one, purge=purged.purge):
+            runner.cancel_all()
+            purge(one)
+
+        monkeypatch.setattr(purged, "purge", stopped)
+    yield runner
+    runner.close()
+
+
+def test_that_a_patient_was_purged_is_told_although_somebody_wanted_to_stop_it(
+    screen, ana, stop_purges, qtbot
+):
+    screen.patients.show_deleted(is_wanted=True)
+    screen.patients.choose(ana.pseudonym)
+    screen.patients.delete()
+    screen.patients.purge(ana.pseudonym)
+    qtbot.waitUntil(lambda: not stop_purges.is_busy)
+    assert screen.told[-1] == ("good", "The patient was removed for good.")
+    assert screen.workspace.patient is None
+    assert screen.listed() == []
+    screen.patients.purge(ana.pseudonym)
+    qtbot.waitUntil(lambda: not stop_purges.is_busy)
+    assert screen.told[-1][0] == "bad", "nor is an error swallowed"
+
+
+def test_that_a_session_was_purged_is_told_although_somebody_wanted_to_stop_it(
+    screen, store, ana, stop_purges, qtbot
+):
+    session = store.sessions.start(ana.pseudonym, SessionSetup())
+    screen.patients.choose(ana.pseudonym)
+    screen.workspace.choose_session(session)
+    screen.sessions.purge(session.session_id)
+    qtbot.waitUntil(lambda: not stop_purges.is_busy)
+    assert screen.told[-1] == ("good", "The session was removed for good.")
+    assert screen.workspace.session is None
+    assert screen.shown_history().sessions == ()
 
 
 def test_purging_another_patient_leaves_the_chosen_one(screen, ana, bernat):

@@ -215,6 +215,22 @@ def test_f2_changes_and_escape_forgets(screen, workspace):
     assert column(screen)[0] == "Ana Ruiz Gil"
 
 
+def test_ctrl_enter_saves_the_open_form_and_starts_no_session(screen, store, workspace, wanted):
+    choose(screen)
+    ana = workspace.patient
+    QTest.keyClick(screen, Key.Key_N, CTRL)
+    QTest.keyClicks(in_focus(), "Carla Nova")
+    QTest.keyClick(screen.pages.form._notes, Key.Key_Return, CTRL)
+    assert workspace.patient.identity.name == "Carla Nova"
+    click(screen, "Consent")
+    QTest.keyClick(in_focus(), Key.Key_Return, CTRL)
+    assert [one.given_by for one in workspace.patient.consents] == ["Carla Nova"]
+    assert (store.sessions.of_patient(ana.pseudonym), wanted) == ((), [])
+    QTest.keyClick(in_focus(), Key.Key_Return, CTRL)
+    assert workspace.session.patient == workspace.patient.pseudonym
+    assert wanted == ["capture"]
+
+
 def test_a_consent_is_given_and_withdrawn(screen, workspace):
     choose(screen)
     assert "No consent" in screen.pages.patient._consent.text()

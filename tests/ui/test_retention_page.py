@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtWidgets import QPlainTextEdit, QPushButton, QSpinBox
 
 from adibas.data.patients import Identity
+from adibas.errors import StoreError
 from adibas.texts import use_language
 from tests.ui.conftest import NoSensor
 from tests.unit.store_samples import add_session, open_sample
@@ -80,6 +81,60 @@ def test_only_the_right_word_removes_them_for_good(page, years):
     assert names(years) == ["New Adult", "Old Child"]
     assert listed(page) == ["1 patient was removed for good."]
     assert not button(page, "Remove them").isVisible()
+
+
+@pytest.fixture
+def two(years, page):
+    """Two whose time is over, listed; the names of the first and the second to go."""
+    years.preferences.change(child_until_age=20)
+    button(page, "Whose time").click()
+    first, second = (line.split(" (")[0] for line in listed(page))
+    (row,) = years.store.patients.search(first)
+    years.choose_patient(years.store.patients.get(row.pseudonym))
+    return first, second
+
+
+@pytest.fixture
+def told(years):
+    notices = []
+    years.noticed.subscribe(lambda kind, sentence: notices.append((kind, sentence)))
+    return notices
+
+
+def test_a_removal_that_is_stopped_tells_who_is_gone_and_lists_who_is_left(
+    page, years, two, told, inline_jobs
+):
+    _first, second = two
+    inline_jobs.is_stopped = True
+    consent(page, "2")
+    inline_jobs.is_stopped = False
+    assert names(years) == sorted(["New Adult", second])
+    assert years.patient is None
+    assert told == [("good", "1 patient was removed for good.")]
+    (line,) = listed(page)
+    assert line.startswith(second)
+    consent(page, "1")
+    assert names(years) == ["New Adult"]
+
+
+def test_a_removal_that_fails_tells_who_is_gone_and_why_and_lists_who_is_left(
+    page, years, two, told, monkeypatch
+):
+    first, second = two
+    purge = years.store.retention._purge
+
+    def fail_at_second(pseudonym):
+        if years.store.patients.names()[pseudonym] == second:
+            raise StoreError("It is in use.")
+        purge(pseudonym)
+
+    monkeypatch.setattr(years.store.retention, "_purge", fail_at_second)
+    consent(page, "2")
+    assert told == [("bad", "1 patient was removed for good. It is in use.")]
+    assert first not in names(years)
+    assert years.patient is None
+    (line,) = listed(page)
+    assert line.startswith(second)
 
 
 def test_other_rules_are_kept_and_put_the_list_away(page, years):

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.data.frames import SensorFrame, SourceInfo
+from adibas.errors import ServerAwayError
 from adibas.recordings import create_recording
 from adibas.sessions import open_store
 from adibas.texts import translate
@@ -105,6 +106,17 @@ def test_a_recording_that_was_cut_is_played_as_far_as_it_goes(user, tmp_path, ca
     assert user.drop(path)
     user.until(lambda: user.workspace.live.newest is not None or "cut.mcap" in words(user))
     assert not [one for one in caplog.records if one.levelname == "CRITICAL"]
+    user.close()
+
+
+def test_what_could_be_tried_again_goes_from_the_window_with_its_patient(user):
+    def fail(_decisions):
+        raise ServerAwayError("The server does not answer.")
+
+    user.workspace.save_shared(fail)
+    assert user.window.told == "The server does not answer."
+    user.workspace.choose_patient(None)
+    assert user.window.told == ""
     user.close()
 
 

@@ -159,6 +159,26 @@ def test_long_work_shows_how_far_it_came_and_can_be_stopped(strip, jobs, qtbot):
     assert strip.isHidden()
 
 
+def test_work_that_cannot_be_undone_offers_no_stop(strip, jobs, qtbot):
+    go_on = threading.Event()
+
+    def wait(_control):
+        go_on.wait(60)
+
+    jobs.start("Removing", wait, lambda _nothing: None, stop="never")
+    qtbot.waitUntil(strip.isVisible)
+    stop = strip.findChild(QPushButton)
+    assert (strip._label.text(), stop.isVisible()) == ("Removing", False)
+    go_on.set()
+    qtbot.waitUntil(lambda: not jobs.is_busy)
+    go_on.clear()
+    jobs.start("Counting", wait, lambda _nothing: None)
+    qtbot.waitUntil(strip.isVisible)
+    assert stop.isVisible()
+    go_on.set()
+    qtbot.waitUntil(lambda: not jobs.is_busy)
+
+
 def test_short_work_shows_nothing(strip, jobs, qtbot):
     jobs.start("Blinking", lambda _control: 1, lambda _result: None)
     qtbot.waitUntil(lambda: not jobs.is_busy)

@@ -87,6 +87,25 @@ def test_only_applying_removes_and_the_log_tells(folder):
         assert store.verify().is_sound
 
 
+def test_a_removal_that_is_stopped_leaves_the_rest_and_the_log_sums_up_who_is_gone(folder):
+    for day in (date(2000, 3, 4), date(2001, 3, 4), date(2002, 3, 4)):
+        seen(folder, date(1980, 5, 5), day)
+    today = date(2025, 1, 1)
+
+    def stop(done, _total):
+        if done == 2:
+            raise InterruptedError
+
+    with open_sample(folder) as store:
+        *_gone, last = store.retention.expired(RULES, today)
+        with pytest.raises(InterruptedError):
+            store.retention.apply(RULES, today, stop)
+        assert store.retention.expired(RULES, today) == (last,)
+        (line,) = [one for one in store.audit.entries() if one.detail.get("by") == "retention"]
+        assert (line.action, line.subject) == ("purge", "store")
+        assert int(line.detail["patients"]) == 2
+
+
 def test_a_reader_removes_nobody(folder):
     seen(folder, date(1980, 5, 5), date(2000, 3, 4))
     with open_sample(folder) as first, open_sample(folder) as second:

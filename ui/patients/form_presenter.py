@@ -1,8 +1,9 @@
 """What is typed of a patient and of a consent: checked, then saved. Knows nothing of Qt."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.data.patients import Consent, Identity, Patient
@@ -56,6 +57,23 @@ class FormView(Protocol):
         """Show the chosen patient again."""
 
 
+@dataclass(eq=False)
+class _Form:
+    """A form from its opening until it is saved or cancelled.
+
+    Attributes
+    ----------
+    edited : Patient or None
+        Whom it changes, as she was seen; None while a new patient is not saved.
+    warned_of : Identity or None
+        Whose likeness to somebody the user was warned of.
+    """
+
+    edited: Patient | None
+    is_new: bool
+    warned_of: Identity | None = None
+
+
 class FormPresenter:
     """Adds and changes patients, gives and withdraws consents; `saved` is told of each change."""
 
@@ -70,9 +88,7 @@ class FormPresenter:
         self._workspace = workspace
         self._saved = saved
         self._now = now
-        self._edited: Patient | None = None
-        self._warned_of: Identity | None = None
-        self._is_new = False
+        self._form: _Form | None = None
 
     def add(self) -> None:
         """Open the form for a new patient."""
@@ -96,19 +112,20 @@ class FormPresenter:
 
     def take_over(self, order: "Order") -> None:
         """Fill the form of a new patient with whom an order is of; it is saved as typed."""
-        if self._edited is None and self._is_new:
+        form = self._form
+        if form is not None and form.edited is None:
             entry = _ordered_entry(order)
             self._open(None, entry, is_new=True)
             self.note_birth_date(entry.birth_date)
 
     def draft(self) -> str:
         """Return the open form as it stands; nothing where none is open."""
-        typed = self._view.typed()
-        if typed is None:
+        typed, form = self._view.typed(), self._form
+        if typed is None or form is None:
             return ""
-        edited = None if self._edited is None else self._edited.pseudonym
-        seen = None if self._edited is None else _entry_of(self._edited)
-        return Draft(edited, *typed, is_new=self._is_new, seen=seen).to_text()
+        edited = None if form.edited is None else form.edited.pseudonym
+        seen = None if form.edited is None else _entry_of(form.edited)
+        return Draft(edited, *typed, is_new=form.is_new, seen=seen).to_text()
 
     def take_back(self, text: str) -> None:
         """Open a form as it stood; that a patient is gone meanwhile is told."""
@@ -116,7 +133,9 @@ class FormPresenter:
         self._workspace.attempt(lambda: self._open_again(draft))
 
     def cancel(self) -> None:
-        """Forget what was typed."""
+        """Forget what was typed, also where it was to be tried again."""
+        self._form = None
+        self._workspace.withdraw_retry()
         self._view.close_form()
 
     def note_birth_date(self, text: str) -> None:
@@ -132,22 +151,24 @@ class FormPresenter:
 
     def save(self, entry: PatientEntry, consent: ConsentEntry | None = None) -> None:
         """Save the patient, with a consent where one is given; what is wrong is said first."""
+        form = self._form
+        if form is None:
+            return
         try:
             identity = self._identity(entry)
             given = None if consent is None else self._consent(consent, identity.name)
-            self._warn_of_likeness(identity)
+            self._warn_of_likeness(form, identity)
         except EntryError as error:
             self._view.show_problem(error.field, error.sentence)
             return
-        self._workspace.save_shared(
-            lambda decisions: self._write(identity, entry, given, decisions)
-        )
+        self._workspace.save_shared(partial(self._write, form, identity, entry, given))
 
     def give(self, entry: ConsentEntry) -> None:
         """Save a consent of the chosen patient."""
-        patient = self._edited
-        if patient is None:
+        form = self._form
+        if form is None or form.edited is None:
             return
+        patient = form.edited
         try:
             consent = self._consent(entry, patient.identity.name)
         except EntryError as error:
@@ -155,23 +176,24 @@ class FormPresenter:
             return
         patients = self._workspace.store.patients
         self._workspace.attempt(
-            lambda: self._finish(patients.give_consent(patient.pseudonym, consent))
+            lambda: self._finish(form, patients.give_consent(patient.pseudonym, consent))
         )
 
     def withdraw(self, index: int) -> None:
         """Note that a consent of the chosen patient stands no more."""
-        patient, patients = self._edited, self._workspace.store.patients
-        if patient is not None:
-            self._workspace.attempt(
-                lambda: self._finish(patients.withdraw_consent(patient.pseudonym, index))
-            )
+        form, patients = self._form, self._workspace.store.patients
+        if form is None or form.edited is None:
+            return
+        pseudonym = form.edited.pseudonym
+        self._workspace.attempt(
+            lambda: self._finish(form, patients.withdraw_consent(pseudonym, index))
+        )
 
     def _open(
         self, patient: Patient | None, entry: PatientEntry | None, *, is_new: bool = False
     ) -> None:
         """Open the form of a patient, or of her consents."""
-        self._edited, self._warned_of = patient, None
-        self._is_new = is_new
+        self._form = _Form(patient, is_new)
         if entry is not None:
             self._view.show_entry(entry, is_new=is_new)
         elif patient is not None:
@@ -193,31 +215,35 @@ class FormPresenter:
 
     def _write(
         self,
+        form: _Form,
         identity: Identity,
         entry: PatientEntry,
         consent: Consent | None,
         decisions: "tuple[Decision, ...]",
     ) -> None:
         patients = self._workspace.store.patients
-        if self._edited is None:
+        if form.edited is None:
             patient = patients.add(identity, sex=entry.sex, notes=entry.notes.strip())
-            self._edited = patient  # a second attempt after a failed consent adds nobody
+            form.edited = patient  # a second attempt after a failed consent adds nobody
         else:
             patient = patients.change(
-                self._edited.pseudonym,
+                form.edited.pseudonym,
                 identity=identity,
                 sex=entry.sex,
                 notes=entry.notes.strip(),
-                seen=self._edited,
+                seen=form.edited,
                 decisions=decisions,
             )
         if consent is not None:
             patient = patients.give_consent(patient.pseudonym, consent)
-        self._finish(patient)
+        self._finish(form, patient)
 
-    def _finish(self, patient: Patient) -> None:
-        self._workspace.choose_patient(patient)
-        self._view.close_form()
+    def _finish(self, form: _Form, patient: Patient) -> None:
+        """Show who was saved, unless the form was left meanwhile: another one may be open."""
+        if form is self._form:
+            self._form = None
+            self._workspace.choose_patient(patient)
+            self._view.close_form()
         self._saved()
 
     def _identity(self, entry: PatientEntry) -> Identity:
@@ -234,11 +260,11 @@ class FormPresenter:
         given_by = entry.guardian.strip() if entry.is_guardian else name
         return Consent(entry.purposes, given_by, entry.is_guardian, self._now())
 
-    def _warn_of_likeness(self, identity: Identity) -> None:
+    def _warn_of_likeness(self, form: _Form, identity: Identity) -> None:
         """Refuse once what looks like a patient who is there already."""
-        if identity == self._warned_of or not self._is_alike_another(identity):
+        if identity == form.warned_of or not self._is_alike_another(form.edited, identity):
             return
-        self._warned_of = identity
+        form.warned_of = identity
         raise EntryError(
             "name",
             _(
@@ -247,8 +273,8 @@ class FormPresenter:
             ),
         )
 
-    def _is_alike_another(self, identity: Identity) -> bool:
-        own = None if self._edited is None else self._edited.pseudonym
+    def _is_alike_another(self, patient: Patient | None, identity: Identity) -> bool:
+        own = None if patient is None else patient.pseudonym
         search = self._workspace.store.patients.search
         for text in filter(None, (identity.record_number, identity.name)):
             for row in search(text, limit=MOST_ALIKE):

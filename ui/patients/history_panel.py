@@ -180,6 +180,11 @@ class HistoryPanel(QWidget):
         """Lead to the main action; Enter presses it."""
         self.start.setFocus(Qt.FocusReason.TabFocusReason)
 
+    def press_start(self) -> None:
+        """Press the button that starts a session, where it is seen."""
+        if self.start.isVisible():
+            self.start.click()
+
     def delete_chosen(self) -> None:
         """Press the button that hides the chosen session, where it is seen."""
         if self._delete.isVisible():

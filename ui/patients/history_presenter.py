@@ -155,12 +155,10 @@ class HistoryPresenter:
         if session is None or self._workspace.store.is_read_only:
             return
         setup = replace(session.setup, is_repeat=is_repeat)
-        sessions, current = self._workspace.store.sessions, self._workspace.session
+        sessions, renew = self._workspace.store.sessions, self._workspace.renew_session
 
         def change(decisions: "tuple[Decision, ...]") -> None:
-            changed = sessions.change(session_id, setup=setup, seen=session, decisions=decisions)
-            if current is not None and current.session_id == session_id:
-                self._workspace.choose_session(changed)
+            renew(sessions.change(session_id, setup=setup, seen=session, decisions=decisions))
 
         self._workspace.save_shared(change, self.refresh)
 
@@ -199,7 +197,10 @@ class HistoryPresenter:
             self._workspace.tell("good", _("The session was removed for good."))
 
         self._workspace.jobs.start(
-            _("Removing a session for good"), lambda _control: sessions.purge(session_id), gone
+            _("Removing a session for good"),
+            lambda _control: sessions.purge(session_id),
+            gone,
+            stop="never",
         )
 
     def load_thumbnails(self, session_ids: tuple[str, ...]) -> None:

@@ -77,6 +77,15 @@ class PatientPages(QStackedWidget):
         """Return the page that a form stands in with its footer."""
         return self._pages[form]
 
+    def confirm(self) -> None:
+        """Press the main button of the page that is seen."""
+        if self._open_form is self.form:
+            self.form.save()
+        elif self._open_form is self.consents:
+            self.consents.give()
+        else:
+            self.history.press_start()
+
     @property
     def has_form(self) -> bool:
         """Whether something is being typed."""

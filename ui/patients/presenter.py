@@ -146,7 +146,10 @@ class PatientsPresenter:
             self._workspace.tell("good", _("The patient was removed for good."))
 
         self._workspace.jobs.start(
-            _("Removing a patient for good"), lambda _control: patients.purge(pseudonym), gone
+            _("Removing a patient for good"),
+            lambda _control: patients.purge(pseudonym),
+            gone,
+            stop="never",
         )
 
     def _show_again(self, pseudonym: str) -> None:

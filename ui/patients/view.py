@@ -45,7 +45,7 @@ class PatientsScreen(Screen):
             ("Ctrl+F", self.list.focus_search),
             ("Ctrl+N", self.list.add),
             ("F2", pages.patient.edit),
-            ("Ctrl+Return", pages.history.start.click),
+            ("Ctrl+Return", pages.confirm),
             ("Ctrl+Z", self.list.undo),
         ):
             QShortcut(QKeySequence(keys), self).activated.connect(action)

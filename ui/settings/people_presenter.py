@@ -99,7 +99,7 @@ class PeoplePresenter:
             self._workspace.person_changed.emit()
             self._read(chosen)
 
-        self._workspace.jobs.start(_("Changing who may open the store"), work, done)
+        self._workspace.jobs.start(_("Changing who may open the store"), work, done, stop="never")
 
     def _read(self, chosen: str) -> None:
         def work(_control: JobControl) -> "tuple[Person, ...]":

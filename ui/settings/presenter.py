@@ -119,7 +119,9 @@ class SettingsPresenter:
             has_one = key_state(store.folder) in BEHIND_PASSPHRASE
             store.people.change_passphrase(old if has_one else None, new)
 
-        self._workspace.jobs.start(_("Changing the passphrase"), work, lambda _: self._changed())
+        self._workspace.jobs.start(
+            _("Changing the passphrase"), work, lambda _: self._changed(), stop="never"
+        )
 
     def _changed(self) -> None:
         self._view.clear_passphrases()

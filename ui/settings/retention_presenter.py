@@ -1,14 +1,17 @@
 """Whose time is over by the rules of this clinic, and their removal. Knows nothing of Qt."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from adibas.errors import AdibasError
+from adibas.texts import describe, translate_plural
 from adibas.texts import translate as _
-from adibas.texts import translate_plural
-from ui.ports import JobControl
+from ui.ports import CancelledError, JobControl
 from ui.preferences import Preferences
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
+    from adibas.sessions import SessionStore
     from adibas.sessions.retention import Expired, RetentionRules
 
 
@@ -26,6 +29,15 @@ class RetentionView(Protocol):
 
     def clear(self) -> None:
         """Show nothing: another list would come now."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Removal:
+    """Who is gone, who is left as a line each, and what kept them from going, if it failed."""
+
+    gone: frozenset[str]
+    left: tuple[str, ...]
+    problem: AdibasError | None
 
 
 class RetentionPresenter:
@@ -48,20 +60,30 @@ class RetentionPresenter:
 
         def work(_control: JobControl) -> tuple[str, ...]:
             over = store.retention.expired(rules, store.audit.now_utc().date())
-            names = store.patients.names() if over else {}
-            return tuple(_line(one, names.get(one.pseudonym, "")) for one in over)
+            return _lines(store, over)
 
         self._workspace.jobs.start(_("Looking whose time is over"), work, self._show)
 
     def remove(self) -> None:
-        """Remove whose time is over, for good."""
+        """Remove whose time is over, for good; a stop leaves whose turn has not come."""
         store, rules = self._workspace.store, self._rules()
 
-        def work(control: JobControl) -> "tuple[Expired, ...]":
-            today = store.audit.now_utc().date()
-            return store.retention.apply(rules, today, control.progress)
+        def work(control: JobControl) -> _Removal:
+            today, problem = store.audit.now_utc().date(), None
+            over = store.retention.expired(rules, today)
+            try:
+                store.retention.apply(rules, today, control.progress)
+            except CancelledError:
+                pass  # who is gone already is told
+            except AdibasError as error:
+                problem = error
+            left = store.retention.expired(rules, today)
+            gone = {one.pseudonym for one in over} - {one.pseudonym for one in left}
+            return _Removal(frozenset(gone), _lines(store, left), problem)
 
-        self._workspace.jobs.start(_("Removing patients for good"), work, self._on_removed)
+        self._workspace.jobs.start(
+            _("Removing patients for good"), work, self._on_removed, stop="tells"
+        )
 
     def _rules(self) -> "RetentionRules":
         from adibas.sessions.retention import RetentionRules
@@ -75,16 +97,28 @@ class RetentionPresenter:
         else:
             self._view.show_nobody(_("Nobody's time is over by these rules."))
 
-    def _on_removed(self, removed: "tuple[Expired, ...]") -> None:
+    def _on_removed(self, removal: _Removal) -> None:
         patient = self._workspace.patient
-        if patient is not None and patient.pseudonym in {one.pseudonym for one in removed}:
+        if patient is not None and patient.pseudonym in removal.gone:
             self._workspace.choose_patient(None)
-        n = len(removed)
+        n = len(removal.gone)
         told = translate_plural(
             "{n} patient was removed for good.", "{n} patients were removed for good.", n
         ).format(n=n)
-        self._view.show_nobody(told)
-        self._workspace.tell("good", told)
+        if removal.left:
+            self._view.show_over(removal.left)
+        else:
+            self._view.show_nobody(told)
+        if removal.problem is None:
+            self._workspace.tell("good", told)
+        else:
+            self._workspace.tell("bad", f"{told} {describe(removal.problem)}")
+
+
+def _lines(store: "SessionStore", over: "tuple[Expired, ...]") -> tuple[str, ...]:
+    """Say who they are and why their time is over."""
+    names = store.patients.names() if over else {}
+    return tuple(_line(one, names.get(one.pseudonym, "")) for one in over)
 
 
 def _line(one: "Expired", name: str) -> str:

@@ -24,7 +24,7 @@ class MessageBar(QFrame):
         )
         self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._again, self._close = QPushButton(self), QPushButton(self)
-        self._try_again: Callable[[], object] = lambda: None
+        self._try_again: Callable[[], object] = _nothing
         self._again.clicked.connect(self._on_again)
         self._again.hide()
         self._close.clicked.connect(self.put_away)
@@ -52,7 +52,7 @@ class MessageBar(QFrame):
         self.style().polish(self)
         self._label.setText(sentence)
         self._label.setAccessibleName(sentence)
-        self._again.hide()
+        self._forget_retry()
         self.show()
         if kind == "good":
             self._timer.start()
@@ -66,15 +66,24 @@ class MessageBar(QFrame):
         self._again.setText(_("&Try again"))
         self._again.show()
 
+    def withdraw_retry(self) -> None:
+        """Tell no more of what could be tried again; anything else that is told stays."""
+        if not self._again.isHidden():
+            self.put_away()
+
     def _on_again(self) -> None:
-        again, self._try_again = self._try_again, lambda: None
+        again = self._try_again
         self.put_away()
         again()
+
+    def _forget_retry(self) -> None:
+        self._try_again = _nothing  # it may hold what was typed of a patient
+        self._again.hide()
 
     def put_away(self) -> None:
         """Tell nothing any more; no word of it is kept."""
         self._timer.stop()
-        self._again.hide()
+        self._forget_retry()
         self.hide()
         self._label.clear()
         self._label.setAccessibleName("")
@@ -83,3 +92,7 @@ class MessageBar(QFrame):
     def text(self) -> str:
         """Return what is told now; empty where nothing is."""
         return "" if self.isHidden() else self._label.text()
+
+
+def _nothing() -> None:
+    """Try nothing again: nothing failed."""

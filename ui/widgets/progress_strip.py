@@ -1,4 +1,4 @@
-"""What runs beside the window, how far it came, and a button that stops it."""
+"""What runs beside the window, how far it came, and a button that stops what can be stopped."""
 
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QHBoxLayout, QProgressBar, QPushButton, QWidget
@@ -59,6 +59,7 @@ class ProgressStrip(QWidget):
         self._label.setText(job.label)
         self._bar.setRange(0, total)
         self._bar.setValue(done)
+        self._stop.setVisible(job.stop != "never")
         self.show()
 
     def _on_stop(self) -> None:
