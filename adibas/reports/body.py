@@ -58,6 +58,5 @@ def write_stored_body(
         raise ReportError("Reports on the back end in .pdf or .xlsx. Give the file such a name.")
     store.require(Permission.REPORT, session.session_id)
     body = stored_body(store, session, progress)
-    if not store.is_read_only:
-        store.note_export("back", session.session_id)
+    store.note_export("back", session.session_id)
     write_body(body, path, language)

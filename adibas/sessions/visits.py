@@ -30,7 +30,10 @@ class Sessions:
         self._purge = purge
 
     def start(self, pseudonym: str, setup: SessionSetup) -> Session:
-        """Begin a session of a patient now, set up like this; the turn of another is not its own.
+        """Begin a session of a patient now, set up like this.
+
+        The turn of another session is not its own, and whether it repeats the one before it is
+        said later, through `change`.
 
         Raises
         ------
@@ -48,7 +51,7 @@ class Sessions:
                 pseudonym=pseudonym,
                 started_utc=self._audit.now(),
                 operator=self._audit.operator,
-                setup=setup_to_json(replace(setup, turn="")),
+                setup=setup_to_json(replace(setup, turn="", is_repeat=False)),
                 notes="",
                 is_deleted=False,
             )

@@ -995,6 +995,69 @@ def test_a_recording_of_another_session_is_left(stored_scene):
     assert scene.presenter.source.title == "child"
 
 
+@pytest.fixture
+def late(stored_scene, monkeypatch):
+    """A recording of Rosa's session; recordings that are opened wait until the test says so."""
+    scene, store = stored_scene, stored_scene.workspace.store
+    rosa = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    session = store.sessions.start(rosa.pseudonym, SessionSetup())
+    with store.recordings.create(session.session_id, INFO) as writer:
+        for frame in make_frames(9):
+            writer.write(frame)
+    scene.workspace.choose_patient(rosa)
+    scene.workspace.choose_session(session)
+    openings, closed = [], []
+
+    def hold(_label, work, done):
+        opened = work(None)
+        reader, close = opened.reader, opened.reader.close
+        monkeypatch.setattr(reader, "close", lambda: closed.append(reader) or close())
+        openings.append(SimpleNamespace(reader=reader, arrive=lambda: done(opened)))
+
+    monkeypatch.setattr(scene.workspace.jobs, "start", hold)
+    return SimpleNamespace(openings=openings, closed=closed, recording_id=writer.recording_id)
+
+
+def test_a_recording_that_comes_when_another_patient_is_looked_at_is_not_shown(stored_scene, late):
+    scene, workspace = stored_scene, stored_scene.workspace
+    scene.presenter.open_stored(late.recording_id)
+    workspace.choose_patient(workspace.store.patients.add(Identity("Bernat")))
+    (opening,) = late.openings
+    opening.arrive()
+    assert scene.presenter.source is None
+    assert scene.coding.draft is None
+    assert late.closed == [opening.reader]
+    scene.view.show_frame.assert_not_called()
+
+
+def test_of_two_recordings_the_one_that_was_wanted_last_is_shown(stored_scene, late):
+    scene = stored_scene
+    scene.presenter.open_stored(late.recording_id)
+    scene.open("child.mcap")
+    first, last = late.openings
+    last.arrive()
+    first.arrive()
+    assert scene.presenter.source.name == "child"
+    assert late.closed == [first.reader]
+
+
+def test_what_a_second_window_writes_has_a_line_in_the_audit_log(second_window, store, tmp_path):
+    scene = Scene(second_window, tmp_path)
+    scene.keeper.flush = lambda: None  # it keeps no drafts
+    session = store_samples.add_session(store)
+    with store.recordings.create(session.session_id, INFO) as writer:
+        for frame in make_frames(3):
+            writer.write(frame)
+    second_window.choose_session(session)
+    scene.presenter.open_stored(writer.recording_id)
+    scene.presenter.files.save_as(tmp_path / "copy.eaf")
+    scene.presenter.note_map()
+    scene.presenter.close()
+    lines = [one for one in reversed(store.audit.entries()) if one.action == "export"]
+    assert [(one.operator, one.subject) for one in lines] == 2 * [("second", session.session_id)]
+    assert [one.detail["kind"] for one in lines] == ["coding", "map"]
+
+
 def test_another_language_says_everything_again(scene):
     scene.open()
     scene.presenter.counts.compare_file(other_coding(scene, 0, 60))

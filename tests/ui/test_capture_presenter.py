@@ -465,6 +465,40 @@ def test_the_view_that_was_chosen_before_the_session_stays(seen, taking, clock):
     assert taking.requests[0].view == "right_lateral"
 
 
+@pytest.fixture
+def bernat_after_ana(seen, workspace, store, ana):
+    """Bernat is chosen, without a session, after a session of Ana's with all that it may have."""
+    session = store.sessions.start(ana.pseudonym, SessionSetup("openni2", protocol="joints-15"))
+    setup = SessionSetup("openni2", protocol="joints-15", is_repeat=True)
+    workspace.choose_session(store.sessions.change(session.session_id, setup=setup))
+    workspace.choose_patient(store.patients.add(Identity("Bernat")))
+    be(workspace, LIVE)
+    return seen
+
+
+def test_a_repeat_of_one_patient_is_none_of_the_next(bernat_after_ana, workspace, taking, clock):
+    bernat_after_ana.capture()
+    count_down(clock)
+    assert len(taking.requests) == 1
+    assert workspace.session.patient == workspace.patient.pseudonym
+    assert workspace.session.setup.source == "openni2", "the same sensor all day"
+    assert not workspace.session.setup.is_repeat
+
+
+def test_a_session_that_begins_with_a_capture_follows_the_preferred_protocol(
+    bernat_after_ana, workspace, taking, clock
+):
+    assert workspace.live.naming is None
+    bernat_after_ana.leave()
+    workspace.preferences.change(protocol="sapo-1")
+    bernat_after_ana.enter()
+    assert workspace.live.naming == Naming("sapo-1", "anterior")
+    bernat_after_ana.capture()
+    count_down(clock)
+    assert len(taking.requests) == 1
+    assert workspace.session.setup.protocol == "sapo-1"
+
+
 def test_small_pictures_are_fetched_once(seen, workspace, store, ana, view, monkeypatch):
     session = store.sessions.start(ana.pseudonym, SessionSetup())
     capture = add_capture(store, session.session_id, "anterior")

@@ -5,8 +5,10 @@ from unittest.mock import create_autospec
 import pytest
 
 from adibas.data.reliability import Verdict
+from adibas.errors import NotAllowedError
 from adibas.pipeline.picture_overlay import OverlayWay
-from adibas.sessions import open_store
+from adibas.sessions import open_store, people
+from adibas.sessions.roles import Role
 from tests.ui.comparison_scene import StepClock, add_patient, add_session, fill_clinic
 from tests.ui.conftest import CHEAP, PASSPHRASE, NoSensor
 from ui.comparison.presenter import (
@@ -285,20 +287,37 @@ def test_a_plot_that_is_saved_is_noted_in_the_audit_log(
     assert told == [("good", "Written: plot.png")]
 
 
-def test_a_read_only_store_saves_plots_without_a_line(
-    view, read_only_store, store, preferences, inline_jobs, tmp_path
-):
-    patient = add_patient(store)
-    add_session(store, patient.pseudonym, 0.0)
-    workspace = Workspace(read_only_store, inline_jobs, preferences, NoSensor())
+def save_plot(view, workspace, patient, path):
+    """Save a plot of a patient's last session."""
     workspace.choose_patient(patient)
     presenter = ComparisonPresenter(view, workspace)
     presenter.enter()
-    n_lines = len(store.audit.entries(1000))
-    presenter.save_picture(tmp_path / "plot.png", b"PNG")
-    assert (tmp_path / "plot.png").exists()
-    assert len(store.audit.entries(1000)) == n_lines
+    presenter.save_picture(path, b"PNG")
     presenter.close()
+
+
+def test_a_plot_that_a_second_window_saves_is_noted_too(view, second_window, store, tmp_path):
+    patient = add_patient(store)
+    session = add_session(store, patient.pseudonym, 0.0)
+    save_plot(view, second_window, patient, tmp_path / "plot.png")
+    assert (tmp_path / "plot.png").exists()
+    (line,) = [entry for entry in store.audit.entries() if entry.action == "export"]
+    assert (line.operator, line.subject) == ("second", session.session_id)
+
+
+def test_a_second_window_saves_no_plot_where_the_role_may_not_export(
+    view, store, preferences, inline_jobs, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(people, "Argon2Params", lambda: CHEAP)
+    patient = add_patient(store)
+    add_session(store, patient.pseudonym, 0.0)
+    store.people.add("Anna", Role.ADMINISTRATOR, "anna has a long one")
+    store.people.add("Carla", Role.OPERATOR, "carla, still another")
+    with open_store(store.folder, "carla, still another") as second:
+        workspace = Workspace(second, inline_jobs, preferences, NoSensor())
+        save_plot(view, workspace, patient, tmp_path / "plot.png")
+    assert isinstance(inline_jobs.problems[-1], NotAllowedError)
+    assert not (tmp_path / "plot.png").exists()
 
 
 def test_a_protocol_that_is_gone_is_told(presenter, visit, workspace):

@@ -440,10 +440,16 @@ def test_the_editor_has_a_letter_for_each_control_and_room_for_large_ones(
         dialog.close()
 
 
+@pytest.fixture(params=["workspace", "second_window"])
+def either_window(request):
+    """The workspace of the window that changes the store, or of one that may only read it."""
+    return request.getfixturevalue(request.param)
+
+
 def test_what_is_watched_out_of_the_store_is_labelled_and_the_log_says_so(
-    qtbot, workspace, theme, video, tmp_path
+    qtbot, either_window, store, theme, video, tmp_path
 ):
-    store = workspace.store
+    workspace = either_window
     patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(patient.pseudonym, SessionSetup())
     with (

@@ -282,6 +282,45 @@ def test_without_a_picture_a_click_says_so(learner, view, live, told):
     assert not shown(view).has_picture
 
 
+def test_the_picture_of_another_patient_goes_and_the_colours_stay(
+    view, workspace, live, store, learner
+):
+    ana, bernat = (store.patients.add(Identity(name)) for name in ("Ana", "Bernat"))
+    workspace.choose_patient(ana)
+    learner.click(*STICKERS[0])
+    learner.leave()
+    live.newest = None
+    workspace.choose_patient(store.patients.change(ana.pseudonym, notes="left knee"))
+    assert shown(view).has_picture, "she is the same"
+    swatches = shown(view).swatches
+    workspace.choose_patient(bernat)
+    view.show_picture.assert_called_with(None, is_frozen=False)
+    view.show_taken.assert_called_with(None)
+    assert found(view) is None
+    assert (shown(view).has_picture, shown(view).regions) == (False, ())
+    assert shown(view).swatches == swatches
+    live.newest = LiveFrame(2, 0, picture(), None)
+    learner.enter()
+    view.show_picture.assert_called_with(live.newest.color_rgb, is_frozen=False)
+
+
+def test_the_live_picture_is_shown_at_once_where_another_patient_is_chosen(
+    view, workspace, live, store, learner
+):
+    learner.freeze()
+    workspace.choose_patient(store.patients.add(Identity("Ana")))
+    view.show_picture.assert_called_with(live.newest.color_rgb, is_frozen=False)
+
+
+def test_a_learner_that_is_made_for_a_patient_keeps_her_picture(view, workspace, live, store):  # noqa: ARG001
+    ana = store.patients.add(Identity("Ana"))
+    workspace.choose_patient(ana)
+    learner = LearnerPresenter(view, workspace)
+    learner.freeze()
+    workspace.choose_patient(ana)
+    assert shown(view).has_picture
+
+
 def test_a_sensor_at_rest_is_opened_as_it_was(learner, workspace, live, store):
     assert live.orders == [], "it is live"
     live.state = SensorState("closed")

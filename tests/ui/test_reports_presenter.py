@@ -10,11 +10,9 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError
 from adibas.texts import use_language
 from tests.ui.comparison_scene import add_patient, add_session
-from tests.ui.conftest import NoSensor
-from tests.ui.review_scene import saved_session
+from tests.ui.review_scene import new_capture, picture_rgb, saved_session
 from ui.reports import presenter as reports
 from ui.reports.presenter import ReportsPresenter, ReportsView
-from ui.workspace import Workspace
 
 
 @pytest.fixture(autouse=True)
@@ -82,6 +80,42 @@ def test_a_choice_of_several_stays_until_another_session_is_looked_at(
     look_at(workspace, other)
     presenter.enter()
     assert [line.session_id for line in lines(view) if line.is_chosen] == [other[1].session_id]
+
+
+def test_a_session_whose_patient_was_hidden_is_neither_shown_nor_written(
+    presenter, view, workspace, store, saved, tmp_path
+):
+    other = saved_session(store)
+    look_at(workspace, saved)
+    presenter.enter()
+    presenter.choose_sessions((saved[1].session_id, other[1].session_id))
+    presenter.leave()
+    store.patients.delete(saved[0].pseudonym)
+    workspace.choose_patient(None)
+    presenter.enter()
+    assert [(one.session_id, one.is_chosen) for one in lines(view)] == [(other[1].session_id, True)]
+    head, _pages = view.show_preview.call_args.args
+    assert other[0].pseudonym in str(head)
+    presenter.write(tmp_path / "out", (".csv",))
+    (file,) = (tmp_path / "out").iterdir()
+    assert file.name.startswith(other[0].pseudonym)
+    presenter.leave()
+    store.patients.restore(saved[0].pseudonym)
+    look_at(workspace, saved)
+    presenter.enter()
+    assert [one.session_id for one in lines(view) if one.is_chosen] == [saved[1].session_id]
+
+
+def test_a_session_is_chosen_before_it_has_captures(presenter, view, workspace, store, saved):
+    session = store.sessions.start(saved[0].pseudonym, SessionSetup())
+    look_at(workspace, (saved[0], session))
+    presenter.enter()
+    assert "no capture" in view.show_no_preview.call_args.args[0]
+    presenter.leave()
+    store.captures.add(session.session_id, new_capture(), picture_rgb())
+    workspace.choose_session(store.sessions.get(session.session_id))
+    presenter.enter()
+    assert [one.session_id for one in lines(view) if one.is_chosen] == [session.session_id]
 
 
 def test_the_same_choice_is_not_previewed_twice(presenter, view, workspace, saved):
@@ -225,15 +259,16 @@ def test_the_user_may_stop_the_writing(presenter, view, saved, inline_jobs, tmp_
     view.show_written.assert_called_once_with(None)
 
 
-def test_a_store_that_is_only_read_can_be_reported(
-    read_only_store, saved, inline_jobs, preferences, view, tmp_path
+def test_a_store_that_is_only_read_can_be_reported_and_the_log_says_so(
+    second_window, store, saved, view, tmp_path
 ):
-    workspace = Workspace(read_only_store, inline_jobs, preferences, NoSensor())
-    presenter = ReportsPresenter(view, workspace)
+    presenter = ReportsPresenter(view, second_window)
     presenter.choose_sessions((saved[1].session_id,))
     presenter.write(tmp_path / "out", (".csv",))
     presenter.close()
     assert len(list((tmp_path / "out").glob("*.csv"))) == 1
+    (line,) = [entry for entry in store.audit.entries() if entry.action == "export"]
+    assert (line.operator, line.subject) == ("second", saved[1].session_id)
 
 
 def test_a_patient_removed_while_the_list_is_read_is_told_by_the_pseudonym(

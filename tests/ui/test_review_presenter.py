@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from adibas.data.corrections import FreeMeasure
+from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
 from adibas.markers.snapping import HAND_RADIUS_PX
@@ -555,6 +556,66 @@ def test_names_of_this_patient_are_suggested_but_no_numbers(review, seen, worksp
     review.entered()
     workspace.choose_session(saved[1])
     assert seen.last("show_names").args[0] == ("Left knee",)
+
+
+@pytest.fixture
+def named(store):
+    """A session of Ana's, with a marker that somebody named."""
+    markers = (plain_marker("scar_left"),)
+    patient, session, _captures = saved_session(store)
+    store.captures.add(session.session_id, new_capture("posterior", markers), picture_rgb())
+    return patient, store.sessions.get(session.session_id)
+
+
+def look_at(workspace, patient, session):
+    workspace.choose_patient(patient)
+    workspace.choose_session(session)
+
+
+def test_names_of_one_patient_are_not_suggested_for_the_next(view, workspace, seen, store, named):
+    bernat = store.patients.add(Identity("Bernat"))
+    session = store.sessions.start(bernat.pseudonym, SessionSetup())
+    look_at(workspace, *named)
+    review = ReviewPresenter(view, workspace)
+    review.entered()
+    assert seen.last("show_names").args[0] == ("scar_left",)
+    review.left()
+    look_at(workspace, bernat, session)
+    review.entered()
+    assert seen.last("show_names").args[0] == (), "also before he has pictures"
+    review.left()
+    look_at(workspace, *named)
+    review.entered()
+    assert seen.last("show_names").args[0] == ("scar_left",)
+
+
+def test_a_session_without_pictures_is_suggested_the_names_of_those_before(
+    view, workspace, seen, store, named
+):
+    look_at(workspace, named[0], store.sessions.start(named[0].pseudonym, SessionSetup()))
+    ReviewPresenter(view, workspace).entered()
+    assert seen.last("show_names").args[0] == ("scar_left",)
+
+
+def test_names_that_come_too_late_are_not_suggested(
+    view, workspace, seen, saved, named, monkeypatch
+):
+    late, start = [], workspace.jobs.start
+
+    def hold_names(label, work, done, *more):
+        if label == "Collecting names":
+            late.append(lambda: done(work(None)))
+        else:
+            start(label, work, done, *more)
+
+    monkeypatch.setattr(workspace.jobs, "start", hold_names)
+    look_at(workspace, *named)
+    ReviewPresenter(view, workspace).entered()
+    look_at(workspace, *saved[:2])
+    for_ana, for_the_other = late
+    for_the_other()
+    for_ana()
+    assert seen.last("show_names").args[0] == ()
 
 
 def test_the_surface_is_shown_with_the_markers(review, view):

@@ -134,6 +134,48 @@ def test_a_second_press_gives_the_turn_up_before_it_begins(screen, workspace, ta
     assert taking.sessions == []
 
 
+def test_leaving_the_screen_gives_a_turn_up_that_has_not_begun(screen, workspace, taking):
+    press(screen)
+    be(workspace, SensorState("opening"))
+    screen.presenter.leave()
+    assert not are_capturing(screen)
+    be(workspace, LIVE)  # another screen shows the sensor
+    assert taking.sessions == []
+    be(workspace, SensorState("closed"))
+    n_orders = len(workspace.live.orders)
+    screen.presenter.enter()
+    assert len(workspace.live.orders) == n_orders + 1, "it is free to open the source again"
+
+
+def test_leaving_the_screen_lets_a_turn_that_is_recorded_go_on(screen, workspace, taking):
+    workspace.jobs = LateJobs()
+    press(screen)
+    be(workspace, LIVE)
+    screen.presenter.leave()
+    workspace.jobs.started[0].run()
+    assert taking.sessions == [workspace.session.session_id]
+
+
+def test_another_patient_gives_a_turn_up_that_has_not_begun(screen, workspace, taking, store):
+    press(screen)
+    be(workspace, SensorState("opening"))
+    workspace.choose_patient(store.patients.add(Identity("Bernat")))
+    assert not are_capturing(screen)
+    be(workspace, LIVE)
+    assert taking.sessions == []
+
+
+def test_a_source_that_is_closed_before_the_turn_begins_gives_it_up(screen, workspace, taking):
+    press(screen)
+    be(workspace, SensorState("closed"))  # the source before, which makes place
+    assert are_capturing(screen)
+    be(workspace, SensorState("opening"))
+    be(workspace, SensorState("closed"))
+    assert not are_capturing(screen)
+    be(workspace, LIVE)
+    assert taking.sessions == []
+
+
 def test_a_second_press_gives_the_turn_up_while_it_is_recorded(screen, workspace, taking):
     workspace.jobs = LateJobs()
     press(screen)

@@ -210,6 +210,15 @@ def test_a_session_keeps_how_it_was_taken(folder):
         assert store.sessions.get(session.session_id).setup == SessionSetup()
 
 
+def test_a_new_session_repeats_none_until_that_is_said_of_it(store):
+    first = add_session(store)
+    second = store.sessions.start(first.patient, SessionSetup(is_repeat=True))
+    assert not second.setup.is_repeat
+    changed = store.sessions.change(second.session_id, setup=SessionSetup(is_repeat=True))
+    assert changed.setup.is_repeat
+    assert not store.sessions.start(first.patient, changed.setup).setup.is_repeat
+
+
 def test_sessions_come_newest_first_and_without_hidden_ones(store):
     first = add_session(store)
     second = store.sessions.start(first.patient, SessionSetup())

@@ -10,7 +10,6 @@ from adibas.behaviour.editing import History
 from adibas.data.coding import MS_PER_S
 from adibas.errors import AdibasError
 from adibas.pipeline.recording_access import FILES
-from adibas.sessions.roles import Permission
 from adibas.texts import translate as _
 from ui.behaviour.coding_presenter import CodingPresenter, CodingView
 from ui.behaviour.counts_presenter import CountsPresenter, CountsView
@@ -97,6 +96,7 @@ class BehaviourPresenter:
         self._clock_s = clock_s
         self._title_of = title_of
         self._source: Source | None = None
+        self._wanted: Source | None = None
         self._times_ms: tuple[int, ...] = ()
         self._index = 0
         self._asked: int | None = None
@@ -271,10 +271,14 @@ class BehaviourPresenter:
         self.stop()
         self.coding.keep()
         self._keeper.flush()  # it may be the same recording, whose draft is read anew
+        self._wanted = source
         label = _("Opening {name}").format(name=source.title)
         self._workspace.jobs.start(label, lambda _control: open_source(source), self._on_opened)
 
     def _on_opened(self, opened: Opened) -> None:
+        if opened.source is not self._wanted or self._is_of_another(opened.source):
+            opened.reader.close()  # it comes too late
+            return
         self._source, self._times_ms = opened.source, opened.times_ms
         self._index, self._asked = 0, None
         self._playing = Playing(opened.times_ms, self._playing.speed)
@@ -313,12 +317,15 @@ class BehaviourPresenter:
 
     def _on_session(self) -> None:
         """Leave a recording of another patient or session."""
-        session, source = self._workspace.session, self._source
-        if source is not None and source.session_id:
-            now = "" if session is None else session.session_id
-            if now != source.session_id:
-                self._leave_recording()
+        if self._source is not None and self._is_of_another(self._source):
+            self._leave_recording()
         self._show_stored()
+
+    def _is_of_another(self, source: Source) -> bool:
+        """Say whether a recording is of another session than the one that is looked at."""
+        session = self._workspace.session
+        now = "" if session is None else session.session_id
+        return source.session_id not in ("", now)
 
     def _leave_recording(self) -> None:
         self.stop()
@@ -347,12 +354,9 @@ class BehaviourPresenter:
         StoreError
             It cannot be logged, and nothing may leave then.
         """
-        store, source = self._workspace.store, self._source
-        if source is None or not source.session_id:
-            return
-        store.require(Permission.EXPORT, source.session_id)
-        if not store.is_read_only:
-            store.note_export(kind, source.session_id)
+        source = self._source
+        if source is not None and source.session_id:
+            self._workspace.store.note_export(kind, source.session_id)
 
     def _show_stored(self) -> None:
         choices: tuple[StoredChoice, ...] = ()

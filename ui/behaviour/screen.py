@@ -63,8 +63,7 @@ def _to_label(workspace: Workspace, presenter: BehaviourPresenter) -> Path | Sto
         return presenter.recording
 
     def note_export() -> None:
-        if not workspace.store.is_read_only:
-            workspace.store.note_export("limb labels", source.session_id)
+        workspace.store.note_export("limb labels", source.session_id)
 
     return StoredRecording(
         source.title, source.name, lambda: source.access.open(source.path), note_export

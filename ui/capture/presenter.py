@@ -1,10 +1,12 @@
 """What the capture screen shows, and when. Knows nothing of Qt."""
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from adibas.arrays import UInt8Array
 from adibas.clock import utc_now
+from adibas.data.patients import Patient
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
 from adibas.pipeline.capturing import CaptureRequest, frames_of_view, take_capture
@@ -83,15 +85,18 @@ class CapturePresenter:
         """Show the sensor of the session; the first time, look which there are."""
         self._is_seen = True
         self.sources.look_once()
+        if self._workspace.session is None:
+            self._take_over_setup()
         self._read_taken()
         self.sources.open(self._next_view)
         self._disk.start()
 
     def leave(self) -> None:
-        """Give up a countdown: nobody would see it. A burst goes on."""
+        """Give up a countdown, or a turn before it begins: nobody would see it. A burst goes on."""
         self._is_seen = False
         self._disk.stop()
         self._countdown.give_up()
+        self._turn.stop_waiting()
 
     def choose_view(self, view: str) -> None:
         """Capture this view next."""
@@ -216,13 +221,19 @@ class CapturePresenter:
 
     def _session(self) -> Session | None:
         """Return the session, a new one where none was started; None where that fails."""
-        self._workspace.save_shared(self._start_session)
-        return self._workspace.session
+        workspace = self._workspace
+        workspace.save_shared(partial(self._start_session, workspace.patient, workspace.session))
+        return workspace.session
 
-    def _start_session(self, decisions: "tuple[Decision, ...]") -> None:
+    def _start_session(
+        self,
+        patient: Patient | None,
+        session: Session | None,
+        decisions: "tuple[Decision, ...]",
+    ) -> None:
         """Start a session where there is none, and note in it what is looked for."""
         workspace, setup = self._workspace, self.sources.setup
-        session, patient, sessions = workspace.session, workspace.patient, workspace.store.sessions
+        sessions = workspace.store.sessions
         if workspace.target is not None and (session is None or session.setup.markers is None):
             setup = replace(setup, markers=target_to_document(workspace.target))
         if session is None and patient is not None:
@@ -232,7 +243,7 @@ class CapturePresenter:
             changed = sessions.change(
                 session.session_id, setup=setup, seen=session, decisions=decisions
             )
-            workspace.choose_session(changed)
+            workspace.renew_session(changed)
 
     def _go_to(self, view: str) -> None:
         self._next_view = view
@@ -248,14 +259,21 @@ class CapturePresenter:
         self._read_taken()
         if self._session_id != id_before:
             self._countdown.give_up()
+            self._turn.stop_waiting()
             if session is None or id_before is not None or self._taken.captures:
                 self._next_view = self._taken.first_left or VIEWS[0]
             self._take_over_markers(session)
-        self.sources.use(self.sources.setup if session is None else session.setup)
+        self._take_over_setup()
         self._show_views()
-        self._name_markers()
         self._show_readiness()
         self.sources.open(self._next_view)
+
+    def _take_over_setup(self) -> None:
+        """Use the set-up of the session; without one, the last with the preferred protocol."""
+        session, setup = self._workspace.session, self.sources.setup
+        preferred = self._workspace.preferences.now.protocol
+        self.sources.use(replace(setup, protocol=preferred) if session is None else session.setup)
+        self._name_markers()
 
     def _name_markers(self) -> None:
         """Let live markers be named after the session's protocol."""

@@ -161,7 +161,7 @@ class SourcePresenter:
                 workspace.store.sessions.change, session.session_id, setup=setup, seen=session
             )
             if workspace.save_shared(
-                lambda decisions: workspace.choose_session(change(decisions=decisions))
+                lambda decisions: workspace.renew_session(change(decisions=decisions))
             ):
                 return
         self.use(setup)

@@ -40,6 +40,7 @@ class TurnPresenter:
         self._sources = sources
         self._taken, self._ended = taken, ended
         self._waiting_for: str | None = None
+        self._is_opening = False
         self._job: Job | None = None
 
     @property
@@ -49,16 +50,21 @@ class TurnPresenter:
 
     def take(self, session_id: str) -> None:
         """Record a turn of a session's patient."""
-        self._waiting_for = session_id
+        self._waiting_for, self._is_opening = session_id, False
         if not self._sources.begin_anew():
             self._record(session_id)
 
     def cancel(self) -> None:
         """Give up the turn, if there is one."""
-        if self._waiting_for is not None:
-            self._give_up()
-        elif self._job is not None and self._job.is_running:
+        self.stop_waiting()
+        if self._job is not None and self._job.is_running:
             self._job.cancel()
+
+    def stop_waiting(self) -> None:
+        """Give up a turn that has not begun; one that is being recorded goes on."""
+        if self._waiting_for is not None:
+            self._waiting_for = None
+            self._ended()
 
     def note_state(self, state: SensorState) -> None:
         """Begin as soon as the source that was opened anew gives pictures."""
@@ -66,14 +72,12 @@ class TurnPresenter:
             return
         if state.kind == "live":
             self._record(self._waiting_for)
-        elif state.kind in ("lost", "ended"):
+        elif state.kind == "opening":
+            self._is_opening = True
+        elif state.kind != "closed" or self._is_opening:  # before: what was open is closed
             if state.error is not None:
                 self._workspace.tell("bad", describe(state.error))
-            self._give_up()
-
-    def _give_up(self) -> None:
-        self._waiting_for = None
-        self._ended()
+            self.stop_waiting()
 
     def _record(self, session_id: str) -> None:
         self._waiting_for = None
@@ -96,7 +100,7 @@ class TurnPresenter:
 
     def _note(self, turn: TakenTurn, decisions: "tuple[Decision, ...]") -> None:
         """Keep the recording's name with the session that the turn was taken in."""
-        workspace, sessions = self._workspace, self._workspace.store.sessions
+        sessions = self._workspace.store.sessions
         session = sessions.get(turn.session_id)
         changed = sessions.change(
             session.session_id,
@@ -104,5 +108,4 @@ class TurnPresenter:
             seen=session,
             decisions=decisions,
         )
-        if workspace.session is not None and workspace.session.session_id == changed.session_id:
-            workspace.choose_session(changed)
+        self._workspace.renew_session(changed)

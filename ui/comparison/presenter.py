@@ -120,7 +120,7 @@ class ComparisonPresenter:
         store, later = self._workspace.store, self._choices.later
 
         def work(_control: JobControl) -> None:
-            if not store.is_read_only and later is not None:
+            if later is not None:
                 store.note_export("plot", later.session_id)
             with written_whole(path) as unfinished:
                 unfinished.write_bytes(png)

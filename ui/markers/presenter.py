@@ -41,12 +41,14 @@ class LearnerPresenter:
         self._learned = Learned()
         self._search = MarkerSearch(workspace, self._learned, self._on_found)
         self._picture: FrozenPicture | None = None
+        self._patient = workspace.place.patient
         self._pending_click: tuple[float, float] | None = None
         self._reading: Job | None = None
         self._is_seen = False
         self._ends: list[Callable[[], None]] = [
             workspace.live.frame_arrived.subscribe(self._on_frame),
             workspace.target_changed.subscribe(self._on_target),
+            workspace.patient_changed.subscribe(self._on_patient),
         ]
         self._on_target()
 
@@ -165,7 +167,7 @@ class LearnerPresenter:
                 self._workspace.store.sessions.change, session.session_id, setup=setup, seen=session
             )
             self._workspace.save_shared(
-                lambda decisions: self._workspace.choose_session(change(decisions=decisions))
+                lambda decisions: self._workspace.renew_session(change(decisions=decisions))
             )
         self._workspace.tell("good", _("From now on these markers are looked for."))
         self._workspace.show_screen("capture")
@@ -281,6 +283,18 @@ class LearnerPresenter:
     def _on_frame(self, frame: LiveFrame) -> None:
         if self._is_seen and self._picture is None:
             self._view.show_picture(frame.color_rgb, is_frozen=False)
+
+    def _on_patient(self) -> None:
+        """Let the picture of another patient go; the colours stay, as do the stickers."""
+        before, self._patient = self._patient, self._workspace.place.patient
+        if self._patient == before:
+            return
+        self._stop_reading()
+        self._hold(None)
+        self._view.show_picture(None, is_frozen=False)
+        self._show_controls()
+        if self._is_seen:
+            self.enter()
 
     def _on_target(self) -> None:
         """Show the markers that are looked for from now on, if they were not learned here."""

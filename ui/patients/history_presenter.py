@@ -117,7 +117,7 @@ class HistoryPresenter:
         """Begin a session that is set up as the last one was."""
         last = self._last()
         if last is not None:
-            self._start(replace(last.setup, is_repeat=False))
+            self._start(last.setup)
 
     def continue_last(self) -> None:
         """Go on with the last session."""

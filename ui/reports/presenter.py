@@ -148,8 +148,7 @@ class ReportsPresenter:
         self._workspace.preferences.change(report_folder=str(folder))
 
         def work(control: JobControl) -> tuple[Path, ...]:
-            if not store.is_read_only:  # noted first: what is half written has left the store, too
-                store.note_export("report", *chosen)
+            store.note_export("report", *chosen)  # first: half a report has left the store, too
             reports = StoredReports(store, chosen, wish)
             return write_session_reports(reports, folder, kinds, control.progress)
 
@@ -208,6 +207,7 @@ class ReportsPresenter:
             return _sessions_and_names(store, current)
 
         def done(found: tuple[tuple[Session, str], ...]) -> None:
+            self._choose_of({one.session_id for one, _who in found})
             self._view.show_sessions(
                 tuple(
                     SessionLine(one.session_id, who, one, one.session_id in self._chosen)
@@ -220,6 +220,17 @@ class ReportsPresenter:
                 )
 
         self._workspace.jobs.start(_("Listing the sessions"), work, done)
+
+    def _choose_of(self, offered: set[str]) -> None:
+        """Report no more what is gone or hidden; once it is looked at again, it is chosen again.
+
+        The session that is looked at may be chosen before it has captures.
+        """
+        if (session := self._workspace.session) is not None:
+            offered = offered | {session.session_id}
+        if self._seen_session not in offered:
+            self._seen_session = None
+        self.choose_sessions(tuple(one for one in self._chosen if one in offered))
 
     def _preview(self) -> None:
         """Make the preview of the first chosen session, in place of one still in work."""

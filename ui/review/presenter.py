@@ -76,6 +76,7 @@ class ReviewPresenter:
         self._opened: str | None = None
         self._surface: BurstDisparity | None = None
         self._was_corrected = False
+        self._names_of: str | None = None
 
     def entered(self) -> None:
         """Show what is being looked at now."""
@@ -118,8 +119,7 @@ class ReviewPresenter:
             before = replace(sessions.get(session_id), notes=seen)
             changed = sessions.change(session_id, notes=notes, seen=before, decisions=decisions)
             self._view.keep_notes(session_id, notes)
-            if self._is_looked_at(session_id):
-                self._workspace.choose_session(changed)
+            self._workspace.renew_session(changed)
 
         is_kept = self._is_looked_at(session_id)
         if not self._workspace.save_shared(save, is_kept=is_kept):
@@ -167,12 +167,16 @@ class ReviewPresenter:
             self._open(self._workspace.capture_id)
 
     def _show_session(self) -> None:
-        """Show the session's captures; the one that is open stays open."""
-        before, self._session = self._session, self._workspace.session
-        session = self._session
+        """Show what the session holds, and suggest the names of its patient's markers."""
+        session = self._session = self._workspace.session
         if session is None:
             self._show_nothing(NO_SESSION, "patients")
-            return
+        else:
+            self._show_content(session)
+        self._suggest_names(None if session is None else session.patient)
+
+    def _show_content(self, session: Session) -> None:
+        """Show the session's captures; the one that is open stays open."""
         if not self._workspace.attempt(lambda: self._read(session)):
             self._captures = {}
         is_editable = not self._workspace.store.is_read_only
@@ -182,8 +186,6 @@ class ReviewPresenter:
             return
         wished = (self._workspace.capture_id, self._opened, next(iter(self._captures)))
         self._open(next(one for one in wished if one in self._captures))
-        if before is None or before.patient != session.patient:
-            self._suggest_names(session.patient)
 
     def _show_nothing(self, sentence: str, screen: str) -> None:
         self._opened = None
@@ -272,11 +274,22 @@ class ReviewPresenter:
 
     def _on_corrected(self, capture: Capture) -> None:
         """Keep what was saved; the strip counts markers."""
+        if capture.capture_id not in self._captures:
+            return  # saved late, when another session is shown already
         self._was_corrected = True
         self._captures[capture.capture_id] = capture
         self._show_strip()
 
-    def _suggest_names(self, pseudonym: str) -> None:
+    def _suggest_names(self, pseudonym: str | None) -> None:
+        """Suggest the names of a patient; those of another one go at once."""
+        if pseudonym == self._names_of:
+            return
+        self._names_of = pseudonym
+        self._view.show_names(())
+        if pseudonym is not None:
+            self._collect_names(pseudonym)
+
+    def _collect_names(self, pseudonym: str) -> None:
         store = self._workspace.store
 
         def work(_control: JobControl) -> tuple[str, ...]:
@@ -285,7 +298,11 @@ class ReviewPresenter:
             labels = {marker.label for capture in captures for marker in capture.markers()}
             return tuple(sorted(label for label in labels if not is_numbered(label)))
 
-        self._workspace.jobs.start(_("Collecting names"), work, self._view.show_names)
+        def done(names: tuple[str, ...]) -> None:
+            if self._names_of == pseudonym:
+                self._view.show_names(names)
+
+        self._workspace.jobs.start(_("Collecting names"), work, done)
 
 
 def _target(document: Mapping[str, object] | None) -> "MarkerTarget | None":
