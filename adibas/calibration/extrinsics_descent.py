@@ -68,8 +68,8 @@ class DepthFitParams:
     image_sd_per_m : float
         How large the image terms may be: 0.02, 2 cm at 2 m at the middle of the border.
     focal_sd, centre_sd_px : float
-        How wrong focal lengths (as a share) and principal point of the depth camera may be; 0:
-        they are known. Makers give one value for all devices: 0.01 and 6 pixels.
+        How wrong focal lengths (as a share) and principal point of the depth camera may be; 0 of
+        either: it is known. Makers give one value for all devices: 0.01 and 6 pixels.
     cut_sigmas : float
         Cells farther off have no weight (biweight): 5.
     largest_distance : float
@@ -184,14 +184,12 @@ def pose_problem(
     first = 0 if boards else N_EXTRINSIC + 3 + N_LINEAR_TERMS
     free = np.arange(first, n_known)
     k = depth.camera.intrinsics
-    if params.focal_sd > 0 and params.centre_sd_px > 0:
-        sizes = np.array(
-            [params.focal_sd * k.fx, params.focal_sd * k.fy, *[params.centre_sd_px] * 2]
-        )
-        information[n_known : n_known + N_CAMERA] = sizes**-2
-        free = np.arange(first, n_known + N_CAMERA) if boards else free
+    sizes = np.array([params.focal_sd * k.fx, params.focal_sd * k.fy, *[params.centre_sd_px] * 2])
+    is_open = np.flatnonzero(sizes > 0)
+    information[n_known + is_open] = sizes[is_open] ** -2
     if boards:
-        free = np.concatenate([free, np.arange(n_known + N_CAMERA, len(information))])
+        color_error = np.arange(n_known + N_CAMERA, len(information))
+        free = np.concatenate([free, n_known + is_open, color_error])
     return Problem(
         cells=(*(shot.cells for shot in boards), *(shot.cells for shot in walls)),
         planes=planes,

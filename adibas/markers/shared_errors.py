@@ -5,19 +5,22 @@ same way. Distances and angles need to know that, so that a place is given with 
 few independent causes of unit variance, common to all markers of the calibration.
 
 Source: first-order propagation with the covariance that the calibration holds; the moves by hand,
-where the marker's ray meets the plane of the skin.
+where the marker's ray meets the plane of the skin, and of a depth pixel by the theorem of implicit
+functions: what the projection gains, the point gives back.
 """
 
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration import CameraCalibration, RgbdCalibration, image_polynomial
+from adibas.geometry.pinhole import normalise
 from adibas.geometry.projection import CAMERA_PARAMETERS, camera_numbers, project_with_slopes
 from adibas.geometry.rigid import RigidTransform
 
 TURNS = tuple(f"color_from_depth.{name}" for name in ("rx", "ry", "rz"))
 SHIFTS = tuple(f"color_from_depth.{name}" for name in ("tx", "ty", "tz"))
 BIAS = ("depth_bias.a", "depth_bias.b", "depth_bias.c")
+N_IMAGE_TERMS = 9
 
 
 class SharedErrors:
@@ -26,19 +29,20 @@ class SharedErrors:
     Parameters
     ----------
     calibration : RgbdCalibration
-        With a colour camera. Its parameters are named ``color.fx`` and so on,
+        Of both cameras. Its parameters are named ``color.fx``, ``depth.fx`` and so on,
         ``color_from_depth.rx`` to ``tz`` (a small turn about the colour camera's axes after the
         rotation, and the shift), ``depth_bias.a``, ``b``, ``c`` and ``depth_bias.image_term.0``
         and so on; others move nothing.
     """
 
     def __init__(self, calibration: RgbdCalibration) -> None:
-        if calibration.color is None:
-            raise ValueError("markers are seen by a colour camera")
-        color = calibration.color
+        color, depth = calibration.color, calibration.depth
+        if color is None or depth is None:
+            raise ValueError("markers are seen by a colour camera and measured by a depth camera")
         self._names = calibration.parameter_names
         self._causes = _causes(calibration)
-        self._camera = camera_numbers(color.intrinsics, color.distortion)
+        self._color = camera_numbers(color.intrinsics, color.distortion)
+        self._depth: CameraCalibration = depth
         self._color_from_depth: RigidTransform = calibration.color_from_depth
 
     def moves(self, point_m: FloatArray, normal: FloatArray, within: FloatArray) -> FloatArray:
@@ -60,7 +64,7 @@ class SharedErrors:
         """
         if self._causes.shape[1] == 0:
             return np.zeros((3, 0))
-        slopes = project_with_slopes(point_m[None], self._camera)
+        slopes = project_with_slopes(point_m[None], self._color)
         # A pixel stays where it is seen: what the projection gains, the place gives back.
         by_camera = -within @ slopes.by_camera[0]
         ray = point_m / point_m[2]
@@ -80,11 +84,22 @@ class SharedErrors:
         known = dict(zip(TURNS, (by_surface @ turned).T, strict=True))
         known |= dict(zip(SHIFTS, by_surface.T, strict=True))
         seen_m = self._color_from_depth.inverse().apply(point_m)
+        depth = self._depth
+        slopes = project_with_slopes(
+            seen_m[None], camera_numbers(depth.intrinsics, depth.distortion)
+        )
+        # Its depth is measured, so that the point of a pixel gives back in x and y alone. The image
+        # term goes along with the pixel's place, by some hundredths of a millimetre: left out.
+        aside = -np.linalg.solve(slopes.by_point[0, :, :2], slopes.by_camera[0])
+        by_camera = by_surface @ self._color_from_depth.rotation[:, :2] @ aside
+        known |= {
+            f"depth.{name}": move for name, move in zip(CAMERA_PARAMETERS, by_camera.T, strict=True)
+        }
         depth_m = seen_m[2]
         longer = by_surface @ np.array([x, y, z]) / depth_m
         known |= {name: longer * depth_m**power for power, name in enumerate(BIAS)}
-        u, v = seen_m[:2] / depth_m
-        terms = (u, v, u * u, u * v, v * v, u**3, u * u * v, u * v * v, v**3)
+        across, along = normalise(slopes.pixels[0], depth.intrinsics)
+        terms = image_polynomial(across, along, N_IMAGE_TERMS)
         return known | {
             f"depth_bias.image_term.{number}": longer * depth_m**2 * term
             for number, term in enumerate(terms)

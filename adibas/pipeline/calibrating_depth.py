@@ -14,7 +14,7 @@ from threading import Event
 
 from adibas.arrays import FloatArray
 from adibas.calibration.board_scale import check_scale
-from adibas.calibration.depth_bias import camera_covariance, color_covariance, with_depth
+from adibas.calibration.depth_bias import BIAS, camera_covariance, color_covariance, with_depth
 from adibas.calibration.extrinsics import DepthFit, DepthFitParams, DepthStart, fit_depth
 from adibas.calibration.shots import BoardShot, WallShot, cells_on_board, cells_on_wall
 from adibas.clock import Clock, to_text, utc_now
@@ -188,9 +188,13 @@ def _fit_params(
     fit = params.fit
     if start.color_from_depth is not IDENTITY and fit.shift_sd_m is None:
         fit = replace(fit, shift_sd_m=params.shift_sd_m)
-    if given.depth is not None and given.covariance is not None:
+    if given.depth is None or given.covariance is None:
+        return replace(fit, focal_sd=params.focal_sd, centre_sd_px=params.centre_sd_px)
+    if BIAS[0] in given.parameter_names:
         return fit
-    return replace(fit, focal_sd=params.focal_sd, centre_sd_px=params.centre_sd_px)
+    # No board was seen in depth: the camera is that of infrared images, whose lens it shares, but
+    # not the principal point.
+    return replace(fit, centre_sd_px=params.centre_sd_px)
 
 
 def _calibrated(

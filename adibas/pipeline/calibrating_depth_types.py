@@ -28,8 +28,9 @@ class DepthRequest:
     recording : Path
         Of the board, a wall, or both.
     calibration : RgbdCalibration
-        Of the colour camera. A depth camera in it is taken for known if it has a covariance, else
-        for the maker's.
+        Of the colour camera. A depth camera in it is taken for known if it has a covariance and
+        boards were seen in depth; by infrared images its lens is, but not its principal point;
+        without a covariance it is the maker's.
     board : Board or None
         None: there is a wall alone.
     has_wall : bool

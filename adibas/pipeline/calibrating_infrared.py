@@ -33,6 +33,12 @@ from adibas.texts import message
 COLOR, DEPTH = "color.", "depth."
 GOOD_PAIRS = 8
 LARGE_BIRGE = 25.0
+SHIFTED = ("depth.cx", "depth.cy")
+SHIFT_SD_PX = 5.0
+"""Sensors that match windows may cut their half off: the depth image is shifted from the infrared
+one by nothing, or by about 5 and 4 pixels (ROS openni2_camera, getDepthCameraInfo; Konolige &
+Mihelich, Technical description of Kinect calibration, "IR camera to depth offset"). Infrared images
+do not tell which."""
 
 MOVED = message(
     "In {n} of {total} pairs the board was moved between the colour and the infrared image, and "
@@ -246,7 +252,10 @@ def _pairs(
 def _joint(
     known: RgbdCalibration, depth: CameraFit, fit: InfraredFit
 ) -> tuple[tuple[str, ...], np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
-    """Return names and covariance of everything; the colour camera's as far as it is known."""
+    """Return names and covariance of everything; the colour camera's as far as it is known.
+
+    The pose is that of the infrared camera, so that the shift of the depth image is no part of it.
+    """
     chosen = [i for i, name in enumerate(known.parameter_names) if name.startswith(COLOR)]
     if known.covariance is None:
         chosen = []
@@ -255,7 +264,9 @@ def _joint(
         np.zeros((0, 0)) if known.covariance is None else known.covariance[np.ix_(chosen, chosen)]
     )
     infrared = (depth.parameter_names, np.array(depth.covariance))
-    return joint_covariance(fit, (names, part), infrared)
+    joint_names, covariance = joint_covariance(fit, (names, part), infrared)
+    is_shifted = np.isin(joint_names, SHIFTED)
+    return joint_names, covariance + np.diag(np.where(is_shifted, SHIFT_SD_PX**2, 0.0))
 
 
 def _findings(fit: InfraredFit, n_pairs: int) -> list[Finding]:

@@ -221,8 +221,10 @@ def _follow(
     """Return the joints in the colour camera's axes, and what the reader must know of them."""
     up = vertical_of(calibration, request.posture.rotation_deg).up
     upright_from_camera = upright_turn(up)
-    n_frames = len(recording)
-    timestamps_ns = np.asarray(recording.timestamps_ns, np.int64)
+    every_ns = np.asarray(recording.timestamps_ns, np.int64)
+    # A frame that is not after all before it has no place in a movement.
+    kept = np.flatnonzero(np.diff(np.maximum.accumulate(every_ns), prepend=every_ns[0] - 1))
+    n_frames, timestamps_ns = len(kept), every_ns[kept]
     times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
     seen: list[FrameMarkers] = []
 
@@ -235,7 +237,7 @@ def _follow(
             progress(len(seen), n_frames)
             yield of_frame.points_m @ upright_from_camera.T
 
-    with in_order(work, _frames(recording, calibration), N_THREADS) as found:
+    with in_order(work, _frames(recording, calibration, kept), N_THREADS) as found:
         named = name_movement(shipped_namer(), upright(found), times_s.tolist(), request.view)
     joints = _joints(timestamps_ns, [one.points_m for one in seen], named)
     return joints, (*_spare(named), *doubts_about_frames(seen))
@@ -260,9 +262,11 @@ def _spare(named: Sequence[TrackedNames]) -> Iterator[Sentence]:
         yield Sentence(SPARE_MARKERS, {"percent": 100.0 * n_unnamed / len(named)}, decimals=0)
 
 
-def _frames(recording: RecordingReader, calibration: RgbdCalibration) -> Iterator[RgbdFrame]:
-    for index in range(len(recording)):
+def _frames(
+    recording: RecordingReader, calibration: RgbdCalibration, kept: IntArray
+) -> Iterator[RgbdFrame]:
+    for index in kept.tolist():
         frame = to_rgbd(recording.read(index), recording.info)
-        if index == 0:
+        if index == kept[0]:
             check_fits(calibration, frame.color_rgb.shape[:2], frame.depth_m.shape)
         yield frame

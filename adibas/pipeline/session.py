@@ -6,6 +6,7 @@ from pathlib import Path
 
 from adibas.arrays import UInt8Array
 from adibas.calibration.files import check_fits, read_calibration
+from adibas.calibration.registered import for_images_of, would_move_again
 from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
@@ -96,12 +97,12 @@ def analyse_recording(
         notices = tuple(notice for notice in (recording.notice,) if notice)
     check_findings(findings)
     markers = with_labels(findings.markers, labels)
-    wish = request.protocol
+    wish, rotation_deg = request.protocol, request.params.rotation_deg
     namer = None if wish is None else namer_of(wish.protocol, request.view)
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
-        markers = with_names(namer, markers, request.view, calibration, by_hand)
-        notices += doubts_about_view(namer, markers, request.view, calibration)
+        markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
+        notices += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
     analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,
@@ -122,7 +123,7 @@ def analyse_recording(
         notices=(*notices, *doubts_about(findings)),
         surface_per_m=findings.surface.mean_per_m,
     )
-    return analysis if request.protocol is None else with_measures(analysis, request.protocol)
+    return analysis if wish is None else with_measures(analysis, wish, (), rotation_deg)
 
 
 class _Burst:
@@ -217,7 +218,7 @@ def calibration_of(recording: RecordingReader, path: Path | None) -> RgbdCalibra
     Raises
     ------
     CalibrationError
-        There is none.
+        There is none, or it would register depth that the sensor registered itself.
     """
     calibration = recording.info.calibration if path is None else read_calibration(path)
     if calibration is None and recording.notice:
@@ -229,4 +230,11 @@ def calibration_of(recording: RecordingReader, path: Path | None) -> RgbdCalibra
         raise CalibrationError(
             "The recording brings no calibration. Give one with --calibration FILE."
         )
-    return calibration
+    if path is not None and would_move_again(recording.info, calibration):
+        raise CalibrationError(
+            "The sensor moved the depth of this recording into the colour image itself, and {file} "
+            "would move it a second time. Leave this calibration out, give one of the colour "
+            "camera alone, or record again with the sensor's own registration switched off.",
+            file=path.name,
+        )
+    return for_images_of(recording.info, calibration)

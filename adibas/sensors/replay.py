@@ -1,7 +1,9 @@
 """Any recording as a camera."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from adibas.calibration.registered import for_images_of
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.recordings import open_recording
 from adibas.sensors.pace import Pacer
@@ -26,13 +28,14 @@ class RecordingCamera(DepthCamera):
 
     def __init__(self, path: Path, options: SensorOptions = DEFAULT_OPTIONS) -> None:
         self._reader = open_recording(path)
+        self._info = _with_depth_camera(self._reader.info)
         self._pacer = Pacer() if options.is_paced else None
         self._next_index = 0
 
     @property
     def info(self) -> SourceInfo:
         """The header of the recording."""
-        return self._reader.info
+        return self._info
 
     @property
     def is_live(self) -> bool:
@@ -52,3 +55,10 @@ class RecordingCamera(DepthCamera):
     def close(self) -> None:
         """Close the recording."""
         self._reader.close()
+
+
+def _with_depth_camera(info: SourceInfo) -> SourceInfo:
+    """Return a header whose calibration holds for depth that the sensor registered itself."""
+    if info.calibration is None:
+        return info
+    return replace(info, calibration=for_images_of(info, info.calibration))

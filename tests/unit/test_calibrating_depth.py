@@ -256,6 +256,40 @@ def test_a_wall_keeps_what_it_does_not_tell(tmp_path, found):
     assert outcome.scale is None
 
 
+def by_infrared(shift_px):
+    """What infrared images tell of the device, whose depth image is shifted from them."""
+    k = DEVICE.depth.intrinsics
+    moved = replace(k, cx=k.cx + shift_px[0], cy=k.cy + shift_px[1])
+    names = [f"depth.{name}" for name in ("fx", "fy", "cx", "cy")]
+    names += [f"color_from_depth.{name}" for name in ("rx", "ry", "rz", "tx", "ty", "tz")]
+    sds = [0.3, 0.3, 5.0, 5.0, *[1e-4] * 3, *[2e-4] * 3]
+    return color_alone(
+        depth=replace(DEVICE.depth, intrinsics=moved),
+        color_from_depth=TRUTH.color_from_depth,
+        parameter_names=tuple(names),
+        covariance=np.diag(np.square(sds)),
+    )
+
+
+def test_boards_find_the_shift_of_the_depth_image_that_infrared_images_do_not_tell(recording):
+    given = by_infrared((4.8, 3.9))
+    after = calibrate_depth(DepthRequest(recording, given, BOARD)).calibration
+    found, truth = after.depth.intrinsics, DEVICE.depth.intrinsics
+    at = [after.parameter_names.index(name) for name in ("depth.cx", "depth.cy")]
+    sds = np.sqrt(np.diag(after.covariance))[at]
+    away_px = np.array([found.cx - truth.cx, found.cy - truth.cy])
+    assert (np.abs(away_px) < 3.0 * sds).all()
+    assert np.abs(away_px).max() < 1.5
+    assert (found.fx, found.fy) == (truth.fx, truth.fy)
+    of_focal = after.parameter_names.index("depth.fx")
+    assert after.covariance[of_focal, of_focal] == given.covariance[0, 0]
+
+
+def test_a_depth_camera_that_boards_told_stays_as_it_is(recording, found):
+    after = calibrate_depth(DepthRequest(recording, found, BOARD)).calibration
+    assert after.depth == found.depth
+
+
 def test_a_start_needs_a_colour_camera_and_the_makers_depth_camera():
     info = factory_info(DEVICE)
     with pytest.raises(CalibrationError, match="no colour camera"):

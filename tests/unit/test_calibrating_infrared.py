@@ -80,6 +80,20 @@ def test_the_command_finds_both_cameras_and_their_pose(paths, tmp_path, capsys):
     )
 
 
+def test_the_interval_of_the_centre_holds_a_shifted_depth_image_and_one_that_is_not(paths):
+    """By half of the matching window, 4.8 and 3.9 pixels on the Kinect: infrared does not tell."""
+    given = RgbdCalibration(color=DEVICE.color)
+    found = calibrate_infrared(in_pairs(*paths), BOARD, given).calibration
+    sds = dict(zip(found.parameter_names, np.sqrt(np.diag(found.covariance)), strict=True))
+    truth = DEVICE.depth.intrinsics
+    for name, cut_px in (("cx", 4.8), ("cy", 3.9)):
+        for shift_px in (0.0, cut_px):
+            away_px = getattr(found.depth.intrinsics, name) - (getattr(truth, name) - shift_px)
+            assert abs(away_px) < 1.96 * sds[f"depth.{name}"]
+    assert sds["depth.fx"] < 2.0
+    assert sds["color_from_depth.tx"] < 0.003
+
+
 def test_a_known_colour_camera_stays_as_it_is(paths):
     given = RgbdCalibration(color=DEVICE.color, sensor_serial="S1")
     outcome = calibrate_infrared(in_pairs(*paths), BOARD, given)

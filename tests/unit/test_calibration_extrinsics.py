@@ -303,6 +303,20 @@ def test_a_depth_camera_that_the_maker_does_not_know_well_is_refined():
     assert fit_depth(START, boards).camera is DEPTH
 
 
+def test_a_centre_that_nobody_knows_is_found_with_a_known_lens():
+    rng = RNG(15)
+    boards = [board_shot(f"b{i}", rng) for i in range(20)]
+    k = DEPTH.intrinsics
+    start = DepthStart(replace(DEPTH, intrinsics=replace(k, cx=k.cx + 4.8, cy=k.cy + 3.9)))
+    fit = fit_depth(start, boards, params=replace(NO_PRIOR, centre_sd_px=1e3))
+    found = fit.camera.intrinsics
+    np.testing.assert_allclose([found.cx, found.cy], [k.cx, k.cy], atol=0.02)
+    assert (found.fx, found.fy) == (k.fx, k.fy)
+    np.testing.assert_allclose(errors(fit), 0.0, atol=5e-5)
+    assert fit.parameter_names[-2:] == ("depth.cx", "depth.cy")
+    assert "depth.fx" not in fit.parameter_names
+
+
 def test_a_board_that_contradicts_the_others_is_named():
     rng = RNG(13)
     boards = [board_shot(f"b{i}", rng, 0.1, 0.0005) for i in range(12)]

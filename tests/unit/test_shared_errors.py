@@ -7,7 +7,7 @@ import pytest
 
 from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
 from adibas.data.markers import Marker
-from adibas.geometry.distortion import project_distorted
+from adibas.geometry.distortion import pixel_rays, project_distorted
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 from adibas.markers.disparity import fuse_depth
@@ -23,15 +23,24 @@ NO_NOISE = PositionParams(
 PIXELS = ((60.0, 60.0), (260.0, 90.0), (150.0, 190.0))
 PLAIN = RgbdCalibration(
     color=CameraCalibration(640, 480, Intrinsics(530.0, 531.0, 322.0, 238.0), (0.02, -0.03, 0, 0)),
-    depth=CameraCalibration(WIDTH, HEIGHT, Intrinsics(290.0, 290.0, 160.5, 119.5)),
+    depth=CameraCalibration(
+        WIDTH, HEIGHT, Intrinsics(290.0, 292.0, 160.5, 119.5), (0.08, -0.1, 0.001, -0.002)
+    ),
     color_from_depth=RigidTransform(
         rotation_from_vector(np.array([0.01, -0.02, 0.01])), np.array([-0.025, 0.001, 0.002])
     ),
 )
+LENS = ("k1", "k2", "p1", "p2")
 STEPS = {
     "color.fx": 1.0,
     "color.cy": 1.0,
     "color.k1": 0.005,
+    "depth.fx": 2.0,
+    "depth.fy": 2.0,
+    "depth.cx": 1.0,
+    "depth.cy": 1.0,
+    "depth.k1": 0.01,
+    "depth.p2": 0.003,
     "color_from_depth.ry": 0.002,
     "color_from_depth.rz": 0.002,
     "color_from_depth.tx": 0.001,
@@ -47,14 +56,16 @@ STEPS = {
 def moved(name, step):
     """The calibration with one parameter changed."""
     group, _, rest = name.partition(".")
-    if group == "color":
-        color = PLAIN.color
-        if rest == "k1":
-            changed = replace(color, distortion=(color.distortion[0] + step, *color.distortion[1:]))
+    if group in ("color", "depth"):
+        camera = getattr(PLAIN, group)
+        if rest in LENS:
+            lens = list(camera.distortion)
+            lens[LENS.index(rest)] += step
+            changed = replace(camera, distortion=tuple(lens))
         else:
-            k = color.intrinsics
-            changed = replace(color, intrinsics=replace(k, **{rest: getattr(k, rest) + step}))
-        return replace(PLAIN, color=changed)
+            k = camera.intrinsics
+            changed = replace(camera, intrinsics=replace(k, **{rest: getattr(k, rest) + step}))
+        return replace(PLAIN, **{group: changed})
     if group == "color_from_depth":
         axis = "xyz".index(rest[1])
         vector = np.eye(3)[axis] * step
@@ -72,22 +83,22 @@ def moved(name, step):
     return replace(PLAIN, depth_bias=replace(bias, **{rest: getattr(bias, rest) + step}))
 
 
+RAYS = pixel_rays((HEIGHT, WIDTH), PLAIN.depth.intrinsics, PLAIN.depth.distortion)
+
+
 def surface_m():
     """A leaning plane."""
-    k = PLAIN.depth.intrinsics
-    v, u = np.mgrid[:HEIGHT, :WIDTH]
-    return (1.6 / (1.0 + 0.2 * (u - k.cx) / k.fx - 0.1 * (v - k.cy) / k.fy)).astype(np.float32)
+    return (1.6 / (1.0 + RAYS @ [0.2, -0.1])).astype(np.float32)
 
 
 def places(calibration):
     """The markers of fixed colour pixels, by `calibration`."""
     depth_m = calibration.corrected_depth(surface_m())
     finder = PositionFinder(fuse_depth([depth_m], DepthBias()), calibration, NO_NOISE)
-    k = PLAIN.depth.intrinsics
     found = []
     for u, v in PIXELS:
         z = surface_m()[int(v), int(u)]
-        point_m = np.array([(u - k.cx) / k.fx * z, (v - k.cy) / k.fy * z, z])
+        point_m = np.array([*RAYS[int(v), int(u)], 1.0]) * z
         color_m = PLAIN.color_from_depth.apply(point_m)
         pixel = project_distorted(color_m, PLAIN.color.intrinsics, PLAIN.color.distortion)
         found.append(finder.locate(pixel, SURE))
@@ -95,7 +106,13 @@ def places(calibration):
 
 
 def known_to(name, step):
-    return replace(PLAIN, parameter_names=(name,), covariance=np.array([[step**2]]))
+    return moving_together({name: step})
+
+
+def moving_together(steps):
+    """One cause that changes all of these at once."""
+    sds = np.array(list(steps.values()))
+    return replace(PLAIN, parameter_names=tuple(steps), covariance=np.outer(sds, sds))
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -119,12 +136,31 @@ def test_what_is_shared_is_part_of_the_covariance():
 
 
 def test_a_parameter_without_a_meaning_moves_nothing():
-    assert not places(known_to("depth.fx", 1.0))[0].shared_m.any()
+    assert not places(known_to("depth.baseline", 1.0))[0].shared_m.any()
 
 
-def test_markers_need_a_colour_camera():
-    with pytest.raises(ValueError, match="colour camera"):
-        SharedErrors(RgbdCalibration(depth=PLAIN.depth))
+def test_a_wrong_centre_that_the_shift_makes_good_moves_nothing_at_its_distance():
+    """Boards that stand at one distance tell only the two together."""
+    plain = replace(PLAIN.depth, distortion=())
+    aside_m = 3.0 * 1.6 / plain.intrinsics.fx * PLAIN.color_from_depth.rotation[:, 0]
+    shifts = {f"color_from_depth.t{axis}": m for axis, m in zip("xyz", aside_m, strict=True)}
+    known = replace(moving_together({"depth.cx": 3.0, **shifts}), depth=plain)
+    oblique, within = np.array([0.7, 0.0, 0.7]), np.zeros((3, 2))
+    near_m, far_m = (
+        SharedErrors(known).moves(
+            PLAIN.color_from_depth.apply(np.array([0.2, -0.1, depth_m])), oblique, within
+        )
+        for depth_m in (1.6, 2.4)
+    )
+    assert np.abs(near_m).max() < 1e-6
+    # What is left at 2.4 m: 3 pixels of 0.8 m, along a ray on skin that leans by 45 degrees.
+    assert np.linalg.norm(far_m) == pytest.approx(3.0 * 0.8 / plain.intrinsics.fx, rel=0.2)
+
+
+def test_markers_need_both_cameras():
+    for camera in ({"depth": PLAIN.depth}, {"color": PLAIN.color}):
+        with pytest.raises(ValueError, match="by a colour camera and measured by a depth camera"):
+            SharedErrors(RgbdCalibration(**camera))
 
 
 def markers(calibration):
