@@ -81,7 +81,7 @@ def test_the_command_finds_both_cameras_and_their_pose(paths, tmp_path, capsys):
 
 
 def test_the_interval_of_the_centre_holds_a_shifted_depth_image_and_one_that_is_not(paths):
-    """By half of the matching window, 4.8 and 3.9 pixels on the Kinect: infrared does not tell."""
+    """By half of the matching window, some pixels: infrared does not tell."""
     given = RgbdCalibration(color=DEVICE.color)
     found = calibrate_infrared(in_pairs(*paths), BOARD, given).calibration
     sds = dict(zip(found.parameter_names, np.sqrt(np.diag(found.covariance)), strict=True))
