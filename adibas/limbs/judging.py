@@ -66,6 +66,9 @@ ABSENCES = {
 """What is said of each answer of `adibas.body.absence.why_nobody`."""
 
 
+CLEARLY = 2.0
+"""So far below the threshold of the likeness nobody is who is seen whole, and most things are."""
+
 REMARKS = (HALF, SOME_HOLES)
 """What is said of somebody who is measured all the same."""
 
@@ -112,10 +115,13 @@ class Judgement:
         False: make no skeleton of it.
     notices : tuple of Sentence
         What to say.
+    is_clear : bool
+        It is no person, and not nearly one.
     """
 
     is_person: bool
     notices: tuple[Sentence, ...]
+    is_clear: bool = False
 
 
 def judge_mask(
@@ -174,7 +180,7 @@ def judge_parts(
 def judge_likeness(score: float, threshold: float) -> Judgement:
     """Judge how much like a person something is, by its limbs; see `adibas.limbs.likeness`."""
     if score < threshold:
-        return Judgement(False, (Sentence(UNLIKE),))
+        return Judgement(False, (Sentence(UNLIKE),), is_clear=score < threshold - CLEARLY)
     return Judgement(True, ())
 
 

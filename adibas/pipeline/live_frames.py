@@ -57,6 +57,8 @@ class LiveFrame:
     n_dropped : int
         Frames since `LiveView.open` that the sensor counted and that never came. Frames that
         came and were skipped because a newer one was there are none of them.
+    rotation_deg : int
+        How far the picture is turned clockwise for showing.
     """
 
     sequence: int
@@ -72,6 +74,7 @@ class LiveFrame:
     hints: tuple[Message, ...] = ()
     frame_rate_hz: float = 0.0
     n_dropped: int = 0
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -44,7 +44,8 @@ class LiveGestures:
                 self._models, self._params
             )
             self._watchers[one.person] = watcher  # the last one in the dictionary: seen last
-            seen = watcher.see(moment.timestamp_ns, one.joints.joints_m)
+            upright_m = moment.turn.points(one.joints.joints_m)
+            seen = watcher.see(moment.timestamp_ns, upright_m)
             found += [LiveGesture(one.person, gesture) for gesture in seen]
         while len(self._watchers) > MOST_PEOPLE:
             del self._watchers[next(iter(self._watchers))]

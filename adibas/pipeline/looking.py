@@ -80,6 +80,7 @@ def look_at(arrival: Arrival, look: Look) -> LiveFrame:
         hints=() if color_rgb is not None else (hints.NO_COLOR,),
         frame_rate_hz=arrival.frame_rate_hz,
         n_dropped=arrival.n_dropped,
+        rotation_deg=look.params.rotation_deg,
     )
     if look.board is not None and color_rgb is not None:
         return replace(plain, board=search_board(as_gray(color_rgb), look.board, BOARD_IMAGE))

@@ -31,6 +31,7 @@ from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
+from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
 from adibas.progress import Progress
 from adibas.recordings.clock_jumps import check_steps
 from adibas.recordings.ports import RecordingReader
@@ -203,11 +204,13 @@ class _Found:
             )
         self._request = request
         self._calibration = calibration
-        segmenter = forest_segmenter(model, calibration.depth, request.pose.limbs)
+        self._turn = turn_to_upright(calibration)
+        camera = turned_camera(calibration.depth, self._turn)
+        floor = turned_floor(calibration.floor, self._turn)
         self._estimator = PoseEstimator(
-            *(calibration.depth, segmenter, calibration.floor, request.pose),
+            *(camera, forest_segmenter(model, camera, request.pose.limbs), floor, request.pose),
             joints=joint_model_for(model),
-            judge=person_judge(model, calibration.depth),
+            judge=person_judge(model, camera),
         )
         self._frames: dict[int, list[tuple[int, ChosenJoints]]] = {}
         self._said: Counter[Message] = Counter()
@@ -232,7 +235,8 @@ class _Found:
         self._look(depth_m, frame.timestamp_ns)
 
     def _look(self, depth_m: Float32Array, timestamp_ns: int) -> None:
-        now = self._estimator.look(depth_m, timestamp_ns / NS_PER_S)
+        now = self._estimator.look(self._turn.picture(depth_m), timestamp_ns / NS_PER_S)
+        now = turned_pose(now, self._turn.inverse())
         for notice in {notice.message: notice for notice in now.notices}.values():
             self._said[notice.message] += 1
             self._sentences[notice.message] = notice

@@ -17,7 +17,14 @@ from adibas.data.sentence import Sentence
 from adibas.geometry.picture_edges import Box, cut_px, seen_box
 from adibas.geometry.planes import Plane
 from adibas.limbs.facing import FacingParams
-from adibas.limbs.judging import UNLIKE, Judgement, judge_absence, judge_mask, judge_parts
+from adibas.limbs.judging import (
+    HALF,
+    UNLIKE,
+    Judgement,
+    judge_absence,
+    judge_mask,
+    judge_parts,
+)
 from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import ProposalParams
 from adibas.limbs.segmentation import LimbParams, segment
@@ -25,7 +32,7 @@ from adibas.pipeline.mending import mended
 from adibas.pipeline.person_evidence import PersonEvidence, evidence_of
 from adibas.pipeline.person_judge import Judge
 from adibas.pipeline.pose_model import JointModel, shipped_joint_model
-from adibas.pipeline.trust import Trust
+from adibas.pipeline.trust import Acquaintance, Trust
 from adibas.skeleton.following import ChosenJoints, FollowParams, PersonFollower
 from adibas.skeleton.identities import Identities, IdentityParams
 from adibas.skeleton.picture import Picture
@@ -106,13 +113,22 @@ class PoseNow:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """Somebody's limbs and what they tell, the person's middle, and how high the top is."""
+    """Somebody's limbs and what they tell, the person's middle, and how high the top is.
+
+    `is_whole`: no edge of the picture cuts the person off; `notices`: what is to be said already.
+    """
 
     pixels: BoolArray
+    is_whole: bool
+    notices: tuple[Sentence, ...]
     parts: LimbParts
     evidence: PersonEvidence
     middle_m: FloatArray
     top_m: float
+
+
+def _middles_m(seen: Sequence[_Seen]) -> FloatArray:
+    return np.array([one.middle_m for one in seen]).reshape(-1, 3)
 
 
 def forest_segmenter(
@@ -221,11 +237,19 @@ class PoseEstimator:
         notices: tuple[Sentence, ...] = () if masks else self._absence(depth_m)
         seen = []
         for pixels in masks:
-            one, said = self._seen(depth_m, pixels, time_s)
-            notices += said
-            if one is not None:
-                seen.append(one)
-        return PoseNow(tuple(self._named(depth_m, seen, time_s)), notices)
+            said = judge_mask(depth_m, pixels)
+            if said.is_person:
+                seen.append(self._seen(depth_m, pixels, said.notices))
+            else:
+                notices += said.notices
+        people = []
+        met = self._trust.meet(_middles_m(seen), time_s)
+        for one, known in zip(seen, met, strict=True):
+            found = self._verdict(depth_m, one, known, time_s)
+            notices += (*one.notices, *found.notices)
+            if found.is_person:
+                people.append(one)
+        return PoseNow(tuple(self._named(depth_m, people, time_s)), notices)
 
     def _absence(self, depth_m: Float32Array) -> tuple[Sentence, ...]:
         return judge_absence(
@@ -233,28 +257,26 @@ class PoseEstimator:
         ).notices
 
     def _seen(
-        self, depth_m: Float32Array, pixels: BoolArray, time_s: float
-    ) -> tuple[_Seen | None, tuple[Sentence, ...]]:
-        judgement = judge_mask(depth_m, pixels)
-        if not judgement.is_person:
-            return None, judgement.notices
+        self, depth_m: Float32Array, pixels: BoolArray, notices: tuple[Sentence, ...]
+    ) -> _Seen:
+        is_whole = all(notice.message != HALF for notice in notices)
         parts = self._segmenter(depth_m, pixels)
         evidence = self._evidence(depth_m, parts)
-        one = _Seen(pixels, parts, evidence, *self._place(depth_m, pixels))
-        found = self._verdict(depth_m, one, time_s)
-        return (one if found.is_person else None), (*judgement.notices, *found.notices)
+        return _Seen(pixels, is_whole, notices, parts, evidence, *self._place(depth_m, pixels))
 
-    def _verdict(self, depth_m: Float32Array, one: _Seen, time_s: float) -> Judgement:
+    def _verdict(
+        self, depth_m: Float32Array, one: _Seen, known: Acquaintance, time_s: float
+    ) -> Judgement:
         """Judge limbs; of somebody new the most of some frames decide."""
-        if self._judge is None or self._trust.is_trusted(one.middle_m, time_s):
-            found = judge_parts(one.parts, one.pixels)
-        else:
-            found = self._judge(depth_m, one.pixels, one.parts, one.evidence)
-            is_person = self._trust.judged(one.middle_m, time_s, is_person=found.is_person)
-            if is_person != found.is_person:
-                found = Judgement(is_person, () if is_person else (Sentence(UNLIKE),))
-        self._trust.saw(one.middle_m, time_s)
-        return found
+        if self._judge is None or not known.is_to_be_judged(time_s, is_whole=one.is_whole):
+            return judge_parts(one.parts, one.pixels)
+        found = self._judge(depth_m, one.pixels, one.parts, one.evidence)
+        is_person = known.judged(found, time_s)
+        if known.is_trusted:
+            return judge_parts(one.parts, one.pixels)
+        if is_person == found.is_person:
+            return found
+        return Judgement(is_person, () if is_person else (Sentence(UNLIKE),))
 
     def _evidence(self, depth_m: Float32Array, parts: LimbParts) -> PersonEvidence:
         rays, offsets = viewing_rays(self.camera), self._joints.offsets
@@ -264,7 +286,7 @@ class PoseEstimator:
 
     def _named(self, depth_m: Float32Array, seen: list[_Seen], time_s: float) -> list[PersonNow]:
         tops_m = np.array([one.top_m for one in seen])
-        middles_m = np.array([one.middle_m for one in seen]).reshape(-1, 3)
+        middles_m = _middles_m(seen)
         people = []
         box = seen_box(np.asarray(np.isfinite(depth_m)))
         self._known_m = middles_m

@@ -1,6 +1,7 @@
 """Joints and gestures that are looked for in live pictures without markers, in a thread."""
 
 import threading
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 from unittest.mock import create_autospec
@@ -183,7 +184,7 @@ def thread(qtbot, qapp):
 class Everybody:
     """Finds somebody in every frame, whose only joint lies at the frame's time."""
 
-    def look(self, _depth_m, timestamp_ns, _calibration):
+    def look(self, _depth_m, timestamp_ns, _calibration, _rotation_deg):
         return SimpleNamespace(timestamp_ns=timestamp_ns, people=(timestamp_ns,), unseen=None)
 
 
@@ -229,6 +230,20 @@ def test_the_window_is_told_of_joints_without_any_gesture(thread, qtbot, chain):
     qtbot.waitUntil(lambda: bool(joints))
     ((one,),) = joints
     assert one.in_color == {"head": (5.0, 0.0)}
+
+
+def test_the_thread_knows_how_the_picture_is_turned(thread, qtbot, chain):
+    turned_deg = []
+
+    class Turned(Everybody):
+        def look(self, depth_m, timestamp_ns, calibration, rotation_deg):
+            turned_deg.append(rotation_deg)
+            return super().look(depth_m, timestamp_ns, calibration, rotation_deg)
+
+    chain(Turned, lambda _n_models, _moment: [])
+    thread.use(Wanted(joints=True))
+    thread.put(replace(FRAME, rotation_deg=270))
+    qtbot.waitUntil(lambda: turned_deg == [270])
 
 
 def test_the_thread_tells_once_why_nobody_is_followed_and_once_that_somebody_is(

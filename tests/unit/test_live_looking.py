@@ -101,6 +101,7 @@ def test_a_sensor_on_its_side_finds_the_floor_by_its_mounting():
     assert abs(live.plumb.roll_rad) < 0.02
     assert live.plumb.vertical[0][0] < live.plumb.vertical[1][0], "up is at the picture's left"
     assert live.outline is not None
+    assert live.rotation_deg == 90
 
 
 def test_leds_are_found(whole):

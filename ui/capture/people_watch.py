@@ -123,7 +123,9 @@ class _Watching:
             calibration = self._calibration()
             if calibration is None or frame.depth_m is None:
                 continue
-            moment = everybody.look(frame.depth_m, frame.timestamp_ns, calibration)
+            moment = everybody.look(
+                frame.depth_m, frame.timestamp_ns, calibration, frame.rotation_deg
+            )
             if moment is None:
                 continue
             if self._wish.joints:
