@@ -30,6 +30,13 @@ DAMAGED_JSON = (ValueError, RecursionError)
 deeply."""
 UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 """Names of files in the making."""
+UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
+"""No XML file holds these; tab and line feed may stay."""
+
+
+def printable(text: str) -> str:
+    """Return the text with a box in place of characters that no file holds."""
+    return UNPRINTABLE.sub("\N{WHITE SQUARE}", text)
 
 
 def check_document(document: Mapping[str, Any], kind: str, version: int) -> None:
@@ -73,6 +80,17 @@ def written_whole(path: Path) -> Iterator[Path]:
         unfinished.unlink(missing_ok=True)
 
 
+def unfinished_in(folder: Path) -> list[Path]:
+    """Return what is in the making in `folder`, or was left so by a crash in `written_whole`.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be read.
+    """
+    return [path for path in folder.iterdir() if UNFINISHED.fullmatch(path.name)]
+
+
 def remove_unfinished(folder: Path) -> int:
     """Remove what a crash within `written_whole` left in `folder`; return how many files.
 
@@ -83,7 +101,7 @@ def remove_unfinished(folder: Path) -> int:
     OSError
         The folder cannot be read or written.
     """
-    unfinished = [path for path in folder.iterdir() if UNFINISHED.fullmatch(path.name)]
+    unfinished = unfinished_in(folder)
     for path in unfinished:
         path.unlink(missing_ok=True)
     return len(unfinished)

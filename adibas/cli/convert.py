@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("MCAP with depth as plain 16-bit images, which any Foxglove reader shows"),
     )
-    add_overwrite(parser)
+    add_overwrite(parser, _("replace a recording of that name"))
     add_json(parser)
 
 

@@ -13,7 +13,7 @@ from adibas.cli.export_servers import (
     warn_of_listeners,
     wished_order,
 )
-from adibas.cli.options import add_out
+from adibas.cli.options import add_out, add_overwrite
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.report_options import add_language, check_report
 from adibas.cli.store_options import add_store, open_existing
@@ -45,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(fhir, _("FILE"), _("file to write, NAME.json"))
     dicom = add("dicom", _("Pictures, PDF report and measures of a session as DICOM."), _dicom)
     add_out(dicom, _("DIR"), _("folder to write into"))
+    add_overwrite(dicom, _("replace the DICOM files of an earlier export in that folder"))
     sending = add("send", _("The same DICOM files, sent to a server of the clinic."), _send)
     sending.add_argument(
         "--to", required=True, metavar=_("NAME"), help=_("a server that `server` lists")
@@ -104,7 +105,7 @@ def _fhir(store: "SessionStore", arguments: argparse.Namespace, console: Console
 def _dicom(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
     from adibas.exchange.handing_over import export_dicom
 
-    written = export_dicom(store, _wish(arguments), arguments.out)
+    written = export_dicom(store, _wish(arguments), arguments.out, can_replace=arguments.overwrite)
     for path in written:
         console.say(str(path))
     console.give({"out": [str(path) for path in written]})

@@ -4,7 +4,7 @@ import argparse
 import math
 from pathlib import Path
 
-from adibas.errors import RecordingError
+from adibas.errors import FileError
 from adibas.texts import translate as _
 
 LARGEST_SIDE_PX = 65_535
@@ -111,18 +111,16 @@ def positive_count(text: str) -> int:
     return int(text)
 
 
-def add_overwrite(parser: argparse.ArgumentParser) -> None:
+def add_overwrite(parser: argparse.ArgumentParser, help_text: str) -> None:
     """Offer `--overwrite`; see `refuse_to_replace`."""
-    parser.add_argument(
-        "--overwrite", action="store_true", help=_("replace a recording of that name")
-    )
+    parser.add_argument("--overwrite", action="store_true", help=help_text)
 
 
-def refuse_to_replace(recording: Path, *, is_allowed: bool) -> None:
-    """Raise RecordingError where a recording stands already and may not be replaced."""
-    if recording.is_file() and not is_allowed:
-        raise RecordingError(
-            "{file} exists already, and a recording is not replaced by mistake. Choose another "
-            "name, or add --overwrite.",
-            file=recording.name,
+def refuse_to_replace(path: Path, *, is_allowed: bool) -> None:
+    """Raise FileError where a file stands already and may not be replaced."""
+    if path.is_file() and not is_allowed:
+        raise FileError(
+            "{file} exists already, and nothing is replaced by mistake. Choose another place, or "
+            "add --overwrite.",
+            file=path.name,
         )

@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("colour as JPEG of quality 95, for long recordings; without loss if not given"),
     )
-    add_overwrite(parser)
+    add_overwrite(parser, _("replace a recording of that name"))
     live = parser.add_argument_group(_("live sensors only"))
     live.add_argument(
         "--color-size",

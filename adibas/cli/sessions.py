@@ -2,7 +2,7 @@
 
 import argparse
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("id of an earlier session of the patient: the report tells what changed"),
     )
     add_out(exporting, _("DIR"), _("folder to write into"))
-    add_overwrite(exporting)
+    add_overwrite(exporting, _("replace a file of that name"))
     repeating = add("reliability", _("How well measures repeat in this clinic."), tell_reliability)
     add_reliability_arguments(repeating)
     calling.add_argument("--no", action="store_true", help=_("it is no repeat"))
@@ -171,7 +171,8 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
     recordings = store.recordings.of_session(session.session_id)
     folder: Path = arguments.out
     paths = [folder / f"recording-{number:02d}.mcap" for number in range(1, len(recordings) + 1)]
-    for path in paths:
+    reports = [folder / name for name in REPORTS] if session.capture_ids else []
+    for path in (*paths, *reports):
         check_place(path)
         refuse_to_replace(path, is_allowed=arguments.overwrite)
     for facts, path in zip(recordings, paths, strict=True):
@@ -183,11 +184,11 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
             "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", summary.n_frames
         )
         console.say(text.format(file=path, n_frames=summary.n_frames))
-    if session.capture_ids:
+    if reports:
         wish = ReportWish(
             arguments.language, PictureChoice(arguments.pictures), protocol, arguments.compared_with
         )
-        for path in _export_reports(store, session, folder, wish):
+        for path in _export_reports(store, session, reports, wish):
             paths.append(path)
             console.say(str(path))
     if not paths:
@@ -197,17 +198,18 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
 
 
 def _export_reports(
-    store: "SessionStore", session: "Session", folder: Path, wish: "ReportWish"
+    store: "SessionStore", session: "Session", paths: Sequence[Path], wish: "ReportWish"
 ) -> Iterator[Path]:
-    """Write the session's report in every kind that has all of it; an older one is replaced."""
+    """Write the session's report in every kind that has all of it."""
     from adibas.pipeline.stored_report import stored_report
     from adibas.reports import write_report
 
     report = stored_report(store, session.session_id, wish)
-    for name in REPORTS:
-        write_report(report, folder / name)
-        store.note_export(Path(name).suffix.removeprefix("."), session.session_id)
-        yield folder / name
+    for path in paths:
+        # First: half a report has left the store, too.
+        store.note_export(path.suffix.removeprefix("."), session.session_id)
+        write_report(report, path)
+        yield path
 
 
 def _verify(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:

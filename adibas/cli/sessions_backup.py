@@ -12,6 +12,7 @@ from adibas.cli.options import add_json, positive_count
 from adibas.cli.store_options import (
     PASSPHRASE_VARIABLE,
     add_store,
+    ask_passphrase,
     open_existing,
     read_passphrase,
 )
@@ -252,8 +253,16 @@ def tell_report(report: "VerifyReport", console: Console) -> dict[str, object]:
 
 
 def _passphrase_of_backup(arguments: argparse.Namespace) -> str | None:
-    """Return what was given for the backup, else for the store, else by the environment."""
+    """Return what is given for the backup, else for the store, else by the environment.
+
+    Where no store was opened before, somebody is asked.
+    """
     for path in (arguments.backup_passphrase_file, getattr(arguments, "passphrase_file", None)):
         if path is not None:
             return read_passphrase(path)
-    return os.environ.get(PASSPHRASE_VARIABLE)
+    if PASSPHRASE_VARIABLE in os.environ:
+        return os.environ[PASSPHRASE_VARIABLE]
+    if "passphrase" in arguments:
+        of_store: str | None = arguments.passphrase
+        return of_store
+    return ask_passphrase(_("Passphrase of the backup: "))

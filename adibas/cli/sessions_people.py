@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.store_options import add_store, passphrase_of, read_passphrase
+from adibas.cli.store_options import add_store, read_passphrase
 from adibas.errors import PassphraseError, StoreError
 from adibas.sessions.roles import TITLES, WORDS, Permission, Role, may
 from adibas.texts import translate as _
@@ -132,7 +132,7 @@ def _remove(store: "SessionStore", arguments: argparse.Namespace, console: Conso
 
 def _set_role(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
     role = Role(arguments.role)
-    store.people.set_role(arguments.name, role)
+    store.people.change(arguments.name, role=role)
     console.say(
         _("{name} is {role} from the next time they open the store.").format(
             name=arguments.name, role=_(TITLES[role]).lower()
@@ -144,11 +144,10 @@ def _set_role(store: "SessionStore", arguments: argparse.Namespace, console: Con
 
 def _anew(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
     if arguments.name is None:
-        old = passphrase_of(arguments, store.folder)
-        store.people.change_passphrase(old, _new_passphrase(arguments))
+        store.people.change_passphrase(arguments.passphrase, _new_passphrase(arguments))
     else:
         store.require(Permission.MANAGE_PEOPLE, "people")
-        store.people.set_passphrase(arguments.name, _new_passphrase(arguments))
+        store.people.change(arguments.name, passphrase=_new_passphrase(arguments))
     console.say(_("From now on the new passphrase opens the patient store."))
     console.give({"name": arguments.name})
     return 0

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.options import add_json
-from adibas.errors import FileError, StoreError
+from adibas.errors import FileError, PassphraseError, StoreError
 from adibas.texts import message
 from adibas.texts import translate as _
 
@@ -39,7 +39,7 @@ def add_store(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_(
             "file whose first line is the passphrase; without it, where a passphrase is needed, "
-            "the environment variable {variable}"
+            "the environment variable {variable}, or it is asked for"
         ).format(variable=PASSPHRASE_VARIABLE),
     )
     add_json(parser)
@@ -48,10 +48,14 @@ def add_store(parser: argparse.ArgumentParser) -> None:
 def open_existing(arguments: argparse.Namespace) -> "SessionStore":
     """Open the store that the options name; none is made.
 
+    From then on `arguments.passphrase` is its passphrase, so that nobody types it twice.
+
     Raises
     ------
     StoreError
         There is none, or it does not open.
+    PassphraseError
+        The passphrase is wrong, or is not given where nobody can be asked.
     FileError
         The file of the passphrase cannot be read.
     """
@@ -66,6 +70,7 @@ def open_existing(arguments: argparse.Namespace) -> "SessionStore":
             folder=str(folder),
         )
     passphrase, server = passphrase_of(arguments, folder), read_server_file(folder)
+    arguments.passphrase = passphrase
     password = None if server is None else read_server_password(server)
     return open_store(folder, passphrase, operator=_user(), server_password=password)
 
@@ -79,20 +84,41 @@ def store_folder(arguments: argparse.Namespace) -> Path:
 
 
 def passphrase_of(arguments: argparse.Namespace, folder: Path) -> str | None:
-    """Return the store's passphrase as it was given; None where it needs none.
+    """Return the store's passphrase as it is given; None where it needs none.
 
     Raises
     ------
+    PassphraseError
+        It needs one that is not given, and nobody can be asked.
     FileError
         The file of the passphrase cannot be read.
     """
     from adibas.sessions import key_state
     from adibas.sessions.keys import BEHIND_PASSPHRASE
 
-    passphrase = read_passphrase(arguments.passphrase_file)
-    if passphrase is None and key_state(folder) in BEHIND_PASSPHRASE:
-        passphrase = os.environ.get(PASSPHRASE_VARIABLE)
-    return passphrase
+    given = read_passphrase(arguments.passphrase_file)
+    if given is not None or key_state(folder) not in BEHIND_PASSPHRASE:
+        return given
+    given = os.environ.get(PASSPHRASE_VARIABLE)
+    if given is None:
+        given = ask_passphrase(_("Passphrase of the patient store: "))
+    if given is None:
+        raise PassphraseError(
+            "The patient store is locked. Give a file with --passphrase-file FILE, whose first "
+            "line is its passphrase, or set the environment variable {variable}.",
+            variable=PASSPHRASE_VARIABLE,
+        )
+    return given
+
+
+def ask_passphrase(question: str) -> str | None:
+    """Return what somebody types in a terminal, unseen; None where nobody types anything."""
+    if sys.stdin is None or not sys.stdin.isatty():
+        return None
+    try:
+        return getpass.getpass(question) or None
+    except EOFError:
+        return None
 
 
 def read_server_password(address: "ServerAddress") -> str | None:
@@ -106,9 +132,9 @@ def read_server_password(address: "ServerAddress") -> str | None:
     from adibas.sessions.server_password import kept_password
 
     given = os.environ.get(SERVER_PASSWORD_VARIABLE) or kept_password(address)
-    if given is None and sys.stdin is not None and sys.stdin.isatty() and not address.is_socket:
+    if given is None and not address.is_socket:
         question = _("Password of {user} on {server}: ")
-        given = getpass.getpass(question.format(user=address.user or _user(), server=address.host))
+        given = ask_passphrase(question.format(user=address.user or _user(), server=address.host))
     return given or None
 
 

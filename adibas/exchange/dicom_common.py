@@ -13,7 +13,7 @@ from adibas.data.report import PictureChoice
 from adibas.errors import ReportError
 from adibas.exchange.content import Handover
 from adibas.exchange.identifiers import stable_uid
-from adibas.reports.cells import printable
+from adibas.files import printable
 from adibas.texts import Message, message
 from adibas.texts import translate as _
 

@@ -1,17 +1,21 @@
 """A session as DICOM files: pictures, the PDF report, and the numbers."""
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from adibas.errors import FileError
 from adibas.exchange.content import Handover
-from adibas.files import written_whole
+from adibas.files import remove_file, written_whole
 from adibas.texts import speaking
 
 if TYPE_CHECKING:
     from pydicom import Dataset
 
 ENDING = ".dcm"
+OURS = re.compile(r"(picture-\d+|report|measures)\.dcm")
+"""The names of the files of a session."""
 N_DOCUMENTS = 2
 """Files beside the pictures: report and measures."""
 
@@ -42,6 +46,35 @@ def dicom_paths(handover: Handover, folder: Path) -> list[Path]:
     """Return where `write_dicom` writes."""
     pictures = [f"picture-{number:02d}" for number in range(1, len(handover.report.captures) + 1)]
     return [folder / f"{name}{ENDING}" for name in (*pictures, "report", "measures")]
+
+
+def check_unmixed(folder: Path) -> None:
+    """See that a folder holds no DICOM files yet, so that sessions never mix.
+
+    Raises
+    ------
+    FileError
+        It does.
+    """
+    if list(folder.glob(f"*{ENDING}")):
+        raise FileError(
+            "{folder} holds DICOM files already, and the files of two sessions are not mixed. "
+            "Choose another folder, or add --overwrite to replace those of an earlier export.",
+            folder=folder.name or str(folder),
+        )
+
+
+def remove_dicom(folder: Path) -> None:
+    """Remove all files that an earlier export left in a folder; those of others stay.
+
+    Raises
+    ------
+    FileError
+        One cannot be removed.
+    """
+    for path in list(folder.glob(f"*{ENDING}")):
+        if OURS.fullmatch(path.name):
+            remove_file(path)
 
 
 def write_dicom(handover: Handover, folder: Path) -> list[Path]:

@@ -11,7 +11,7 @@ from typing import Any
 from adibas.data.patients import Identity
 from adibas.exchange.content import CaptureResults, Handover, Result, Subject, interval_text
 from adibas.exchange.identifiers import stable_uid, stable_uuid
-from adibas.reports.cells import printable
+from adibas.files import printable
 from adibas.reports.facts import HASH_LENGTH, intended_use
 from adibas.reports.rows import NumberRow
 from adibas.texts import translate as _

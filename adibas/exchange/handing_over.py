@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 from adibas.data.report import PictureChoice
 from adibas.exchange.content import Handover, hand_over
-from adibas.exchange.dicom_files import N_DOCUMENTS, dicom_datasets, dicom_paths, write_datasets
+from adibas.exchange.dicom_files import (
+    N_DOCUMENTS,
+    check_unmixed,
+    dicom_datasets,
+    dicom_paths,
+    remove_dicom,
+    write_datasets,
+)
 from adibas.exchange.fhir_bundle import fhir_bundle, write_bundle
 from adibas.exchange.orders import Order, check_same_patient
 from adibas.exchange.servers import DicomServer
@@ -124,14 +131,27 @@ def export_fhir(
 
 
 def export_dicom(
-    store: SessionStore, wish: HandoverWish, folder: Path, progress: Progress | None = None
+    store: SessionStore,
+    wish: HandoverWish,
+    folder: Path,
+    progress: Progress | None = None,
+    *,
+    can_replace: bool = False,
 ) -> list[Path]:
-    """Write a session as DICOM files into a folder and return their paths; see `export_fhir`."""
+    """Write a session as DICOM files into a folder and return their paths; see `export_fhir`.
+
+    A folder that holds DICOM files is refused, unless those of an earlier export may be replaced:
+    all of them go then, also where the one before had more pictures.
+    """
+    if not can_replace:
+        check_unmixed(folder)
     handover = prepare(store, wish)
     for path in dicom_paths(handover, folder):
         check_place(path)
     steps, datasets = _made(handover, progress)
     _note(store, "dicom", handover)
+    if can_replace:
+        remove_dicom(folder)
     return write_datasets(datasets, folder, steps.advance)
 
 

@@ -79,7 +79,8 @@ def write_boris_table(path: Path, codings: Sequence[Coding]) -> None:
         written_whole(path) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
-        writer = csv.DictWriter(file, columns, restval="", delimiter="\t", lineterminator="\n")
+        # Lines end in CRLF: else the writer does not quote a carriage return.
+        writer = csv.DictWriter(file, columns, restval="", delimiter="\t")
         writer.writeheader()
         for coding in codings:
             writer.writerows(_told(coding, modifiers))

@@ -3,7 +3,8 @@
 import csv
 import io
 import json
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from adibas.data.coding import Coding
@@ -26,6 +27,9 @@ from adibas.recordings.ethogram_json import ethogram_document, ethogram_of_text
 
 LARGEST_FILE_BYTES = 200_000_000
 LONGEST_CELL = 10_000_000
+LONE_RETURN = re.compile("\r(?!\n)")
+HIDDEN_RETURN = "\udc0d"
+"""Stands for a carriage return while a table is split; no file of UTF-8 holds it."""
 
 
 def read_coding_csv(path: Path, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
@@ -47,13 +51,8 @@ def read_coding_csv(path: Path, ethogram: Ethogram | None = None) -> tuple[Codin
 
 def codings_of_csv(text: str, file: str, ethogram: Ethogram | None = None) -> tuple[Coding, ...]:
     """Return the codings in `text`, the content of the file named `file`; see `read_coding_csv`."""
-    delimiter = "\t" if "\t" in text.partition("\n")[0] else ","
-    csv.field_size_limit(LONGEST_CELL)
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
-    lines: list[tuple[int, list[str]]] = []
     try:
-        for cells in reader:
-            lines.append((reader.line_num, cells))  # noqa: PERF401  (line_num goes with the loop)
+        lines = list(_lines(text))
     except csv.Error as error:
         raise _unreadable(file, str(error)) from error
     header = [cell.strip() for cell in lines[0][1]] if lines else []
@@ -96,10 +95,27 @@ def coding_csv_text(codings: Sequence[Coding]) -> str:
     details["ethogram"] = ethogram_document(codings[0].ethogram)
     rows[0]["details"] = json.dumps(details, ensure_ascii=False)
     table = io.StringIO(newline="")
-    writer = csv.DictWriter(table, COLUMNS, restval="", lineterminator="\n")
+    # Lines end in CRLF, the writer's own choice: it quotes a carriage return where lines have one.
+    writer = csv.DictWriter(table, COLUMNS, restval="")
     writer.writeheader()
     writer.writerows({name: shielded(cell) for name, cell in row.items()} for row in rows)
     return table.getvalue()
+
+
+def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the cells of each row, with the number of its last line.
+
+    Lines end as the first one does: where that is no carriage return alone, such a one is part of a
+    cell. Python's writer left it bare, and its reader would end the row there.
+    """
+    first = text.partition("\n")[0]
+    if "\r" not in first.removesuffix("\r"):
+        text = LONE_RETURN.sub(HIDDEN_RETURN, text)
+    csv.field_size_limit(LONGEST_CELL)
+    delimiter = "\t" if "\t" in first else ","
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    for cells in reader:
+        yield reader.line_num, [cell.replace(HIDDEN_RETURN, "\r") for cell in cells]
 
 
 def _text(path: Path) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from adibas.data.coding import Coding, Occurrence
 from adibas.data.ethogram import Behaviour
-from adibas.files import written_whole
+from adibas.files import printable, written_whole
 from adibas.recordings.ethogram_json import ethogram_document
 
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -82,7 +82,15 @@ def elan_document(coding: Coding) -> ET.Element:
     ET.SubElement(root, "LINGUISTIC_TYPE", told)
     for name, description in CONSTRAINTS.items():
         ET.SubElement(root, "CONSTRAINT", {"DESCRIPTION": description, "STEREOTYPE": name})
+    _make_printable(root)
     return root
+
+
+def _make_printable(root: ET.Element) -> None:
+    """Put a box where somebody typed what no XML holds: the file would not open any more."""
+    for element in root.iter():
+        element.text = printable(element.text or "") or None
+        element.attrib.update({key: printable(told) for key, told in element.items()})
 
 
 def _add_tiers(
@@ -129,7 +137,7 @@ def _tiers(coding: Coding) -> Iterator[_Tier]:
     taken = {SECTION_TIER}
     for subject in coding.subjects:
         for behaviour in coding.ethogram.behaviours:
-            wished = f"{behaviour.name}@{subject}" if subject else behaviour.name
+            wished = printable(f"{behaviour.name}@{subject}" if subject else behaviour.name)
             lanes = _lanes(_span(one, behaviour) for one in coding.of(behaviour.name, subject))
             for lane in lanes:
                 name, number = wished, 1

@@ -46,8 +46,11 @@ def write_events_csv(path: Path, events: Iterable[TimedEvent]) -> None:
     FileError
         The file cannot be written.
     """
-    with written_whole(path) as unfinished, unfinished.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
+    with (
+        written_whole(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as file,
+    ):
+        writer = csv.writer(file)  # lines end in CRLF: else it does not quote a carriage return
         writer.writerow(COLUMNS)
         for event in events:
             writer.writerow(

@@ -1,16 +1,10 @@
-"""Text as files can hold it, and that a spreadsheet must not take for a formula."""
+"""Text that a spreadsheet must not take for a formula."""
 
-import re
 from functools import lru_cache
 
+from adibas.files import printable
+
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
-UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
-"""No XML file holds these; tab and line feed may stay."""
-
-
-def printable(text: str) -> str:
-    """Return the text with a box in place of characters that no file holds."""
-    return UNPRINTABLE.sub("\N{WHITE SQUARE}", text)
 
 
 @lru_cache(maxsize=4096)

@@ -8,11 +8,11 @@ from openpyxl import Workbook
 
 from adibas.data.coding import Coding
 from adibas.errors import BehaviourError
+from adibas.files import printable
 from adibas.recordings.boris_writing import check_one_scheme
 from adibas.recordings.coding_excel import EVENTS_SHEET, SCHEME_SHEET
 from adibas.recordings.coding_table import COLUMNS, rows_of, shielded
 from adibas.recordings.ethogram_json import ethogram_document
-from adibas.reports.cells import printable
 from adibas.reports.memory_workbook import write_in_memory
 from adibas.reports.sheets import Column, Value, add_table
 from adibas.texts import translate as _

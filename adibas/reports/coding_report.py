@@ -48,7 +48,7 @@ def _write_totals(codings: Sequence[Coding], path: Path) -> None:
         written_whole(path) as unfinished,
         unfinished.open("w", newline="", encoding="utf-8") as file,
     ):
-        writer = csv.writer(file, lineterminator="\n")
+        writer = csv.writer(file)  # lines end in CRLF: else it does not quote a carriage return
         writer.writerow([column.title for column in tables.budget_columns()])
         for row in tables.budget_rows(codings):
             writer.writerow([shielded(cell) if isinstance(cell, str) else cell for cell in row])

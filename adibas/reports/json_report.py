@@ -9,8 +9,7 @@ from adibas.data.posture import PostureAnalysis
 from adibas.data.protocol_measures import INSTRUMENT_ONLY, ProtocolMeasures
 from adibas.data.report import CaptureReport, SessionReport
 from adibas.data.trends import Trend
-from adibas.files import written_whole
-from adibas.reports.cells import printable
+from adibas.files import printable, written_whole
 from adibas.reports.rows import (
     MeasureRow,
     NumberRow,

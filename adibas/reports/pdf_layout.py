@@ -19,7 +19,7 @@ from reportlab.pdfgen.canvas import Canvas
 from reportlab.platypus import Flowable, Image, Paragraph, Table, TableStyle
 
 from adibas.arrays import UInt8Array
-from adibas.reports.cells import printable
+from adibas.files import printable
 from adibas.reports.fonts import BOLD, REGULAR, font_path
 
 MARGIN = 16 * mm

@@ -11,7 +11,7 @@ from adibas.arrays import BoolArray, UInt8Array
 from adibas.data.landmark_texts import landmark_text
 from adibas.data.posture import PostureAnalysis
 from adibas.data.report import PictureChoice
-from adibas.reports.cells import printable
+from adibas.files import printable
 from adibas.reports.fonts import picture_font
 from adibas.reports.privacy import blurred, depth_picture, see_patient
 

@@ -13,7 +13,7 @@ from matplotlib.transforms import IdentityTransform, Transform
 from reportlab.pdfgen.canvas import FILL_NON_ZERO, Canvas
 from reportlab.platypus import Flowable
 
-from adibas.reports.cells import printable
+from adibas.files import printable
 from adibas.reports.fonts import BOLD, REGULAR
 
 POINTS_PER_INCH = 72

@@ -1,6 +1,6 @@
 """Patients by words: found by the database where it can read them, here where it cannot."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import date, datetime
 from typing import Any
@@ -10,10 +10,10 @@ from sqlalchemy import Select, func, select
 from adibas.data.patients import Identity
 from adibas.sessions.rows import Row, Transaction
 from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
-from adibas.sessions.search_text import ESCAPE, patterns, simplified
+from adibas.sessions.search_text import ESCAPE, date_texts, patterns, simplified
 
 LEAST_LETTERS = 3
-"""So many of a name at least are typed by who looks for one patient."""
+"""So many letters of a name at least are typed by who looks for one patient."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,15 +44,22 @@ def find_patients(
     return tuple(sorted((_row(line) for line in transaction.execute(wanted)), key=_in_order))
 
 
-def is_too_short(text: str) -> bool:
-    """Say whether a search finds everybody rather than somebody."""
-    return max(map(len, simplified(text).split()), default=0) < LEAST_LETTERS
+def as_looked_for(rows: Iterable[PatientRow], text: str) -> tuple[PatientRow, ...]:
+    """Return whom somebody may find by `text` who may not see all names.
 
-
-def without_names(rows: Iterable[PatientRow]) -> tuple[PatientRow, ...]:
-    """Return the patients under their pseudonyms, in whose order nothing is told of the names."""
-    hidden = (replace(row, identity=Identity(row.pseudonym)) for row in rows)
-    return tuple(sorted(hidden, key=lambda row: row.pseudonym))
+    A name is told to who typed letters of it, or the whole birth date, record number or pseudonym:
+    part of a number is part of everybody's. The others are found by their pseudonyms alone, and
+    come after them in an order in which nothing is told of the names.
+    """
+    typed = simplified(text)
+    words = typed.split()
+    named, others = [], []
+    for row in rows:
+        if _is_meant(row, typed, words):
+            named.append(row)
+        elif all(word in simplified(row.pseudonym) for word in words):
+            others.append(replace(row, identity=Identity(row.pseudonym)))
+    return (*named, *sorted(others, key=lambda row: row.pseudonym))
 
 
 def identity_of(row: Row) -> Identity:
@@ -99,6 +106,16 @@ def _search_opened(
     )
     pseudonyms = [pseudonym for _name, pseudonym in found[:limit]]
     return _search("", limit, with_deleted=with_deleted).where(columns.pseudonym.in_(pseudonyms))
+
+
+def _is_meant(row: PatientRow, typed: str, words: Sequence[str]) -> bool:
+    """Say whether a search tells one patient from the others."""
+    identity = row.identity
+    name = simplified(identity.name)
+    if any(word in name and sum(map(str.isalpha, word)) >= LEAST_LETTERS for word in words):
+        return True
+    numbers = (identity.record_number, row.pseudonym, *date_texts(identity.birth_date))
+    return bool({simplified(one) for one in numbers if one.strip()} & {typed, *words})
 
 
 def _in_order(row: PatientRow) -> tuple[str, str]:

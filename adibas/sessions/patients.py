@@ -16,10 +16,9 @@ from adibas.sessions.database import Database
 from adibas.sessions.json_line import from_json, to_json
 from adibas.sessions.patient_search import (
     PatientRow,
+    as_looked_for,
     find_patients,
     identity_of,
-    is_too_short,
-    without_names,
 )
 from adibas.sessions.roles import Permission, may
 from adibas.sessions.rows import (
@@ -156,22 +155,23 @@ class Patients:
         A word may be part of the name (capitals and accents do not matter), of the record number,
         the pseudonym, or the birth date (2014-03-27, 27/03/2014 or 27.03.2014).
 
-        Who may not see all names is told those for whom he looks, by three letters at least; the
-        others have their pseudonym in its place, in the order of pseudonyms.
+        Who may not see all names is told those for whom he looks: by three letters of the name at
+        least, or by the whole birth date, record number or pseudonym. The others he finds by their
+        pseudonym, which they have in place of the name.
         """
         self._audit.require(Permission.FIND_PATIENTS, LIST_OF_PATIENTS)
-        is_nameless = not may(self._audit.role, Permission.SEE_ALL_NAMES) and is_too_short(text)
+        sees_all = may(self._audit.role, Permission.SEE_ALL_NAMES)
         with self._database.reading() as transaction:
             rows = find_patients(
                 transaction,
                 text,
-                ALL_OF_THEM if is_nameless else limit,
+                limit if sees_all else ALL_OF_THEM,
                 with_deleted=with_deleted,
                 is_sealed=self._database.seals_columns,
             )
-        if is_nameless:
-            return without_names(rows)[:limit]
-        if rows:
+        if not sees_all:
+            rows = as_looked_for(rows, text)[:limit]
+        if any(row.identity.name != row.pseudonym for row in rows):
             self._audit.saw(LIST_OF_PATIENTS)
         return rows
 

@@ -135,28 +135,17 @@ class People:
             _check_administrator_in(left)
             save(left, state.slots_but(person))
 
-    def set_role(self, name: str, role: Role) -> None:
-        """Give somebody another role; it holds from the next time they open the store.
-
-        Raises
-        ------
-        NotAllowedError
-            Only administrators may.
-        StoreError
-            Nobody has that name, it is the last administrator, or the store is read-only.
-        """
-        with self._changing(name, "role", role) as (state, save):
-            person = state.named(name)
-            people = tuple(
-                replace(one, role=role) if one == person else one for one in state.people
-            )
-            _check_administrator_in(people)
-            save(people, state.slots)
-
-    def set_passphrase(
-        self, name: str, passphrase: str, params: Argon2Params | None = None
+    def change(
+        self,
+        name: str,
+        *,
+        role: Role | None = None,
+        passphrase: str | None = None,
+        params: Argon2Params | None = None,
     ) -> None:
-        """Give somebody who forgot it a new passphrase.
+        """Give somebody another role, a new passphrase, or both: all of it or nothing.
+
+        The role holds from the next time they open the store; None changes nothing.
 
         Raises
         ------
@@ -165,14 +154,23 @@ class People:
         PassphraseError
             It is too short, or somebody else's.
         StoreError
-            Nobody has that name, or the store is read-only.
+            Nobody has that name, it is the last administrator, or the store is read-only.
         """
-        check_length(passphrase)
-        with self._changing(name, "passphrase") as (state, save):
+        if passphrase is not None:
+            check_length(passphrase)
+        wished = {"role": role, "passphrase": passphrase}
+        did = " and ".join(one for one, wish in wished.items() if wish is not None)
+        if not did:
+            return
+        with self._changing(name, did, role) as (state, save):
             person = state.named(name)
-            others = state.slots_but(person)
-            _check_is_new_passphrase(replace(state, slots=others), passphrase)
-            save(state.people, (*others, self._slot(state, person, passphrase, params)))
+            people, slots = state.people, state.slots
+            if role is not None:
+                people = tuple(replace(one, role=role) if one == person else one for one in people)
+                _check_administrator_in(people)
+            if passphrase is not None:
+                slots = self._slots_with(state, person, passphrase, params)
+            save(people, slots)
 
     def change_passphrase(
         self, old: str | None, new: str, params: Argon2Params | None = None
@@ -202,9 +200,7 @@ class People:
             found = unlock(state.file, old or "")
             if found is None or found.person is None or found.person.person_id != person.person_id:
                 raise wrong_passphrase()
-            others = state.slots_but(person)
-            _check_is_new_passphrase(replace(state, slots=others), new)
-            save(state.people, (*others, self._slot(state, person, new, params)))
+            save(state.people, self._slots_with(state, person, new, params))
 
     @contextmanager
     def _changing(
@@ -242,6 +238,14 @@ class People:
         if file.place != "people":
             return _State(file, (), ())
         return _State(file, people_in(file, self._key), tuple(slots_of(file.wrapped)))
+
+    def _slots_with(
+        self, state: _State, person: Person, passphrase: str, params: Argon2Params | None
+    ) -> tuple[Slot, ...]:
+        """Return the keys of all, that of one person behind a passphrase nobody else has."""
+        others = state.slots_but(person)
+        _check_is_new_passphrase(replace(state, slots=others), passphrase)
+        return (*others, self._slot(state, person, passphrase, params))
 
     def _slot(
         self, state: _State, person: Person, passphrase: str, params: Argon2Params | None

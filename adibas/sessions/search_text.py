@@ -19,7 +19,7 @@ def simplified(text: str) -> str:
 
 def searchable(identity: Identity, pseudonym: str) -> str:
     """Return everything by which a patient is found: name, number, pseudonym, birth date."""
-    known = [identity.name, identity.record_number, pseudonym, *_dates(identity.birth_date)]
+    known = [identity.name, identity.record_number, pseudonym, *date_texts(identity.birth_date)]
     return simplified(" ".join(known))
 
 
@@ -31,7 +31,8 @@ def patterns(text: str) -> list[str]:
     return [f"%{word}%" for word in escaped.split()]
 
 
-def _dates(day: date | None) -> list[str]:
+def date_texts(day: date | None) -> list[str]:
+    """Return a date as it may be typed; nothing of one that is not known."""
     if day is None:
         return []
     return [day.isoformat(), f"{day:%d/%m/%Y}", f"{day:%d.%m.%Y}"]

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QTableWidget, QTabWidge
 
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
+from adibas.errors import FileError
 from adibas.texts import use_language
 from ui.settings import audit_presenter
 from ui.settings.audit_presenter import AuditPresenter, AuditView
@@ -97,6 +98,18 @@ def test_a_folder_that_cannot_be_written_is_told(presenter, inline_jobs, store, 
     presenter.export(tmp_path / "file" / "log.csv")
     assert len(inline_jobs.problems) == 1
     assert store.audit.entries(1)[0].action != "export"
+
+
+def test_a_log_that_is_only_half_written_is_noted_as_exported(
+    presenter, inline_jobs, store, tmp_path, monkeypatch
+):
+    def full(_entries, path):
+        raise FileError("{file} cannot be written: the disk is full.", file=path.name)
+
+    monkeypatch.setattr(audit_presenter, "write_audit_csv", full)
+    presenter.export(tmp_path / "log.csv")
+    assert len(inline_jobs.problems) == 1
+    assert store.audit.entries(1)[0].action == "export"
 
 
 class LaterJobs:

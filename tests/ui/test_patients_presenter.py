@@ -674,7 +674,7 @@ def test_without_a_chosen_patient_no_form_opens_for_one(screen):
 
 
 def test_a_store_that_is_only_read_offers_no_change(only_looking):
-    only_looking.list.show_rights.assert_called_with(is_read_only=True)
+    only_looking.list.show_rights.assert_called_with(is_read_only=True, sees_all_names=True)
     assert not only_looking.shown().can_change
     history = only_looking.shown_history()
     assert (history.can_start, history.can_change, history.is_read_only) == (False, False, True)

@@ -14,6 +14,7 @@ from tests.ui import window_user
 from tests.ui.conftest import CHEAP, NoSensor
 from tests.ui.window_user import CTRL, SECRET
 from ui.patients.pages import PatientPages
+from ui.patients.screen import build_patients_screen
 from ui.settings.people_presenter import PeoplePresenter, PeopleView, PersonEntry
 from ui.settings.screen import build_settings_screen
 from ui.widgets.for_roles import keep_for_roles
@@ -89,6 +90,31 @@ def test_a_person_gets_a_role_and_a_passphrase_and_goes(presenter, view, workspa
     assert [one.name for one in workspace.store.people.all()] == ["Anna"]
 
 
+def test_a_passphrase_that_cannot_be_leaves_the_role_and_the_page_shows_what_is(
+    presenter, view, told, workspace
+):
+    presenter.enter()
+    presenter.save(entry("Anna", Role.ADMINISTRATOR, ANNA, ANNA))
+    presenter.save(entry("Carla"))
+    presenter.choose("Carla")
+    for passphrase in ("short", ANNA):
+        view.show_person.reset_mock()
+        presenter.save(entry("Carla", Role.ADMINISTRATOR, passphrase, passphrase))
+        assert told[-1][0] == "bad"
+        assert workspace.store.people.all()[1].role is Role.OPERATOR
+        view.show_person.assert_called_once_with(
+            PersonEntry("Carla", Role.OPERATOR), is_new=False, can_choose_role=True
+        )
+
+
+def test_what_was_typed_of_a_new_person_stays_where_it_cannot_be_saved(presenter, view, told):
+    presenter.enter()
+    view.show_person.reset_mock()
+    presenter.save(entry("Anna", Role.ADMINISTRATOR, "short", "short"))
+    assert told[-1][0] == "bad"
+    view.show_person.assert_not_called()
+
+
 def test_passphrases_that_differ_change_nothing(presenter, told, workspace):
     presenter.enter()
     presenter.save(entry("Anna", Role.ADMINISTRATOR, ANNA, ANNA + "!"))
@@ -121,6 +147,18 @@ def test_settings_offer_an_operator_nothing_of_administrators(qtbot, as_operator
     for page in (screen.protected.backup, screen.protected.retention):
         assert not page.isEnabled()
         assert page.toolTip() == ADMINISTRATORS
+    screen.closed()
+
+
+def test_an_operator_who_finds_nobody_is_told_how_much_to_type(qtbot, as_operator):
+    as_operator.store.patients.add(Identity(NAME, None, "HC-77"))
+    screen = build_patients_screen(as_operator)
+    qtbot.addWidget(screen)
+    screen.entered()
+    screen.list.search.setText("HC-7")
+    assert "Type three letters" in vars(screen.list)["_count"].text()
+    screen.list.search.setText("hc-77")
+    assert vars(screen.list)["_count"].text() == ""
     screen.closed()
 
 

@@ -1,5 +1,7 @@
 """What is being coded outlives a crash, beside its recording."""
 
+import csv
+import io
 from dataclasses import replace
 
 import pytest
@@ -9,6 +11,7 @@ from adibas.data.coding import Coding, Occurrence
 from adibas.data.ethogram import Behaviour, Ethogram
 from adibas.errors import BehaviourError, FileError, RecordingError
 from adibas.pipeline.coding_drafts import BesideRecording, new_draft, read_draft, write_draft
+from adibas.recordings.coding_csv import codings_of_csv
 from tests.unit.coding_samples import ETHOGRAM, coding
 
 
@@ -41,6 +44,41 @@ def test_what_was_detected_and_not_decided_comes_back(place):
     assert read_draft(place) == draft
     write_draft(place, removed(draft, found.occurrences[0]), 0)
     assert read_draft(place).proposed == ()
+
+
+WITH_RETURN = Draft(
+    replace(
+        coding(("seated", 1, 4, "child")),
+        occurrences=(
+            Occurrence("seated", 1000, 4000, "child", (), "sits\rthen leans", "up\r"),
+            Occurrence("nods", 5000, 5000, "child", (), "\r", "two\r\nlines"),
+        ),
+    )
+)
+
+
+def test_a_carriage_return_in_a_comment_comes_back(place):
+    write_draft(place, WITH_RETURN, 9000)
+    assert read_draft(place) == WITH_RETURN
+
+
+def test_a_draft_that_was_kept_with_a_bare_carriage_return_opens_again(place):
+    write_draft(place, WITH_RETURN, 9000)
+    table = io.StringIO(newline="")
+    rows = csv.reader(io.StringIO(place.read("coding"), newline=""))
+    csv.writer(table, lineterminator="\n").writerows(rows)
+    damaged = table.getvalue()
+    for cell in ("sits\rthen leans", "up\r", "'\r"):  # a later Python would quote them
+        damaged = damaged.replace(f'"{cell}"', cell)
+    assert ",sits\rthen leans,up\r," in damaged
+    place.write("coding", damaged)
+    assert read_draft(place) == WITH_RETURN
+
+
+def test_a_table_whose_lines_end_in_carriage_returns_alone_is_read(place):
+    write_draft(place, Draft(coding(("seated", 1, 4, "child"), ("nods", 2, 2))), 0)
+    text = place.read("coding").replace("\r\n", "\r")
+    assert codings_of_csv(text, "coding") == (coding(("seated", 1, 4, "child"), ("nods", 2, 2)),)
 
 
 def test_a_second_observer_has_files_of_his_own(tmp_path):

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from openpyxl import load_workbook
 
 from adibas.data.coding import Coding, Occurrence, Section
+from adibas.data.ethogram import Behaviour, Subject
 from adibas.errors import AdibasError, BehaviourError
 from adibas.recordings.boris_project import read_boris
 from adibas.recordings.boris_tables import write_boris_table
@@ -52,6 +53,41 @@ def test_a_coding_is_the_same_after_a_file(tmp_path, name, one):
 def test_a_coding_is_the_same_after_elan(tmp_path, one):
     write_elan(tmp_path / "c.eaf", one)
     assert read_codings(tmp_path / "c.eaf") == (one,)
+
+
+ODD = "a\rb\x0bc"
+
+
+def odd_coding():
+    """A coding with a carriage return and a vertical tab wherever somebody types."""
+    nods = Occurrence("nods" + ODD, 3000, 3000, "child" + ODD, (), ODD)
+    ethogram = dataclasses.replace(
+        ETHOGRAM,
+        behaviours=(Behaviour("nods" + ODD, "point"),),
+        subjects=(Subject("child" + ODD),),
+    )
+    whole = Coding("session" + ODD, ethogram, 0, 60_000, (nods,), "AB" + ODD)
+    return dataclasses.replace(whole, sections=(Section("game" + ODD, 0, 1000),), description=ODD)
+
+
+@pytest.mark.parametrize("name", ["c.boris", "c.csv"])
+def test_a_carriage_return_stays_where_it_was_typed(tmp_path, name):
+    WRITERS[name](tmp_path / name, [odd_coding()])
+    assert read_codings(tmp_path / name) == (odd_coding(),)
+
+
+def test_a_carriage_return_stays_in_a_table_of_boris(tmp_path):
+    write_boris_table(tmp_path / "c.tsv", [odd_coding()])
+    (found,) = read_codings(tmp_path / "c.tsv", odd_coding().ethogram)
+    assert found.occurrences == odd_coding().occurrences
+
+
+def test_characters_that_no_xml_holds_become_a_box_in_elan(tmp_path):
+    write_elan(tmp_path / "c.eaf", odd_coding())
+    (found,) = read_codings(tmp_path / "c.eaf")
+    (event,) = found.occurrences
+    assert event.comment == "a\nb\N{WHITE SQUARE}c"
+    assert (event.behaviour, event.subject) == ("nods" + ODD, "child" + ODD)
 
 
 @few

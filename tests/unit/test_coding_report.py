@@ -1,6 +1,7 @@
 """A coding as a report of its own, and codings of other programs on a recording's clock."""
 
 import csv
+from dataclasses import replace
 
 import pytest
 from openpyxl import load_workbook
@@ -33,6 +34,15 @@ def test_a_table_holds_the_totals_of_each_condition(tmp_path):
     seated = [row for row in rows if row[2:4] == ["child", "seated"]]
     column = 7
     assert [float(row[column]) for row in seated] == [3.0, 3.0, 0.0]
+
+
+def test_a_carriage_return_in_a_name_does_not_cut_the_table_of_totals(tmp_path):
+    odd = replace(DONE, observer="A\rB")
+    write_coding_report([odd], 10_000, tmp_path / "a.csv", "en")
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
+        title, *rows = csv.reader(file)
+    assert {row[0] for row in rows} == {"A\rB"}
+    assert {len(row) for row in rows} == {len(title)}
 
 
 def test_another_ending_is_a_mistake_of_the_caller(tmp_path):

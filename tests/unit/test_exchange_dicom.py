@@ -246,6 +246,9 @@ def test_the_command_line_writes_them_and_the_log_tells(tmp_path, monkeypatch, c
         (entry,) = [one for one in store.audit.entries() if one.action == "export"]
     assert entry.detail["kind"] == "dicom"
     assert report_pictures(files) == {"YES"}
+    assert main([*command, "--pictures", "as-is"]) == 1
+    assert "--overwrite" in capsys.readouterr().err
+    assert main([*command, "--pictures", "as-is", "--overwrite"]) == 0
 
 
 def report_pictures(files):

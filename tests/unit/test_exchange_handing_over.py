@@ -1,6 +1,7 @@
 """Every way out of the store: noted first, stopped in time, and nothing told that was not asked."""
 
 import pytest
+from pydicom import dcmread
 
 from adibas.data.report import PictureChoice
 from adibas.errors import AdibasError, ExchangeError, FileError, StoreError
@@ -16,7 +17,7 @@ from adibas.exchange.servers import DicomServer
 from adibas.reports import pdf
 from tests.unit.exchange_samples import add_clinic_session
 from tests.unit.loopback import free_port
-from tests.unit.store_samples import open_sample
+from tests.unit.store_samples import all_bytes, open_sample
 
 AS_IS = PictureChoice.AS_IS
 ORDER = Order("A-1", "", "HC-9", "Other^One", "", "", "R-1", "Posture", "")
@@ -112,6 +113,28 @@ def test_every_step_is_told_and_whoever_stops_before_the_writing_writes_nothing(
             export(store, wish(session), place, stop)
         assert not place.exists()
     assert exports(store) == ["dicom"]
+
+
+def test_sessions_never_mix_in_one_folder_of_dicom_files(store, session, tmp_path):
+    out, other = tmp_path / "out", add_clinic_session(store)
+    store.captures.delete(other.capture_ids[1])
+    export_dicom(store, wish(session), out)
+    before = all_bytes(out)
+    with pytest.raises(FileError, match="not mixed"):
+        export_dicom(store, wish(other), out)
+    assert all_bytes(out) == before
+    assert exports(store) == ["dicom"]
+    (out / "of-others.dcm").write_bytes(b"")
+    written = export_dicom(store, wish(other), out, can_replace=True)
+    assert {path.name for path in written} == {"picture-01.dcm", "report.dcm", "measures.dcm"}
+    assert set(out.iterdir()) == {*written, out / "of-others.dcm"}
+    assert {dcmread(path).PatientID for path in written} == {other.patient}
+
+
+def test_files_that_are_no_dicom_keep_nobody_out_of_a_folder(store, session, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "read me.txt").write_text("for the archive")
+    assert len(export_dicom(store, wish(session), tmp_path / "out")) == 4
 
 
 def test_a_place_that_cannot_be_is_refused_before_anything_is_noted(store, session, tmp_path):

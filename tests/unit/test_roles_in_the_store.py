@@ -138,10 +138,10 @@ OPERATIONS = {
         lambda x: x.store.people.add("Dora", Role.OPERATOR, "dora is new here", CHEAP),
     ),
     "remove a person": (HEADS, lambda x: x.store.people.remove("clinician")),
-    "a role": (HEADS, lambda x: x.store.people.set_role("operator", Role.CLINICIAN)),
+    "a role": (HEADS, lambda x: x.store.people.change("operator", role=Role.CLINICIAN)),
     "another's passphrase": (
         HEADS,
-        lambda x: x.store.people.set_passphrase("operator", "carla forgot it", CHEAP),
+        lambda x: x.store.people.change("operator", passphrase="carla forgot it", params=CHEAP),
     ),
 }
 
@@ -239,6 +239,48 @@ def test_an_operator_is_told_the_names_of_those_he_looks_for_alone(scene_of):
     scene.store.close()
     (row,) = scene_of(Role.CLINICIAN).store.patients.search("")
     assert row.identity.name == NAME
+
+
+OTHERS = (
+    Identity("Ana Roig", date(2014, 3, 28), "HC-004712"),
+    Identity("Ben Serra", date(1961, 7, 2), "HC 4713"),
+    Identity("Cia Pons", date(2001, 1, 9), "47"),
+    Identity("Dan Ruiz", None, ""),
+)
+
+
+def names_told(store, text):
+    """The names that a search tells; whoever has none is found by the pseudonym typed."""
+    rows = store.patients.search(text)
+    typed = text.casefold().split()
+    for row in rows:
+        if row.identity == Identity(row.pseudonym):
+            assert all(word in row.pseudonym.casefold() for word in typed), text
+    return {row.identity.name for row in rows if row.identity != Identity(row.pseudonym)}
+
+
+def test_a_part_of_a_date_or_number_tells_an_operator_no_name(scene_of):
+    scene = scene_of(Role.CLINICIAN)
+    for identity in OTHERS:
+        scene.store.patients.add(identity)
+    scene.store.close()
+    store = scene_of(Role.OPERATOR).store
+    parts = ("/20", "/19", "/20 /", "2014", "-03-", "27/03/201", "03.2014", "hc-", "HC-0047")
+    for text in (*parts, "-00", "p-", "p--", "an", "an ro", "4", "a n r"):
+        assert names_told(store, text) == set(), text
+
+
+def test_letters_of_a_name_or_a_whole_date_or_number_tell_an_operator_whose_it_is(scene_of):
+    scene = scene_of(Role.CLINICIAN)
+    for identity in OTHERS:
+        scene.store.patients.add(identity)
+    scene.store.close()
+    store = scene_of(Role.OPERATOR).store
+    for text in ("27/03/2014", "27.03.2014", "2014-03-27", "hc-004711", "nandu", scene.patient):
+        assert names_told(store, text) == {NAME}, text
+    assert names_told(store, "roi /20") == {"Ana Roig"}
+    assert names_told(store, "hc 4713") == {"Ben Serra"}
+    assert names_told(store, "47") == {"Cia Pons"}
 
 
 def test_names_are_hidden_in_an_order_that_tells_nothing_of_them(scene_of):

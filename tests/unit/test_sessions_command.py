@@ -2,12 +2,14 @@
 
 import json
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 
 from adibas.cli import main
 from adibas.data.markers import AutomaticName
 from adibas.data.patients import Identity
+from adibas.errors import FileError
 from adibas.recordings import open_recording
 from adibas.sessions import default_store_folder
 from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames
@@ -17,6 +19,7 @@ from tests.unit.store_samples import (
     MemoryKeyring,
     add_capture,
     add_session,
+    all_bytes,
     open_sample,
     use_keyring,
 )
@@ -132,6 +135,30 @@ def test_export_replaces_nothing_by_mistake(run, session, tmp_path):
     assert run(*arguments, "--overwrite")[0] == 0
 
 
+def test_export_replaces_no_report_of_another_session(run, folder, session, tmp_path):
+    with open_sample(folder) as store:
+        other = add_session(store)
+        add_capture(store, other)
+    out = ("--out", str(tmp_path / "out"))
+    assert run("export", session.session_id, *out)[0] == 0
+    before = all_bytes(tmp_path / "out")
+    code, _, err = run("export", other.session_id, *out)
+    assert (code, "posture.json exists already" in err) == (1, True)
+    assert all_bytes(tmp_path / "out") == before
+    assert run("export", other.session_id, *out, "--overwrite")[0] == 0
+
+
+def test_an_export_is_noted_before_it_is_written(run, folder, session, tmp_path, monkeypatch):
+    def full(_report, path):
+        raise FileError("{file} cannot be written: the disk is full.", file=path.name)
+
+    monkeypatch.setattr("adibas.reports.write_report", full)
+    assert run("export", session.session_id, "--out", str(tmp_path / "out"))[0] == 1
+    with open_sample(folder) as store:
+        exports = [entry for entry in store.audit.entries() if entry.action == "export"]
+    assert exports[0].detail["kind"] == "json"
+
+
 def test_verify_ends_with_1_when_something_is_wrong(run, folder, session):
     assert session.session_id
     code, out, _ = run("verify")
@@ -207,6 +234,65 @@ def test_the_passphrase_comes_from_a_file_before_the_environment(
     assert (code, "is locked" in err) == (1, True)
     code, _, err = run("list", "--passphrase-file", str(tmp_path / "nothing"))
     assert (code, "nothing cannot be read" in err) == (1, True)
+
+
+def test_without_a_passphrase_the_error_says_how_to_give_it(run, session, monkeypatch):
+    assert session.session_id
+    monkeypatch.delenv("ADIBAS_PASSPHRASE")
+    code, _, err = run("list")
+    assert (code, "--passphrase-file FILE" in err, "ADIBAS_PASSPHRASE" in err) == (1, True, True)
+
+
+@pytest.fixture
+def typed(monkeypatch):
+    """A terminal at which the passphrase is typed; gives the questions."""
+    questions = []
+
+    def answer(question):
+        questions.append(question)
+        return PASSPHRASE
+
+    monkeypatch.delenv("ADIBAS_PASSPHRASE")
+    monkeypatch.setattr("sys.stdin", Mock(isatty=lambda: True))
+    monkeypatch.setattr("getpass.getpass", answer)
+    return questions
+
+
+def test_a_terminal_is_asked_for_the_passphrase_and_does_not_show_it(run, session, typed):
+    code, out, err = run("list")
+    assert (code, session.patient in out) == (0, True)
+    assert typed == ["Passphrase of the patient store: "]
+    assert PASSPHRASE not in out + err
+
+
+def test_who_types_nothing_is_told_how_else_to_give_the_passphrase(
+    run, session, typed, monkeypatch
+):
+    assert session.session_id
+
+    def end_of_input(_question):
+        raise EOFError
+
+    for answer in (lambda _question: "", end_of_input):
+        monkeypatch.setattr("getpass.getpass", answer)
+        code, _, err = run("list")
+        assert (code, "--passphrase-file FILE" in err) == (1, True)
+    assert typed == []
+
+
+def test_a_passphrase_is_typed_once_to_be_changed(folder, session, typed, monkeypatch):
+    assert session.session_id
+    monkeypatch.setenv("ADIBAS_NEW_PASSPHRASE", "quite another sentence")
+    assert main(["sessions", "people", "passphrase", "--store", str(folder)]) == 0
+    assert typed == ["Passphrase of the patient store: "]
+
+
+def test_a_terminal_is_asked_for_the_passphrase_of_a_backup(run, session, typed, tmp_path):
+    assert session.session_id
+    backup = tmp_path / "all.adibas-backup"
+    assert run("backup", "--out", str(backup))[0] == 0
+    assert main(["sessions", "restore", str(backup), "--into", str(tmp_path / "new")]) == 0
+    assert typed[-1] == "Passphrase of the backup: "
 
 
 def test_the_passphrase_of_the_environment_is_for_stores_that_need_one(folder, run, monkeypatch):

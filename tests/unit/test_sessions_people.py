@@ -156,11 +156,11 @@ def test_the_last_administrator_stays_one(folder):
     with opened(folder, ANNA) as store:
         for change in (
             lambda: store.people.remove("Anna Puig"),
-            lambda: store.people.set_role("Anna Puig", Role.CLINICIAN),
+            lambda: store.people.change("Anna Puig", role=Role.CLINICIAN),
         ):
             with pytest.raises(StoreError, match="last administrator"):
                 change()
-        store.people.set_role("Boris Vila", Role.ADMINISTRATOR)
+        store.people.change("Boris Vila", role=Role.ADMINISTRATOR)
         store.people.remove("Anna Puig")
     with opened(folder, BORIS) as store:
         assert store.role is Role.ADMINISTRATOR
@@ -169,7 +169,7 @@ def test_the_last_administrator_stays_one(folder):
 @pytest.mark.usefixtures("pseudonym")
 def test_a_changed_role_holds_from_the_next_opening(folder):
     with opened(folder, ANNA) as store:
-        store.people.set_role("Carla Roca", Role.CLINICIAN)
+        store.people.change("Carla Roca", role=Role.CLINICIAN)
     with opened(folder, CARLA) as store:
         assert store.role is Role.CLINICIAN
 
@@ -183,7 +183,7 @@ def test_a_passphrase_is_changed_by_its_owner_or_anew_by_an_administrator(folder
     with pytest.raises(PassphraseError):
         open_store(folder, CARLA)
     with opened(folder, ANNA) as store:
-        store.people.set_passphrase("Boris Vila", "boris forgot his own", CHEAP)
+        store.people.change("Boris Vila", passphrase="boris forgot his own", params=CHEAP)
         assert names(store) == list(PEOPLE)
     for name, passphrase in (
         ("Carla Roca", "carla has a new one"),
@@ -196,11 +196,38 @@ def test_a_passphrase_is_changed_by_its_owner_or_anew_by_an_administrator(folder
 
 
 @pytest.mark.usefixtures("pseudonym")
+@pytest.mark.parametrize("passphrase", ["short", BORIS])
+def test_a_role_is_not_changed_where_the_passphrase_beside_it_cannot_be(folder, passphrase):
+    before = (folder / "key.json").read_bytes()
+    with opened(folder, ANNA) as store:
+        with pytest.raises(PassphraseError):
+            store.people.change(
+                "Carla Roca", role=Role.ADMINISTRATOR, passphrase=passphrase, params=CHEAP
+            )
+        assert {one.name: one.role for one in store.people.all()}["Carla Roca"] is Role.OPERATOR
+    assert (folder / "key.json").read_bytes() == before
+
+
+@pytest.mark.usefixtures("pseudonym")
+def test_a_role_and_a_passphrase_are_changed_at_once_and_are_one_line(folder):
+    new = "carla has a new one"
+    with opened(folder, ANNA) as store:
+        n_before = len(lines(store, "change"))
+        store.people.change("Carla Roca", role=Role.CLINICIAN, passphrase=new, params=CHEAP)
+        store.people.change("Carla Roca")
+        line, *others = lines(store, "change")
+        assert (line.detail["did"], line.detail["role"]) == ("role and passphrase", "clinician")
+        assert len(others) == n_before
+    with opened(folder, new) as store:
+        assert store.role is Role.CLINICIAN
+
+
+@pytest.mark.usefixtures("pseudonym")
 def test_two_people_never_have_the_same_passphrase(folder):
     with opened(folder, ANNA) as store:
         for change in (
             lambda: store.people.add("Dora", Role.OPERATOR, BORIS, CHEAP),
-            lambda: store.people.set_passphrase("Carla Roca", ANNA, CHEAP),
+            lambda: store.people.change("Carla Roca", passphrase=ANNA, params=CHEAP),
             lambda: store.people.change_passphrase(ANNA, CARLA, CHEAP),
         ):
             with pytest.raises(PassphraseError, match="cannot be used"):
@@ -232,9 +259,9 @@ def test_only_administrators_say_who_may_open_the_store(folder, passphrase):
         for change in (
             store.people.all,
             lambda: store.people.add("Dora", Role.ADMINISTRATOR, "dora wants it all", CHEAP),
-            lambda: store.people.set_role("Carla Roca", Role.ADMINISTRATOR),
+            lambda: store.people.change("Carla Roca", role=Role.ADMINISTRATOR),
             lambda: store.people.remove("Anna Puig"),
-            lambda: store.people.set_passphrase("Anna Puig", "no longer hers", CHEAP),
+            lambda: store.people.change("Anna Puig", passphrase="no longer hers", params=CHEAP),
         ):
             with pytest.raises(NotAllowedError, match="only for administrators"):
                 change()
@@ -246,7 +273,7 @@ def test_every_change_and_every_refusal_is_a_line(folder):
     with opened(folder, BORIS) as store, pytest.raises(NotAllowedError):
         store.people.remove("Anna Puig")
     with opened(folder, ANNA) as store:
-        store.people.set_role("Carla Roca", Role.CLINICIAN)
+        store.people.change("Carla Roca", role=Role.CLINICIAN)
         (refused,) = lines(store, "refuse")
         assert (refused.operator, refused.subject) == ("Boris Vila", "people")
         assert refused.detail == {"permission": "manage-people", "role": "clinician"}

@@ -144,6 +144,7 @@ def test_events_come_back_from_a_file_as_they_were(tmp_path):
     events = (
         TimedEvent("walk", "clap", 0.5, 1.25, "s01", 2, "state", 0.75),
         TimedEvent("walk, again", "jump", 3.0, 3.0, kind="point"),
+        TimedEvent("walk", "a\rb", 4.0, 5.0, "s\r1"),
     )
     path = tmp_path / "events.csv"
     write_events_csv(path, events)

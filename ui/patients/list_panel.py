@@ -157,6 +157,7 @@ class PatientListPanel(QWidget):
         self._undo_text, self._undo = QLabel(self._undo_strip), QPushButton(self._undo_strip)
         self._undo_offer: UndoOffer | None = None
         self._is_cut = False
+        self._sees_all_names = True
         self._lay_out()
         self.search.textChanged.connect(self.searched)
         self.search.left_downwards.connect(self._enter_table)
@@ -229,7 +230,8 @@ class PatientListPanel(QWidget):
             self.table.selectRow(row)
         self.table.blockSignals(False)
 
-    def show_rights(self, *, is_read_only: bool) -> None:
+    def show_rights(self, *, is_read_only: bool, sees_all_names: bool) -> None:
+        self._sees_all_names = sees_all_names
         self._add.setEnabled(not is_read_only)
         self._read_only.setVisible(is_read_only)
 
@@ -278,6 +280,11 @@ class PatientListPanel(QWidget):
             text = _("The first {count} are shown. Type more to find the others.")
         elif count:
             text = ""
+        elif self.search.text() and not self._sees_all_names:
+            text = _(
+                "Nobody was found. Type three letters of the name, or the whole birth date or "
+                "record number, or add a new patient."
+            )
         elif self.search.text():
             text = _("Nobody was found. Try fewer letters, or add a new patient.")
         else:

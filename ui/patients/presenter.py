@@ -5,6 +5,7 @@ from datetime import date
 from typing import Protocol
 
 from adibas.errors import AdibasError
+from adibas.sessions.roles import Permission
 from adibas.texts import translate as _
 from ui.patients.content import (
     PatientLine,
@@ -28,8 +29,8 @@ class PatientListView(Protocol):
     def show_chosen(self, pseudonym: str | None) -> None:
         """Mark a patient in the list, if it is there."""
 
-    def show_rights(self, *, is_read_only: bool) -> None:
-        """Say whether patients can be added and changed."""
+    def show_rights(self, *, is_read_only: bool, sees_all_names: bool) -> None:
+        """Say whether patients can be added and changed, and by how little they are found."""
 
 
 class PatientView(Protocol):
@@ -64,7 +65,10 @@ class PatientsPresenter:
             workspace.session_changed.subscribe(self._on_session),
             undo.hidden_changed.subscribe(self.refresh),
         )
-        self._list.show_rights(is_read_only=workspace.store.is_read_only)
+        self._list.show_rights(
+            is_read_only=workspace.store.is_read_only,
+            sees_all_names=workspace.store.may(Permission.SEE_ALL_NAMES),
+        )
         self._details.show_patient(None)
 
     def close(self) -> None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from adibas.files import check_place
 from adibas.reports.audit_csv import write_audit_csv
 from adibas.texts import translate as _
 from ui.ports import Job, JobControl
@@ -54,8 +55,10 @@ class AuditPresenter:
         text, store = self._text, self._workspace.store
 
         def work(_control: JobControl) -> None:
-            write_audit_csv(self._entries(text, EVERY_LINE), path)
-            store.note_export("audit log", "store")
+            entries = self._entries(text, EVERY_LINE)
+            check_place(path)
+            store.note_export("audit log", "store")  # first: half a log has left the store, too
+            write_audit_csv(entries, path)
 
         def done(_nothing: None) -> None:
             self._workspace.tell(

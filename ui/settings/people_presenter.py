@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from adibas.errors import AdibasError
 from adibas.sessions.roles import Permission, Role
 from adibas.texts import translate as _
 from ui.ports import JobControl
@@ -72,14 +73,16 @@ class PeoplePresenter:
             )
             return
 
-        def change() -> None:
-            if entry.role is not chosen.role:
-                people.set_role(chosen.name, entry.role)
-            if entry.passphrase:
-                people.set_passphrase(chosen.name, entry.passphrase)
-
         told = _("{name} is saved. It holds from the next time the store is opened.")
-        self._change(change, told.format(name=chosen.name), chosen.name)
+        self._change(
+            lambda: people.change(
+                chosen.name,
+                role=None if entry.role is chosen.role else entry.role,
+                passphrase=entry.passphrase or None,
+            ),
+            told.format(name=chosen.name),
+            chosen.name,
+        )
 
     def remove(self) -> None:
         """Let the chosen person open the store no more; the user was asked."""
@@ -99,7 +102,14 @@ class PeoplePresenter:
             self._workspace.person_changed.emit()
             self._read(chosen)
 
-        self._workspace.jobs.start(_("Changing who may open the store"), work, done, stop="never")
+        def failed(error: AdibasError) -> None:
+            self._workspace.report_problem(error)
+            if self._chosen:  # what was typed of a new person stays, to be mended
+                self._read(self._chosen)
+
+        self._workspace.jobs.start(
+            _("Changing who may open the store"), work, done, failed, stop="never"
+        )
 
     def _read(self, chosen: str) -> None:
         def work(_control: JobControl) -> "tuple[Person, ...]":

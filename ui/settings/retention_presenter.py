@@ -78,7 +78,8 @@ class RetentionPresenter:
             except AdibasError as error:
                 problem = error
             left = store.retention.expired(rules, today)
-            gone = {one.pseudonym for one in over} - {one.pseudonym for one in left}
+            # Who came back meanwhile is not on the second list and not gone either.
+            gone = {one.pseudonym for one in over} - set(store.patients.names())
             return _Removal(frozenset(gone), _lines(store, left), problem)
 
         self._workspace.jobs.start(
