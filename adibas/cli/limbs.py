@@ -150,7 +150,11 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--behind", action="store_true", help=_("the person turns the back to the camera")
     )
-    add_out(parser, _("FOLDER"), _("folder for the pictures and labels"))
+    add_out(
+        parser,
+        _("FOLDER"),
+        _("folder for the pictures and labels; frames with labels stay as they are"),
+    )
     parser.set_defaults(action=_segment)
 
 
@@ -301,11 +305,22 @@ def _segment(arguments: argparse.Namespace, console: Console) -> int:
             folder=arguments.out, n_people=done.n_people, n_frames=done.n_frames
         )
     )
+    if done.n_known:
+        console.say(
+            translate_plural(
+                "{n} frame was labelled before and stays as it is. Choose another folder to have "
+                "it segmented.",
+                "{n} frames were labelled before and stay as they are. Choose another folder to "
+                "have them segmented.",
+                done.n_known,
+            ).format(n=done.n_known)
+        )
     console.give(
         {
             "out": str(arguments.out),
             "n_frames": done.n_frames,
             "n_with_person": done.n_people,
+            "n_labelled_before": done.n_known,
             "notices": [
                 {"text": notice.text, "n_frames": n_frames} for notice, n_frames in done.notices
             ],

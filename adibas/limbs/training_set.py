@@ -4,6 +4,7 @@ Depth is 16 bit in units of `depth_unit_m`, 0 = no reading; labels are 8 bit, 0 
 k of the list is value k + 1. ``people`` in ``labels.json`` says who is in an image, by its number.
 """
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -149,6 +150,20 @@ class LimbFolder:
         """Return who is in each image; an image of nobody known is its own person."""
         return tuple(self.header.people.get(name, name) for name in self.names)
 
+    def sha256(self) -> str:
+        """Return a fingerprint of the images: of their names and the files of their labels.
+
+        Raises
+        ------
+        LimbError
+            A file cannot be read.
+        """
+        total = hashlib.sha256()
+        for name in self.names:
+            payload = self._payload(f"{name}{LABELS}").tobytes()
+            total.update(f"{name} {hashlib.sha256(payload).hexdigest()}\n".encode())
+        return total.hexdigest()
+
     def __len__(self) -> int:
         return len(self.names)
 
@@ -183,23 +198,45 @@ class LimbFolder:
         return depth_m, labels, self.header.fx
 
     def _image(self, name: str, ending: str) -> AnyArray:
-        path = self._folder / f"{name}{ending}"
-        try:
-            payload = np.fromfile(path, np.uint8)
-        except OSError as error:
-            raise LimbError(
-                "{file} is missing in {folder}. Copy the folder again.",
-                file=path.name,
-                folder=self._folder.name,
-            ) from error
+        payload = self._payload(f"{name}{ending}")
         image = cv2.imdecode(payload, cv2.IMREAD_UNCHANGED) if payload.size else None
         if image is None:
             raise LimbError(
                 "{file} in {folder} is damaged. Remove it and its labels, or copy it again.",
-                file=path.name,
+                file=f"{name}{ending}",
                 folder=self._folder.name,
             )
         return image
+
+    def _payload(self, file: str) -> UInt8Array:
+        try:
+            return np.fromfile(self._folder / file, np.uint8)
+        except OSError as error:
+            raise LimbError(
+                "{file} is missing in {folder}. Copy the folder again.",
+                file=file,
+                folder=self._folder.name,
+            ) from error
+
+
+def check_people(images: TrainingImages, least_pixels: int = 1) -> None:
+    """See that an image has so many labelled pixels with depth: something can be learned.
+
+    Raises
+    ------
+    LimbError
+        None has, or an image cannot be read.
+    """
+    for index in range(len(images)):
+        depth_m, labels, _ = images.read(index)
+        if np.count_nonzero(np.isfinite(depth_m[labels > 0])) >= least_pixels:
+            return
+    raise nobody_with_depth()
+
+
+def nobody_with_depth() -> LimbError:
+    """Return what is told of images that nothing can be learned from."""
+    return LimbError("Nobody with depth is in the images. Choose other images.")
 
 
 class Chosen:

@@ -165,8 +165,7 @@ def _turned(request: BodyRequest, progress: Progress) -> _Seen:
         raise ValueError("no turn is asked for")
     turn = see_turn(request.turn, progress)
     sources = {
-        view: replace(request.turn, view=view, frames=(max(frame - 1, 0), frame + 2))
-        for view, frame in turn.frames.items()
+        view: replace(request.turn, view=view, frames=turn.middle_of(view)) for view in turn.frames
     }
     _check_labels(request, sources)
     return _Seen(turn.views, sources, turn.notices)

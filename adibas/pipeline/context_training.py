@@ -19,10 +19,13 @@ from adibas.forests.forest import Forest
 from adibas.forests.samples import TrainingImages
 from adibas.limbs.context import context_example
 from adibas.limbs.model import LimbModel, load_model, save_model
-from adibas.limbs.training_set import LimbFolder
+from adibas.limbs.training_set import LimbFolder, check_people, nobody_with_depth
+from adibas.pipeline.limb_simulator import SIMULATED_LABELS
 from adibas.pipeline.unfinished_training import (
+    IMAGES_SHA256,
     Progress,
     check_same,
+    fingerprint_of,
     simulated_images,
     work_folder,
 )
@@ -47,7 +50,7 @@ class ContextRequest:
     n_frames : int
         To simulate.
     seed : int
-        Another one than the forest's.
+        Of what is random; of simulated images another one than the forest's.
     params : ContextTraining
     """
 
@@ -85,15 +88,14 @@ def train_context_of(
         "seed": request.seed,
         "params": {**asdict(params), "widths": list(params.widths)},
         "before": model.forest.provenance.get("context"),
+        **fingerprint_of(folder),
     }
+    _check_labels(model.forest, SIMULATED_LABELS if folder is None else folder.labels)
     _check_unseen(model.forest, settings)
+    if folder is not None:
+        check_people(folder, _LEAST_PIXELS)
     check_same(work, settings)
     images = folder or simulated_images(work, request.n_frames, request.seed, progress)
-    if images.labels != model.forest.labels:
-        raise LimbError(
-            "The images have other labels than the model ({found}). Choose images with its labels.",
-            found=", ".join(images.labels),
-        )
     trainer = _trainer(images, model, params, progress)
     _run(trainer, work / _KEPT, params.n_passes, progress)
     made = {"context": settings, "created_utc": to_text(clock())}
@@ -105,10 +107,25 @@ def train_context_of(
     return trained
 
 
+def _check_labels(forest: Forest, found: tuple[str, ...]) -> None:
+    if found != forest.labels:
+        raise LimbError(
+            "The images have other labels than the model ({found}). Choose images with its labels.",
+            found=", ".join(found),
+        )
+
+
 def _check_unseen(forest: Forest, settings: Mapping[str, object]) -> None:
     """See that these are not the images of the forest's own training."""
-    provenance = forest.provenance
-    if all(provenance.get(name) == settings[name] for name in ("images", "seed")):
+    seen = forest.provenance
+    if IMAGES_SHA256 in settings:
+        if seen.get(IMAGES_SHA256) == settings[IMAGES_SHA256]:
+            raise LimbError(
+                "The forest was trained on these images, and is surer of them than of others. "
+                "Choose other images."
+            )
+    # A folder may be called as the simulator is.
+    elif all(seen.get(name) == settings.get(name) for name in ("images", "seed", IMAGES_SHA256)):
         raise LimbError(
             "The forest was trained on these images, and is surer of them than of others. Choose "
             "other images, or another seed."
@@ -128,7 +145,7 @@ def _trainer(
                 examples.append(example)
         progress("looking", index + 1, len(images))
     if not examples:
-        raise LimbError("Nobody with depth is in the images. Choose other images.")
+        raise nobody_with_depth()
     order = np.array(mirror_order(forest.labels))
     return ContextTrainer(examples, order, params, model.context)
 

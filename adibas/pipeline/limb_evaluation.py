@@ -19,7 +19,7 @@ from adibas.limbs.context import forest_probabilities, limb_probabilities
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
 from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
-from adibas.limbs.training_set import Chosen, LimbFolder
+from adibas.limbs.training_set import Chosen, LimbFolder, check_people
 from adibas.pipeline.limb_pictures import limb_picture
 from adibas.progress import Progress
 
@@ -125,7 +125,7 @@ def evaluate_model(
     Raises
     ------
     LimbError
-        The model has other labels than the images.
+        The model has other labels than the images, or nobody with depth is in them.
     """
     if model.names != images.labels:
         raise LimbError(
@@ -133,6 +133,7 @@ def evaluate_model(
             "trained for these.",
             found=", ".join(images.labels),
         )
+    check_people(images)
     counts = _Counts(images.labels, has_network=model.context is not None)
     for done, judged in enumerate(judge(images, range(len(images)), model, params), start=1):
         counts.add(judged)
@@ -196,7 +197,7 @@ def cross_validate(
     Raises
     ------
     LimbError
-        There is only one group.
+        There is only one group, or nobody with depth in the others.
     """
     groups = groups_of(images, params)
     n_groups = int(groups.max()) + 1
@@ -206,6 +207,7 @@ def cross_validate(
     for group in range(n_groups):
         progress(group, n_groups)
         rest = Chosen(images, np.flatnonzero(groups != group))
+        check_people(rest)
         model = model_of(train_forest(rest, params.forest, params.seed + group))
         for judged in judge(images, np.flatnonzero(groups == group), model, params.limbs):
             counts.add(judged)

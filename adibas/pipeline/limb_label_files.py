@@ -139,8 +139,7 @@ class LabelFiles:
             The folder cannot be written.
         """
         name = _name_of(index)
-        if not is_there(self.folder / HEADER):
-            write_header(self.folder, self._header)
+        self._begin()
         if is_done:
             write_image(self.folder, name, depth_raw, labels)
         else:
@@ -150,6 +149,29 @@ class LabelFiles:
         self._note_done(self._done | {index} if is_done else self._done - {index})
         for ending in (DRAFT,) if is_done else (LABELS, DEPTH):
             remove_file(self.folder / f"{name}{ending}")
+
+    def is_labelled(self, index: int) -> bool:
+        """Say whether a frame has labels, done or begun."""
+        name = _name_of(index)
+        return any(is_there(self.folder / f"{name}{ending}") for ending in (DRAFT, LABELS))
+
+    def add_found(self, index: int, depth_raw: UInt16Array, labels: UInt8Array) -> None:
+        """Write labels that nobody has looked at: an image to train on, and a frame begun.
+
+        Raises
+        ------
+        FileError
+            The folder cannot be written.
+        """
+        self._begin()
+        # What is done stays in the hands of who labels there at the same time.
+        if not is_there(self.folder / PROGRESS):
+            self._note_done(self._done)
+        write_image(self.folder, _name_of(index), depth_raw, labels)
+
+    def _begin(self) -> None:
+        if not is_there(self.folder / HEADER):
+            write_header(self.folder, self._header)
 
     def _note_done(self, done: frozenset[int]) -> None:
         document = {

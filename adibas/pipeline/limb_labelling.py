@@ -25,6 +25,7 @@ from adibas.pipeline.limb_label_files import LabelFiles
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.pipeline.session import calibration_of
+from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
 from adibas.recordings.ports import RecordingReader
 
 
@@ -97,7 +98,9 @@ class LabellingDesk:
                 "one of the depth camera with --calibration FILE."
             )
         self.camera: CameraCalibration = self._calibration.depth
-        self._floor = self._calibration.floor
+        self._turn = turn_to_upright(self._calibration)
+        self._upright = turned_camera(self.camera, self._turn)
+        self._floor = turned_floor(self._calibration.floor, self._turn)
         size = self.camera.height, self.camera.width
         self.files = LabelFiles(folder, name, len(recording), size, self._header(labels))
         self._estimator: PoseEstimator | None = None
@@ -131,10 +134,13 @@ class LabellingDesk:
         depth_m = depth_in_metres(frame.depth_raw, self._recording.info.depth_unit_m)
         check_fits(self._calibration, None, depth_m.shape)
         depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
+        upright_m = self._turn.picture(depth_m)
         if self._floor is None:
-            self._floor = find_floor(depth_m, self.camera)
-        body = find_body(depth_m, self.camera, self._floor)
-        mask = np.zeros(depth_m.shape, np.bool_) if body is None else body.pixels.copy()
+            self._floor = find_floor(upright_m, self._upright)
+        body = find_body(upright_m, self._upright, self._floor)
+        mask = np.zeros(depth_m.shape, np.bool_)
+        if body is not None:
+            mask |= self._turn.inverse().picture(body.pixels)
         kept = self.files.kept(index)
         if kept is not None and kept.shape == mask.shape:
             mask |= kept > 0
@@ -162,10 +168,14 @@ class LabellingDesk:
             )
         now_ns = int(self._recording.timestamps_ns[frame.index])
         if self._estimator is None or now_ns <= self._looked_at_ns:
-            segmenter = forest_segmenter(shipped_model(), self.camera)
-            self._estimator = PoseEstimator(self.camera, segmenter, self._floor)
+            segmenter = forest_segmenter(shipped_model(), self._upright)
+            self._estimator = PoseEstimator(self._upright, segmenter, self._floor)
         self._looked_at_ns = now_ns
-        pose = self._estimator.look_at(frame.depth_m, [frame.mask], now_ns / NS_PER_S)
+        turned = self._turn.picture
+        pose = self._estimator.look_at(
+            turned(frame.depth_m), [turned(frame.mask)], now_ns / NS_PER_S
+        )
+        pose = turned_pose(pose, self._turn.inverse())
         if not pose.people or not np.isfinite(pose.people[0].joints.joints_m).any():
             reason = pose.notices[0].text if pose.notices else ""
             raise LimbError(

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from adibas import __version__
-from adibas.arrays import AnyArray
+from adibas.arrays import AnyArray, Float32Array, UInt8Array, UInt16Array
 from adibas.body.absence import why_nobody
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
@@ -16,19 +16,22 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
 from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY, LimbParts
 from adibas.data.sentence import Sentence
-from adibas.errors import CalibrationError
+from adibas.errors import CalibrationError, LimbError
 from adibas.files import written_whole
 from adibas.geometry.planes import Plane
 from adibas.limbs.judging import Judgement, judge_absence, judge_mask
 from adibas.limbs.model import LimbModel, load_model, merged
 from adibas.limbs.segmentation import LimbParams, segment
-from adibas.limbs.training_set import TO_TORSO, FolderHeader, write_header, write_image
+from adibas.limbs.training_set import TO_TORSO, FolderHeader
+from adibas.pipeline.limb_label_files import LabelFiles
 from adibas.pipeline.limb_pictures import limb_picture
 from adibas.pipeline.mending import mended
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.session import calibration_of, wanted_frames
+from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_parts
 from adibas.progress import Progress
 from adibas.recordings import open_recording
+from adibas.recordings.ports import RecordingReader
 from adibas.resources import resource_path
 
 PICTURE = ".limbs.png"
@@ -42,7 +45,7 @@ class SegmentingRequest:
     ----------
     recording : Path
     out : Path
-        Folder; it may exist.
+        Folder; what is labelled in it already stays.
     model : Path or None
         None: the shipped one of `labels`.
     labels : str
@@ -70,12 +73,15 @@ class Segmented:
     ----------
     n_frames, n_people : int
         Frames looked at; frames with a person.
+    n_known : int
+        Frames that were labelled before, and stay as they are.
     notices : tuple of (Sentence, int)
         Each with the number of frames that it holds for.
     """
 
     n_frames: int
     n_people: int
+    n_known: int
     notices: tuple[tuple[Sentence, int], ...]
 
 
@@ -91,7 +97,8 @@ def shipped_model(labels: str = FULL_BODY.name) -> LimbModel:
 def segment_recording(request: SegmentingRequest, progress: Progress) -> Segmented:
     """Write ``NNNNN.depth.png``, ``.labels.png`` and a picture of every frame with a person.
 
-    With ``labels.json`` they are a folder to train on or to correct.
+    With ``labels.json`` they are a folder to train on or to correct. Frames with labels are left
+    alone: somebody may have made them by hand.
 
     Raises
     ------
@@ -100,28 +107,34 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
     CalibrationError
         There is none of the depth camera.
     FileError, LimbError
-        The model cannot be used, or the folder not be written.
+        The model cannot be used; the folder is of another recording, another camera or other
+        labels, or cannot be written.
     """
     model = _model_of(request)
     said: Counter[str] = Counter()
     sentences: dict[str, Sentence] = {}
-    n_people = n_frames = 0
+    n_frames = n_people = n_known = 0
     with open_recording(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
         looker = Looker(calibration_of(recording, request.calibration), recording.info)
-        write_header(request.out, _header(model, looker.camera, recording.info))
-        for n_frames, index in enumerate(wanted, start=1):
-            frame = recording.read(index)
-            parts, judgement = looker.look(frame, model, request.params)
-            for notice in judgement.notices:
-                said[notice.message] += 1
-                sentences[notice.message] = notice
-            if parts is not None and frame.depth_raw is not None:
-                n_people += 1
-                _write(request.out, f"{index:05d}", frame, parts)
-            progress(n_frames, len(wanted))
+        files = _files_of(request, recording, model, looker.camera)
+        for number, index in enumerate(wanted, start=1):
+            # Asked anew each time: the window may be labelling the same folder.
+            if files.is_labelled(index):
+                n_known += 1
+            else:
+                n_frames += 1
+                frame = recording.read(index)
+                parts, judgement = looker.look(frame, model, request.params)
+                for notice in judgement.notices:
+                    said[notice.message] += 1
+                    sentences[notice.message] = notice
+                if parts is not None and frame.depth_raw is not None:
+                    n_people += 1
+                    _write(files, index, frame.depth_raw, parts)
+            progress(number, len(wanted))
     notices = tuple((sentences[text], count) for text, count in said.most_common())
-    return Segmented(n_frames, n_people, notices)
+    return Segmented(n_frames, n_people, n_known, notices)
 
 
 def _model_of(request: SegmentingRequest) -> LimbModel:
@@ -154,7 +167,10 @@ class Looker:
                 "one of the depth camera with --calibration FILE."
             )
         self.camera: CameraCalibration = calibration.depth
-        self._floor: Plane | None = calibration.floor
+        self._calibration = calibration
+        self._turn = turn_to_upright(calibration)
+        self._upright = turned_camera(calibration.depth, self._turn)
+        self._floor: Plane | None = turned_floor(calibration.floor, self._turn)
         self._unit_m = info.depth_unit_m
         self._has_looked_for_floor = False
 
@@ -173,44 +189,70 @@ class Looker:
                 height=self.camera.height,
                 found=f"{depth_m.shape[1]}x{depth_m.shape[0]}",
             )
+        depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
+        parts, judgement = self._look_upright(self._turn.picture(depth_m), model, params)
+        return None if parts is None else turned_parts(parts, self._turn.inverse()), judgement
+
+    def _look_upright(
+        self, depth_m: Float32Array, model: LimbModel, params: LimbParams
+    ) -> tuple[LimbParts | None, Judgement]:
+        """Return what `look` does, in the pixels of the picture that was turned upright."""
         depth_m, said = mended(depth_m)
         if not said.is_person:
             return None, said
         if self._floor is None and not self._has_looked_for_floor:
-            self._floor = find_floor(depth_m, self.camera)
+            self._floor = find_floor(depth_m, self._upright)
             self._has_looked_for_floor = True
-        body = find_body(depth_m, self.camera, self._floor)
+        body = find_body(depth_m, self._upright, self._floor)
         if body is None:
-            return None, judge_absence(why_nobody(depth_m, self.camera, self._floor))
+            return None, judge_absence(why_nobody(depth_m, self._upright, self._floor))
         mask = body.pixels
         judgement = judge_mask(depth_m, mask)
         if not judgement.is_person:
             return None, judgement
-        parts = segment(depth_m, mask, self.camera.intrinsics.fx, model, params)
-        found = person_judge(model, self.camera)(depth_m, mask, parts, None)
+        parts = segment(depth_m, mask, self._upright.intrinsics.fx, model, params)
+        found = person_judge(model, self._upright)(depth_m, mask, parts, None)
         notices = (*said.notices, *judgement.notices, *found.notices)
         return (parts if found.is_person else None), Judgement(found.is_person, notices)
 
 
-def _header(model: LimbModel, camera: CameraCalibration, info: SourceInfo) -> FolderHeader:
+def _files_of(
+    request: SegmentingRequest,
+    recording: RecordingReader,
+    model: LimbModel,
+    camera: CameraCalibration,
+) -> LabelFiles:
+    """Return the folder to write to.
+
+    Raises
+    ------
+    LimbError
+        It is of another recording, another camera or other labels, or cannot be read.
+    """
     k = camera.intrinsics
-    return FolderHeader(
+    header = FolderHeader(
         model.labels.names,
-        info.depth_unit_m,
-        k.fx,
-        k.fy,
-        k.cx,
-        k.cy,
+        recording.info.depth_unit_m,
+        *(k.fx, k.fy, k.cx, k.cy),
         source={"segmented_by": __version__},
     )
+    size = camera.height, camera.width
+    files = LabelFiles(request.out, request.recording.name, len(recording), size, header)
+    if files.labels.names != model.labels.names:
+        raise LimbError(
+            "{folder} holds images with other labels than the model ({found}). Choose another "
+            "folder, or a model with these labels.",
+            folder=request.out.name,
+            found=", ".join(files.labels.names),
+        )
+    return files
 
 
-def _write(folder: Path, name: str, frame: SensorFrame, parts: LimbParts) -> None:
-    if frame.depth_raw is None:
-        return
-    labels = (parts.chosen + 1).astype(np.uint8)
-    write_image(folder, name, frame.depth_raw, labels)
-    picture = limb_picture(frame.depth_raw.astype(np.float32), labels)
+def _write(files: LabelFiles, index: int, depth_raw: UInt16Array, parts: LimbParts) -> None:
+    labels: UInt8Array = (parts.chosen + 1).astype(np.uint8)
+    picture = limb_picture(depth_raw.astype(np.float32), labels)
     payload: AnyArray = cv2.imencode(".png", picture[..., ::-1])[1]
-    with written_whole(folder / f"{name}{PICTURE}") as unfinished:
+    # The labels last: a frame that has them is not looked at again.
+    with written_whole(files.folder / f"{index:05d}{PICTURE}") as unfinished:
         unfinished.write_bytes(payload.tobytes())
+    files.add_found(index, depth_raw, labels)

@@ -16,11 +16,12 @@ from adibas.forests.params import ForestParams
 from adibas.forests.samples import Memory, PixelSample, TrainingImages
 from adibas.forests.training import DrawPixels, Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
-from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled
+from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled, check_people
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS
 from adibas.pipeline.unfinished_training import (
     Progress,
     check_same,
+    fingerprint_of,
     simulated_images,
     work_folder,
 )
@@ -107,7 +108,10 @@ def _trained(
         "labels": list(labels),
         "seed": request.seed,
         "params": asdict(request.params),
+        **fingerprint_of(folder),
     }
+    if folder is not None:
+        check_people(folder)
     check_same(work, settings)
     images: TrainingImages = folder or Mirrored(
         simulated_images(work, request.n_frames, request.seed, progress)

@@ -92,15 +92,30 @@ class SeenTurn:
         The middle frame of each view, by its name.
     turned_rad : float
         From the first frame to the last, positive to the patient's left.
-    n_lost, n_frames : int
-        Frames in which the person was not found or not followed, and all of them.
+    n_lost : int
+        Frames in which the person was not found or not followed.
+    wanted : range
+        The frames that were looked at.
     """
 
     views: tuple[BodyView, ...]
     frames: Mapping[str, int]
     turned_rad: float
     n_lost: int
-    n_frames: int
+    wanted: range
+
+    @property
+    def n_frames(self) -> int:
+        """Return how many frames were looked at."""
+        return len(self.wanted)
+
+    def middle_of(self, view: str) -> tuple[int, int]:
+        """Return the first of the frames in the middle of a view, and one past the last.
+
+        They are the middle one and its neighbours, where these are wanted, too.
+        """
+        frame = self.frames[view]
+        return max(frame - 1, self.wanted.start), min(frame + 2, self.wanted.stop)
 
     @property
     def notices(self) -> tuple[Sentence, ...]:
@@ -175,7 +190,7 @@ def follow_turn(
         progress(n_wanted + (number + 1) * params.most_frames, total)
     progress(total, total)
     return SeenTurn(
-        tuple(views), MappingProxyType(frames), float(path.turned_rad[-1]), path.n_lost, n_wanted
+        tuple(views), MappingProxyType(frames), float(path.turned_rad[-1]), path.n_lost, turn.wanted
     )
 
 

@@ -9,6 +9,8 @@ from adibas.files import DAMAGED_JSON, written_whole
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_simulator import simulate_folder
 
+IMAGES_SHA256 = "images_sha256"
+"""Setting of a training on a folder; which people are simulated the seed tells."""
 Progress = Callable[[str, int, int], None]
 """Told the step (``simulating``, ``training``), what is done and all there is."""
 _UNFINISHED = ".training"
@@ -34,6 +36,17 @@ def simulated_images(work: Path, n_frames: int, seed: int, progress: Progress) -
     return LimbFolder(frames)
 
 
+def fingerprint_of(folder: LimbFolder | None) -> dict[str, object]:
+    """Return the setting that tells a folder's images from others; none for simulated ones.
+
+    Raises
+    ------
+    LimbError
+        The folder cannot be read.
+    """
+    return {} if folder is None else {IMAGES_SHA256: folder.sha256()}
+
+
 def check_same(work: Path, settings: dict[str, object]) -> None:
     """Keep the settings, or see that an unfinished training has the same ones.
 
@@ -55,7 +68,7 @@ def check_same(work: Path, settings: dict[str, object]) -> None:
         before = None
     if before != settings:
         raise LimbError(
-            "An unfinished training with other settings lies in {folder}. Finish it with the same "
-            "settings, or remove that folder.",
+            "An unfinished training with other settings or images lies in {folder}. Finish it with "
+            "the same ones, or remove that folder.",
             folder=work.name,
         )

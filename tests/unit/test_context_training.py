@@ -1,6 +1,7 @@
 """A context network learned for a model: pixels by cells, the file, the command, and breaks."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import cv2
@@ -19,6 +20,7 @@ from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline import context_training
 from adibas.pipeline.context_training import ContextRequest, train_context_of
 from adibas.pipeline.limb_training import TrainingRequest, train_model
+from adibas.resources import resource_path
 from tests.unit.limb_folders import fill
 
 FOREST = ForestParams(n_trees=2, max_depth=3, n_images=None, n_pixels=30, n_candidates=6)
@@ -237,22 +239,54 @@ class TestTraining:
             limb_probabilities(view, behind), limb_probabilities(view, before), atol=0.1
         )
 
-    def test_the_forest_s_own_images_are_refused(self, forest_path, folder, tmp_path):
-        request = ContextRequest(forest_path, tmp_path / "model.npz", folder, seed=0)
+    @pytest.mark.parametrize("seed", [0, 7])
+    @pytest.mark.parametrize("name", ["seen", "renamed"])
+    def test_the_forest_s_own_images_are_refused(self, forest_path, folder, tmp_path, seed, name):
+        images = shutil.copytree(folder, tmp_path / name)
+        request = ContextRequest(forest_path, tmp_path / "model.npz", images, seed=seed)
         with pytest.raises(LimbError, match="trained on these images"):
             train_context_of(request, _silent)
+
+    def test_other_images_are_taken_whatever_name_and_seed(self, forest_path, folder, tmp_path):
+        others = fill(tmp_path / folder.name, first=100)
+        params = replace(NETWORK, n_passes=1)
+        request = ContextRequest(forest_path, tmp_path / "m.npz", others, seed=0, params=params)
+        assert train_context_of(request, _silent).context is not None
+
+    def test_a_simulated_forest_s_own_people_are_refused(self, tmp_path):
+        shipped = resource_path("models", "limbs-15.npz")
+        seed = int(load_model(shipped).forest.provenance["seed"])
+        request = ContextRequest(shipped, tmp_path / "model.npz", n_frames=12, seed=seed)
+        with pytest.raises(LimbError, match="or another seed"):
+            train_context_of(request, _silent)
+
+    def test_what_broke_off_goes_on_with_no_other_folder_of_the_same_name(
+        self, forest_path, others, tmp_path
+    ):
+        def stop(step, *_told):
+            if step == "training":
+                raise KeyboardInterrupt
+
+        out = tmp_path / "model.npz"
+        with pytest.raises(KeyboardInterrupt):
+            train_context_of(ContextRequest(forest_path, out, others, params=NETWORK), stop)
+        changed = fill(tmp_path / others.name, 14, first=200)
+        with pytest.raises(LimbError, match="other settings or images"):
+            train_context_of(ContextRequest(forest_path, out, changed, params=NETWORK), _silent)
 
     def test_images_with_other_labels_are_refused(self, forest_path, tmp_path):
         images = fill(tmp_path / "sided", 2, ("left_hand", "right_hand"))
         request = ContextRequest(forest_path, tmp_path / "model.npz", images)
         with pytest.raises(LimbError, match="other labels"):
             train_context_of(request, _silent)
+        assert [path.name for path in tmp_path.iterdir()] == ["sided"]
 
     def test_images_without_depth_are_refused(self, forest_path, others, tmp_path, monkeypatch):
         monkeypatch.setattr(context_training, "_LEAST_PIXELS", 10_000)
         request = ContextRequest(forest_path, tmp_path / "model.npz", others)
         with pytest.raises(LimbError, match="Nobody with depth"):
             train_context_of(request, _silent)
+        assert not list(tmp_path.iterdir())
 
     def test_the_command_trains_and_says_what_it_made(
         self, forest_path, others, tmp_path, capsys, monkeypatch

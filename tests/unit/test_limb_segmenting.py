@@ -1,7 +1,7 @@
 """Limbs in recordings of the simulated clinic, with the shipped models."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import cv2
@@ -11,12 +11,15 @@ import pytest
 from adibas.cli import limbs, main
 from adibas.cli.command_line import build_parser
 from adibas.context.training import ContextTraining
+from adibas.data.calibration import DepthBias
+from adibas.data.frames import depth_in_metres
 from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.limbs.segmentation import LimbParams
 from adibas.limbs.training_set import LimbFolder
+from adibas.pipeline.limb_labelling import LabellingDesk
 from adibas.pipeline.limb_segmenting import PICTURE, shipped_model
 from adibas.pipeline.limb_training import SHIPPED, SHIPPED_FRAMES
-from adibas.recordings import create_recording
+from adibas.recordings import create_recording, open_recording
 from adibas.simulation.scenes import open_scene
 
 ROOT = Path(__file__).parents[2]
@@ -96,3 +99,77 @@ def test_an_empty_room_gives_no_limbs_and_a_word(tmp_path, capsys):
     wrong = ["limbs", "segment", str(tmp_path / "none.mcap"), "--frames", "7:9"]
     assert main([*wrong, "--out", str(out)]) == 1
     assert "no such frames" in capsys.readouterr().err
+
+
+def segment(video, out, *options):
+    return main(["limbs", "segment", str(video), "--out", str(out), *options])
+
+
+def label_by_hand(video, out, *, is_done):
+    """Label the first frame as no model does; return the labels."""
+    with open_recording(video) as recording:
+        desk = LabellingDesk(recording, video.name, out)
+        frame = desk.frame(0)
+        labels = np.where(frame.mask, 3, 0).astype(np.uint8)
+        desk.files.keep(0, frame.depth_raw, labels, is_done=is_done)
+    return labels
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("is_done", [True, False])
+def test_labels_made_by_hand_outlive_segmenting(tmp_path, capsys, is_done):
+    video, out = tmp_path / "one.mcap", tmp_path / "one-limbs"
+    record(video, "standing")
+    label_by_hand(video, out, is_done=is_done)
+    before = contents(out)
+    assert segment(video, out, "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["n_frames"], told["n_with_person"], told["n_labelled_before"]) == (1, 1, 1)
+    after = contents(out)
+    assert before == {name: after[name] for name in before}
+    assert not [name for name in after.keys() - before.keys() if not name.startswith("00001.")]
+
+
+def test_a_folder_with_other_labels_than_the_model_is_not_touched(tmp_path, capsys):
+    video, out = tmp_path / "one.mcap", tmp_path / "one-limbs"
+    record(video, "standing")
+    label_by_hand(video, out, is_done=True)
+    before = contents(out)
+    assert segment(video, out, "--labels", UPPER_BODY.name) == 1
+    assert "one-limbs holds images with other labels than the model" in capsys.readouterr().err
+    assert contents(out) == before
+
+
+def test_segmenting_again_goes_on_in_its_own_folder_and_in_no_other_recording_s(tmp_path, capsys):
+    video, out = tmp_path / "one.mcap", tmp_path / "limbs"
+    record(video, "standing")
+    assert segment(video, out, "--frames", "0:1") == 0
+    first = contents(out)
+    assert segment(video, out) == 0
+    assert "1 frame was labelled before and stays as it is." in capsys.readouterr().out
+    both = contents(out)
+    assert first == {name: both[name] for name in first}
+    assert len(LimbFolder(out)) == 2
+    assert segment(video.rename(tmp_path / "two.mcap"), out) == 1
+    assert "limbs holds labels of one.mcap" in capsys.readouterr().err
+    assert contents(out) == both
+
+
+def test_limbs_are_found_in_corrected_depth_and_depth_is_kept_as_it_came(tmp_path):
+    scene = open_scene("standing", seed=3, color_size=(480, 640), distance_m=2.7)
+    frame, info = scene.frame(0), scene.info
+    raw = frame.sensor_frame.depth_raw
+    true_m = info.calibration.corrected_depth(depth_in_metres(raw, info.depth_unit_m))
+    short = np.nan_to_num(true_m / 1.02 / info.depth_unit_m).round().astype(np.uint16)
+    erring = replace(info.calibration, depth_bias=DepthBias(b=1.02))
+    with create_recording(tmp_path / "one.mcap", replace(info, calibration=erring)) as writer:
+        writer.write(replace(frame.sensor_frame, depth_raw=short))
+    assert segment(tmp_path / "one.mcap", tmp_path / "limbs") == 0
+    depth_m, labels, _ = LimbFolder(tmp_path / "limbs").read(0)
+    truth = frame.truth.labels
+    assert np.count_nonzero(labels[truth > 0]) > 0.95 * np.count_nonzero(truth)
+    assert np.count_nonzero(truth[labels > 0] == 0) < 0.02 * np.count_nonzero(labels)
+    np.testing.assert_array_equal(depth_m, depth_in_metres(short, info.depth_unit_m))

@@ -127,6 +127,18 @@ def test_other_settings_do_not_go_on_with_a_training_that_broke_off(folder, tmp_
         train_model(TrainingRequest(tmp_path / "m.npz", folder, seed=2, params=PARAMS), stop)
 
 
+def test_a_training_that_broke_off_goes_on_with_no_other_folder_of_the_same_name(folder, tmp_path):
+    def stop(_step, done, _total):
+        if done > 0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train_model(TrainingRequest(tmp_path / "m.npz", folder, params=PARAMS), stop)
+    other = fill(tmp_path / "elsewhere" / folder.name, first=100)
+    with pytest.raises(LimbError, match="other settings or images"):
+        train_model(TrainingRequest(tmp_path / "m.npz", other, params=PARAMS), lambda *_told: None)
+
+
 def test_other_settings_do_not_go_on_with_images_of_another_seed(tmp_path):
     def stop(*_told):
         raise KeyboardInterrupt
@@ -160,6 +172,23 @@ def test_simulating_that_broke_off_makes_what_is_missing(tmp_path):
     images = LimbFolder(tmp_path)
     assert images.people == ("p000", "p000")
     np.testing.assert_array_equal(images.read(1)[1], made.labels)
+
+
+@pytest.mark.parametrize("command", ["train", "evaluate", "evaluate a model"])
+def test_images_of_nobody_with_depth_are_told_and_leave_nothing(folder, tmp_path, capsys, command):
+    bare = fill(tmp_path / "bare", 6)
+    for path in bare.glob(f"*{DEPTH}"):
+        cv2.imwrite(str(path), np.zeros((60, 80), np.uint16))
+    model = tmp_path / "model.npz"
+    options = ["--trees", "1", "--depth", "3"]
+    if command == "train":
+        options += ["--out", str(tmp_path / "m.npz")]
+    elif command == "evaluate a model":
+        train_model(TrainingRequest(model, folder, params=PARAMS), lambda *_told: None)
+        options += ["--model", str(model)]
+    assert main(["limbs", command.split()[0], str(bare), *options]) == 1
+    assert "Nobody with depth is in the images." in capsys.readouterr().err
+    assert not list(tmp_path.glob("m.npz*"))
 
 
 def test_groups_are_folds_or_people(folder):

@@ -1,11 +1,13 @@
 """One recording of somebody who turns around becomes the four views, one surface and measures."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from adibas.data.posture import VIEWS
+from adibas.pipeline import body
 from adibas.pipeline.body_views import ViewRequest
 from adibas.pipeline.turning import see_turn
 from benchmarks.body_truth import distances_mm
@@ -97,6 +99,20 @@ def test_markers_are_looked_for_in_the_middle_frames(turn, tmp_path):
     code, _, err = run("body", f"turn={turn}", "--markers", "led", "--out", tmp_path / "b.ply")
     assert code == 1
     assert "colour" in err
+
+
+def test_markers_are_looked_for_in_no_frame_that_was_not_wanted(turn, monkeypatch):
+    looked = {}
+
+    def look(request, _progress):
+        looked[request.view] = request.frames
+        return SimpleNamespace(markers=())
+
+    monkeypatch.setattr(body, "analyse_recording", look)
+    wanted = ViewRequest("posterior", turn, frames=(2, 17))  # 84 degrees: each side is at an end
+    request = body.BodyRequest((), markers="led", turn=wanted)
+    body.measure_body(request, lambda _done, _total: None)
+    assert looked == {"posterior": (2, 4), "right_lateral": (15, 17)}
 
 
 def test_a_wrong_beginning_is_noticed(turn, tmp_path):
