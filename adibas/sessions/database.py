@@ -7,7 +7,7 @@ in those modules, behind `DatabaseKind`.
 import threading
 from abc import abstractmethod
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -49,6 +49,10 @@ class DatabaseKind(Protocol):
         """Read something: of another key, or damaged, this fails."""
 
     @abstractmethod
+    def check_in_place(self) -> None:
+        """See that the tables are still those of the store."""
+
+    @abstractmethod
     def is_sound(self, transaction: Transaction) -> bool:
         """Say whether the tables are whole."""
 
@@ -59,6 +63,18 @@ class DatabaseKind(Protocol):
     @abstractmethod
     def let_others_in(self, transaction: Transaction) -> None:
         """Let others open the store again."""
+
+    @abstractmethod
+    def begin_restore(self, transaction: Transaction) -> bool:
+        """Keep others from restoring a backup; False where another one is just doing that."""
+
+    @abstractmethod
+    def is_restoring(self, transaction: Transaction) -> bool:
+        """Say whether others have been kept from restoring without a break."""
+
+    @abstractmethod
+    def end_restore(self, transaction: Transaction) -> None:
+        """Let others restore again."""
 
     @abstractmethod
     def copy_to(self, path: Path, key: bytes) -> None:
@@ -159,6 +175,44 @@ class Database:
             with self.reading() as transaction:
                 self._kind.let_others_in(transaction)
 
+    @contextmanager
+    def one_restore(self) -> Iterator[None]:
+        """Let no other opener restore a backup meanwhile; one within another does no harm.
+
+        Raises
+        ------
+        StoreError
+            Another one is just doing that.
+        """
+        with self.reading() as transaction:
+            has_begun = self._kind.begin_restore(transaction)
+        if not has_begun:
+            raise StoreError(
+                "Another workstation is just restoring a backup into this patient store. Wait "
+                "until it is done, then try again."
+            )
+        try:
+            yield
+        finally:
+            # Where the server is gone, so is what it kept for us.
+            with suppress(StoreError), self.reading() as transaction:
+                self._kind.end_restore(transaction)
+
+    def check_one_restore(self, transaction: Transaction) -> None:
+        """See, before its change, that nobody else restored since `one_restore` began.
+
+        Raises
+        ------
+        StoreError
+            Somebody may have: the connection broke meanwhile.
+        """
+        if not self._kind.is_restoring(transaction):
+            raise StoreError(
+                "{server}, which keeps the patients' database, went away while the backup was "
+                "being read, and nothing was changed. Restore it again.",
+                server=self.server,
+            )
+
     def is_sound(self, transaction: Transaction) -> bool:
         """Say whether the tables are whole."""
         return self._kind.is_sound(transaction)
@@ -196,6 +250,7 @@ class Database:
         with self._alone():
             self._words = words
             with self._kind.engine.connect() as transaction, transaction.begin():
+                self._kind.check_in_place()  # now nobody moves them before the end
                 yield transaction
                 self._is_saving = words == self._kind.changing_words
 

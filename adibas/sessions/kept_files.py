@@ -13,7 +13,9 @@ from contextlib import ExitStack, contextmanager, suppress
 from sqlalchemy import delete, select
 
 from adibas.errors import StoreError
+from adibas.files import is_there
 from adibas.sessions.database import Database
+from adibas.sessions.left_files import Left
 from adibas.sessions.rows import Transaction, add_row, change_row
 from adibas.sessions.schema import FILES, LEFTOVERS
 from adibas.sessions.sealed_files import SealedFiles
@@ -78,13 +80,25 @@ class KeptFiles:
         with self._database.changing() as transaction:
             transaction.execute(delete(FILES).where(FILES.c.file_id.in_(ids)))
 
-    def finish(self) -> None:
-        """Remove what a crash left pending; without any, the folder is not even looked at."""
+    def finish(self, left: Left = set) -> None:
+        """Remove what a crash left pending; without any, the folder is not even looked at.
+
+        Parameters
+        ----------
+        left : callable
+            Tells files that a crash left from those that somebody is writing. Where one is being
+            written all stay: a capture has several, and the next may not have begun.
+        """
         pending = select(FILES.c.file_id).where(FILES.c.sha256.is_(None))
         with self._database.reading() as transaction:
             ids = list(transaction.scalars(pending))
-        if ids:
-            self._files.remove_unfinished()  # before the keys go: they tell that one may be there
+        if not ids:
+            return
+        paths = [self._files.path_of(file_id) for file_id in ids]
+        written = {path for path in paths if is_there(path)} | set(self._files.unfinished())
+        if left(written) == written:
+            # Before the keys go: they tell that one may be there.
+            self._files.remove_unfinished(written.intersection)
             self._remove(ids)
 
 

@@ -6,6 +6,7 @@ at the next opening.
 """
 
 import shutil
+import uuid
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from adibas.sessions.merging import MergeSummary
 
 WAITING = "restoring"
-"""In the store's folder; there during a restore only."""
+"""In the store's folder, with one folder a restore; there during a restore only."""
 FOLDERS = (PICTURES_FOLDER, RECORDINGS_FOLDER, CODINGS_FOLDER)
 
 
@@ -57,34 +58,48 @@ def restore_merged(
     PassphraseError
         The passphrase is missing or wrong.
     StoreError
-        The backup is damaged, the store is read-only, or the disk is full. Nothing was changed.
+        The backup is damaged, the store is read-only, another workstation is restoring into it, or
+        the disk is full. Nothing was changed.
     FileError
         The backup cannot be read.
     """
+    database, _audit, own_key = store
+    with BackupReader(path) as backup:
+        key = own_key if backup.is_of(own_key) else backup.key(passphrase)
+        database.check_writable()
+        with database.one_restore():
+            finish_merge(database)  # what an earlier one left may be all that there is of something
+            try:
+                return _merged(backup, key, store, making, progress)
+            finally:
+                finish_merge(database)
+
+
+def _merged(
+    backup: BackupReader,
+    key: bytes,
+    store: tuple[Database, AuditLog, bytes],
+    making: set[str],
+    progress: Progress | None,
+) -> "MergeSummary":
+    """Merge the rows; the files wait."""
     from adibas.sessions.merging import merge
     from adibas.sessions.restoring import check_room, extract, make_present
     from adibas.sessions.sqlite_file import SqliteFile
 
     database, audit, own_key = store
-    with BackupReader(path) as backup:
-        key = own_key if backup.is_of(own_key) else backup.key(passphrase)
-        database.check_writable()
-        finish_merge(database)  # what an earlier one left may be all that there is of something
-        kept = _Kept(database)
-        n_bytes = backup.header.n_bytes - (kept.n_bytes() if backup.is_of(own_key) else 0)
-        check_room(database.folder, n_bytes)
-        waiting = _new_folder(database.folder / WAITING)
-        try:
-            extract(backup, key, waiting, wanted=kept.wants, progress=progress)
-            make_present(waiting, key)
-            source = Database(SqliteFile(waiting, key), is_read_only=True)
-            try:
-                summary = merge(source, database, audit, making)
-            finally:
-                source.close()
-            summary.other_codings += kept.other_codings(waiting)
-        finally:
-            finish_merge(database)
+    kept = _Kept(database)
+    n_bytes = backup.header.n_bytes - (kept.n_bytes() if backup.is_of(own_key) else 0)
+    check_room(database.folder, n_bytes)
+    waiting = _new_folder(database.folder)
+    extract(backup, key, waiting, wanted=kept.wants, progress=progress)
+    make_present(waiting, key)
+    source = Database(SqliteFile(waiting, key), is_read_only=True)
+    try:
+        summary = merge(source, database, audit, making)
+    finally:
+        source.close()
+    summary.other_codings += kept.other_codings(waiting)
     return summary
 
 
@@ -94,22 +109,27 @@ def finish_merge(database: Database) -> None:
     Raises
     ------
     StoreError
-        The disk refuses; the next opening tries again.
+        Another workstation is restoring, or the disk refuses; the next opening tries again.
     """
-    folder = database.folder
-    waiting = folder / WAITING
-    if not is_there(waiting):
+    root = database.folder / WAITING
+    if not is_there(root):
         return
-    kept = _Kept(database)
-    try:
-        for name in FOLDERS:
-            there, here = SealedFolder(waiting / name), SealedFolder(folder / name)
-            for file_id in there.ids():
-                if kept.has_use_for(waiting, f"{name}/{file_id}"):
-                    _move(there.path_of(file_id), here.path_of(file_id))
-        shutil.rmtree(waiting)
-    except OSError as error:
-        raise cannot_save(error) from error
+    with database.one_restore():  # else the files of one who is just restoring would go
+        kept = _Kept(database)
+        try:
+            for waiting in (root, *root.iterdir()):  # earlier programs had no folder for each
+                _give_places(waiting, database.folder, kept)
+            shutil.rmtree(root)
+        except OSError as error:
+            raise cannot_save(error) from error
+
+
+def _give_places(waiting: Path, folder: Path, kept: "_Kept") -> None:
+    for name in FOLDERS:
+        there, here = SealedFolder(waiting / name), SealedFolder(folder / name)
+        for file_id in there.ids():
+            if kept.has_use_for(waiting, f"{name}/{file_id}"):
+                _move(there.path_of(file_id), here.path_of(file_id))
 
 
 class _Kept:
@@ -177,8 +197,12 @@ def _place_of(root: Path, name: str) -> tuple[SealedFolder, str]:
     return SealedFolder(root / folder), file_id
 
 
-def _new_folder(waiting: Path) -> Path:
+def _new_folder(folder: Path) -> Path:
+    """Make one that no other restore writes into, also where one goes on that has lost its lock."""
+    root = folder / WAITING
+    waiting = root / uuid.uuid4().hex
     try:
+        root.mkdir(mode=0o700, exist_ok=True)
         waiting.mkdir(mode=0o700)
     except OSError as error:
         raise cannot_save(error) from error

@@ -79,9 +79,11 @@ def merge(source: Database, target: Database, audit: AuditLog, making: set[str])
     Raises
     ------
     StoreError
-        The store is read-only, or the disk is full; nothing was changed.
+        The store is read-only, the disk is full, or the server went away since `one_restore`
+        began; nothing was changed.
     """
     with source.reading() as theirs, target.changing() as ours:
+        target.check_one_restore(ours)
         work = _Merge(theirs, ours, audit, making)
         summary = work.run()
         audit.write(

@@ -55,9 +55,12 @@ def move_to_server(
         at_the_end.callback(lock.release)
         _check(folder, is_held=lock.is_held)
         key, person = open_key(folder, passphrase)
-        source = Database(SqliteFile(folder, key), is_read_only=False)
+        file = SqliteFile(folder, key)
+        source = Database(file, is_read_only=False)
         at_the_end.callback(source.close)
         AuditLog(source, utc_now, "", person).require(Permission.PROTECT)
+        if not file.keep_others_out():  # a window that only reads writes its lines of the log
+            raise _is_open()
         bring_up_to_date(source, key)
         server = ServerDatabase(folder, key, address, password)
         at_the_end.callback(server.engine.dispose)
@@ -74,10 +77,7 @@ def _check(folder: Path, *, is_held: bool) -> None:
     if read_server_file(folder) is not None:
         raise StoreError("The database of this patient store is on a server already.")
     if not is_held:
-        raise StoreError(
-            "The patient store is open in another window. Close that window, then move the "
-            "database to the server."
-        )
+        raise _is_open()
     file = read_key_file(folder)
     if file is None or not (folder / DATABASE_FILE).exists():
         raise StoreError(
@@ -89,6 +89,13 @@ def _check(folder: Path, *, is_held: bool) -> None:
             "The key of this patient store is in the keyring of this computer, where no other "
             "workstation finds it. Put the store behind a passphrase first."
         )
+
+
+def _is_open() -> StoreError:
+    return StoreError(
+        "The patient store is open in another window. Close that window, then move the database "
+        "to the server."
+    )
 
 
 def _put_aside(folder: Path) -> None:

@@ -1,6 +1,6 @@
 """Purging: data that must be gone, keys first, with one line in the log without identity."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from sqlalchemy import delete, insert, select
 
@@ -30,8 +30,20 @@ class Purge:
         self._pictures = pictures
         self._recordings = recordings
 
-    def patient(self, pseudonym: str) -> None:
+    def patient(
+        self, pseudonym: str, *, still: Callable[[Transaction], bool] | None = None
+    ) -> bool:
         """Remove a patient with everything that belongs to it.
+
+        Parameters
+        ----------
+        still : callable, optional
+            Says within the same change whether the patient is to go, who may have come back.
+
+        Returns
+        -------
+        is_gone : bool
+            False where `still` says no; nothing was changed then.
 
         Raises
         ------
@@ -40,12 +52,15 @@ class Purge:
         """
         theirs = select(SESSIONS.c.session_id).where(SESSIONS.c.pseudonym == pseudonym)
         with self._database.changing() as transaction:
+            if still is not None and not still(transaction):
+                return False
             found_patient(transaction, pseudonym)
             sessions = list(transaction.scalars(theirs))
             self._let_go(transaction, sessions)
             remove_row(transaction, PATIENTS, pseudonym)
             self._audit.write(transaction, "purge", pseudonym, sessions=len(sessions))
         self._clean()
+        return True
 
     def session(self, session_id: str) -> None:
         """Remove a session with its captures and recordings.

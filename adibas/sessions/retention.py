@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date, datetime
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from sqlalchemy import func, select
+from sqlalchemy import Select, func, select
 
 from adibas.errors import StoreError
 from adibas.progress import Progress
@@ -13,9 +13,12 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
 from adibas.sessions.defaults import ADULT_AGE, CHILD_UNTIL_AGE, RETENTION_YEARS
 from adibas.sessions.roles import Permission
-from adibas.sessions.rows import Row
+from adibas.sessions.rows import Row, Transaction
 from adibas.sessions.schema import IDENTITIES, PATIENTS, SESSIONS
 from adibas.texts import translate as _
+
+if TYPE_CHECKING:
+    from adibas.sessions.purging import Purge
 
 Reason = Literal["adult", "child", "unknown"]
 
@@ -77,7 +80,7 @@ class Expired:
 class Retention:
     """Finds and removes patients whose time is over."""
 
-    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
+    def __init__(self, database: Database, audit: AuditLog, purge: "Callable[[], Purge]") -> None:
         self._database = database
         self._audit = audit
         self._purge = purge
@@ -85,22 +88,8 @@ class Retention:
     def expired(self, rules: RetentionRules, today: date) -> tuple[Expired, ...]:
         """Return whose time is over, longest first; nothing is changed."""
         self._audit.require(Permission.RETAIN)
-        last = func.max(SESSIONS.c.started_utc).label("last_utc")
-        everybody = (
-            select(
-                PATIENTS.c.pseudonym,
-                PATIENTS.c.created_utc,
-                IDENTITIES.c.birth_date,
-                last,
-                func.count(SESSIONS.c.session_id).label("n_sessions"),
-            )
-            .join(IDENTITIES, IDENTITIES.c.pseudonym == PATIENTS.c.pseudonym)
-            .outerjoin(SESSIONS, SESSIONS.c.pseudonym == PATIENTS.c.pseudonym)
-            .group_by(PATIENTS.c.pseudonym, IDENTITIES.c.birth_date)
-        )
         with self._database.reading() as transaction:
-            found = [_judged(row, rules) for row in transaction.execute(everybody)]
-        over = (one for one in found if one.since <= today)
+            over = _over(transaction, _everybody(), rules, today)
         return tuple(sorted(over, key=lambda one: (one.since, one.pseudonym)))
 
     def apply(
@@ -108,7 +97,8 @@ class Retention:
     ) -> tuple[Expired, ...]:
         """Purge whose time is over, and return who that was; the log has a line for each.
 
-        What `progress` raises ends it before the next one; the log sums up who is gone by then.
+        Who came back before their turn stays, with all that there is of them. What `progress`
+        raises ends it before the next one; the log sums up who is gone by then.
 
         Raises
         ------
@@ -118,19 +108,49 @@ class Retention:
         self._audit.require(Permission.RETAIN)
         self._database.check_writable()
         over = self.expired(rules, today)
-        n_gone = 0
+        purge, gone = self._purge(), []
         try:
-            for one in over:
-                self._purge(one.pseudonym)
-                n_gone += 1
+            for n_done, one in enumerate(over, 1):
+                if purge.patient(one.pseudonym, still=_still_over(one.pseudonym, rules, today)):
+                    gone.append(one)
                 if progress is not None:
-                    progress(n_gone, len(over))
+                    progress(n_done, len(over))
         finally:
-            if n_gone:
+            if gone:
                 self._audit.append(
-                    "purge", "store", by="retention", patients=n_gone, years=rules.years
+                    "purge", "store", by="retention", patients=len(gone), years=rules.years
                 )
-        return over
+        return tuple(gone)
+
+
+def _everybody() -> Select[Any]:
+    last = func.max(SESSIONS.c.started_utc).label("last_utc")
+    return (
+        select(
+            PATIENTS.c.pseudonym,
+            PATIENTS.c.created_utc,
+            IDENTITIES.c.birth_date,
+            last,
+            func.count(SESSIONS.c.session_id).label("n_sessions"),
+        )
+        .join(IDENTITIES, IDENTITIES.c.pseudonym == PATIENTS.c.pseudonym)
+        .outerjoin(SESSIONS, SESSIONS.c.pseudonym == PATIENTS.c.pseudonym)
+        .group_by(PATIENTS.c.pseudonym, IDENTITIES.c.birth_date)
+    )
+
+
+def _over(
+    transaction: Transaction, whom: Select[Any], rules: RetentionRules, today: date
+) -> list[Expired]:
+    judged = (_judged(row, rules) for row in transaction.execute(whom))
+    return [one for one in judged if one.since <= today]
+
+
+def _still_over(
+    pseudonym: str, rules: RetentionRules, today: date
+) -> Callable[[Transaction], bool]:
+    whom = _everybody().where(PATIENTS.c.pseudonym == pseudonym)
+    return lambda transaction: bool(_over(transaction, whom, rules, today))
 
 
 def _judged(row: Row, rules: RetentionRules) -> Expired:

@@ -1,8 +1,11 @@
 """Small files, such as pictures, each sealed with AES-256-GCM under a key of its own."""
 
+from pathlib import Path
+
 from adibas.errors import FileError, StoreError
-from adibas.files import flush_folder, remove_unfinished, written_whole
+from adibas.files import flush_folder, unfinished_in, written_whole
 from adibas.recordings.seal import SealError
+from adibas.sessions.left_files import Left
 from adibas.sessions.sealed_folder import SealedFolder, cannot_read, cannot_save, cannot_unseal
 from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal
 
@@ -64,15 +67,29 @@ class SealedFiles(SealedFolder):
         except SealError as error:
             raise cannot_unseal(path) from error
 
-    def remove_unfinished(self) -> int:
-        """Remove what a crash left half written; return how many files that were.
-
-        Only for the one who may write: another process' file in the making looks the same.
-        """
+    def unfinished(self) -> list[Path]:
+        """Return the files that are being written, or that a crash left half written."""
         try:
-            return sum(remove_unfinished(folder) for folder in self.folder.glob("*/"))
+            return [path for folder in self.folder.glob("*/") for path in unfinished_in(folder)]
         except OSError as error:
             raise cannot_save(error) from error
+
+    def remove_unfinished(self, left: Left = set) -> int:
+        """Remove what a crash left half written; return how many files that were.
+
+        Parameters
+        ----------
+        left : callable
+            Tells them from files in the making, which look the same; all of them where this one
+            alone may write.
+        """
+        unfinished = left(self.unfinished())
+        try:
+            for path in unfinished:
+                path.unlink(missing_ok=True)
+        except OSError as error:
+            raise cannot_save(error) from error
+        return len(unfinished)
 
 
 def _as_store_error(error: FileError) -> StoreError:

@@ -148,6 +148,11 @@ class SealedRecordings(SealedFolder):
         parts = {name.removesuffix(PART_ENDING) for name in names if name.endswith(PART_ENDING)}
         return parts - self.ids()
 
+    def written(self, recording_id: str) -> Path | None:
+        """Return where a recording is, finished or not; None before its first byte."""
+        path = self.path_of(recording_id)
+        return next((one for one in (path, part_path_of(path)) if is_there(one)), None)
+
     def recover(self, recording_id: str, key: bytes) -> int | None:
         """Make a recording of what a crash left unfinished.
 

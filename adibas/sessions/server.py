@@ -30,8 +30,9 @@ SECONDS_WITHOUT_A_SIGN = 15
 NO_FILE = f"{os.devnull}/none"
 """Passwords are asked for, or in the keyring; of an empty file libpq would complain."""
 
-CHANGING, OPEN = 0x41444942_01, 0x41444942_02
-"""Numbers of two locks in the database: held during a change, and while a store is open."""
+CHANGING, OPEN, RESTORING = 0x41444942_01, 0x41444942_02, 0x41444942_03
+"""Numbers of locks in the database: held during a change, while a store is open, and while a
+backup is restored into it. The last two end with the connection, at a restart of the server too."""
 
 SETTINGS = (
     f"-c lock_timeout={SECONDS_TO_WAIT}s -c idle_in_transaction_session_timeout=60s "
@@ -97,6 +98,9 @@ class ServerDatabase(DatabaseKind):
                 server=self.server,
             )
 
+    def check_in_place(self) -> None:
+        """Do nothing: tables stay on their server."""
+
     def make_tables(self, transaction: Transaction, revision: str) -> None:
         """Make the tables in an empty database.
 
@@ -128,13 +132,33 @@ class ServerDatabase(DatabaseKind):
         return True
 
     def is_alone(self, transaction: Transaction) -> bool:
-        """Say whether no other workstation has the store open; none can open it from now on."""
+        """Say whether no other workstation is connected; none can open the store from now on.
+
+        One whose connection broke may be recording all the same: what it writes tells that.
+        """
         taken = transaction.execute(text(f"SELECT pg_try_advisory_lock({OPEN})"))
         return bool(taken.scalar_one())
 
     def let_others_in(self, transaction: Transaction) -> None:
         """Let other workstations open the store."""
         transaction.execute(text(f"SELECT pg_advisory_unlock({OPEN})"))
+
+    def begin_restore(self, transaction: Transaction) -> bool:
+        """Keep other workstations from restoring; False where one is just doing that."""
+        taken = transaction.execute(text(f"SELECT pg_try_advisory_lock({RESTORING})"))
+        return bool(taken.scalar_one())
+
+    def is_restoring(self, transaction: Transaction) -> bool:
+        """Say whether the connection is still the one that keeps others from restoring."""
+        held = text(
+            "SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND granted AND "
+            "pid = pg_backend_pid() AND ((classid::bigint << 32) | objid::bigint) = :number"
+        )
+        return bool(transaction.execute(held, {"number": RESTORING}).scalar_one())
+
+    def end_restore(self, transaction: Transaction) -> None:
+        """Let other workstations restore."""
+        transaction.execute(text(f"SELECT pg_advisory_unlock({RESTORING})"))
 
     def forget_removed(self) -> None:
         """Let the server overwrite the places of removed rows."""

@@ -9,9 +9,11 @@ from sqlalchemy import Engine, create_engine
 from sqlalchemy.pool import StaticPool
 
 from adibas.errors import StoreError
+from adibas.files import is_there
 from adibas.sessions.database import DATABASE_FILE, DatabaseKind
 from adibas.sessions.network_disks import is_on_network
 from adibas.sessions.rows import Transaction
+from adibas.sessions.server_address import SERVER_FILE
 
 SECONDS_TO_WAIT = 10.0
 LEAST_FREE_BYTES = 1 << 20
@@ -19,6 +21,9 @@ LEAST_FREE_BYTES = 1 << 20
 
 JOURNAL, JOURNAL_ON_NETWORK = "PRAGMA journal_mode = WAL", "PRAGMA journal_mode = TRUNCATE"
 """The first maps a file into memory: where a share goes, the system would end the program."""
+
+ALONE = ("PRAGMA locking_mode = EXCLUSIVE", "PRAGMA journal_mode = DELETE")
+"""The second fails where another connection has the first kind of journal."""
 
 PRAGMAS = (
     "PRAGMA cipher_log_level = NONE",
@@ -50,10 +55,36 @@ class SqliteFile(DatabaseKind):
     def __init__(self, folder: Path, key: bytes, name: str = DATABASE_FILE) -> None:
         self.folder = folder
         self.engine = _engine(folder / name, key)
+        self._may_move = name == DATABASE_FILE
 
     def check_readable(self, transaction: Transaction) -> None:
         """Read the first page: with a wrong key this fails."""
         transaction.exec_driver_sql("SELECT count(*) FROM sqlite_master").scalar_one()
+
+    def check_in_place(self) -> None:
+        """See that the database has not gone to a server."""
+        if self._may_move and is_there(self.folder / SERVER_FILE):
+            raise StoreError(
+                "The database of this patient store has gone to a server meanwhile, and nothing "
+                "of this was saved. Close the store and open it again."
+            )
+
+    def keep_others_out(self) -> bool:
+        """Let nobody else open the file until it is closed; False where somebody has it open.
+
+        On a network disk an idle one is not noticed here: its next transaction waits, and fails.
+        """
+        connection = self.engine.raw_connection()
+        try:
+            for statement in ALONE:
+                connection.cursor().execute(statement).fetchall()
+        except sqlcipher.OperationalError as error:
+            if "locked" in str(error):
+                return False
+            raise _explained(error, self.folder) from error
+        finally:
+            connection.close()
+        return True
 
     def is_sound(self, transaction: Transaction) -> bool:
         """Check every page, every row and every link."""
@@ -69,6 +100,19 @@ class SqliteFile(DatabaseKind):
 
     def let_others_in(self, transaction: Transaction) -> None:
         """Do nothing: readers come and go."""
+
+    def begin_restore(self, transaction: Transaction) -> bool:
+        """Say yes: who may write holds the lock of the folder."""
+        del transaction
+        return True
+
+    def is_restoring(self, transaction: Transaction) -> bool:
+        """Say yes: that lock does not end before the store is closed."""
+        del transaction
+        return True
+
+    def end_restore(self, transaction: Transaction) -> None:
+        """Do nothing: others cannot write."""
 
     def forget_removed(self) -> None:
         """Bring everything into the database file, so that the journal keeps no old content."""

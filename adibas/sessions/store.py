@@ -15,7 +15,7 @@ from sqlalchemy import select
 
 from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
-from adibas.files import is_there, remove_unfinished
+from adibas.files import is_there, unfinished_in
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import DATABASE_FILE, Database
@@ -23,6 +23,7 @@ from adibas.sessions.kept_files import KeptFiles, remove_leftovers
 from adibas.sessions.key_file import KEY_FILE
 from adibas.sessions.key_wrapping import Argon2Params
 from adibas.sessions.keys import make_key, open_key
+from adibas.sessions.left_files import Left, files_at_rest
 from adibas.sessions.lock import StoreLock, cannot_use
 from adibas.sessions.merged_files import finish_merge
 from adibas.sessions.migrating import bring_up_to_date
@@ -176,7 +177,7 @@ class SessionStore:
         """The patients whose time is over."""
         from adibas.sessions.retention import Retention
 
-        return Retention(self._database, self.audit, self._purge_patient)
+        return Retention(self._database, self.audit, self._purge)
 
     def forecast_disk(self) -> "DiskForecast":
         """Say when the disk will be full at the rate of the last 90 days.
@@ -203,13 +204,16 @@ class SessionStore:
 
     def tidy(self) -> None:
         """Finish what a crash interrupted; for the one opener that may write."""
+        left: Left = files_at_rest if self._database.is_shared else set
         try:
-            remove_unfinished(self.folder)
+            for path in left(unfinished_in(self.folder)):
+                path.unlink(missing_ok=True)
         except OSError as error:
             raise cannot_use(self.folder, error) from error
+        codings = SealedFiles(self.folder / CODINGS_FOLDER)
         for remove in (
-            self._files.finish,
-            SealedFiles(self.folder / CODINGS_FOLDER).remove_unfinished,
+            partial(self._files.finish, left),
+            partial(codings.remove_unfinished, left),
             partial(finish_merge, self._database),
             partial(remove_trial, self.folder),
             partial(remove_leftovers, self._database, self._sealed_folders),
@@ -223,7 +227,7 @@ class SessionStore:
         with self._database.reading() as transaction:
             has_unfinished = transaction.execute(unfinished.limit(1)).first() is not None
         if has_unfinished:
-            self.recordings.recover()
+            self.recordings.recover(left)
 
     def _sealed_folders(self) -> "tuple[SealedFolder, ...]":
         return self._pictures, self.recordings.sealed, self.recordings.codings

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from sqlalchemy import select
+from sqlalchemy import delete, select
 
 from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import AdibasError, StoreError
@@ -18,8 +18,9 @@ from adibas.recordings.convert import ConversionSummary
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
+from adibas.sessions.left_files import SECONDS_AT_REST, Left
 from adibas.sessions.roles import Permission
-from adibas.sessions.rows import Row, Transaction, add_row, change_row, remove_row, row_of
+from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_recordings import SealedRecordings, SealedRecordingWriter
@@ -294,22 +295,40 @@ class Recordings:
         self.in_the_making.discard(recording_id)
 
     def forget(self, recording_id: str) -> None:
-        """Take a recording without a file off the list."""
+        """Take a recording without a file off the list; one that somebody recovered stays."""
+        its_row = delete(RECORDINGS).where(RECORDINGS.c.recording_id == recording_id)
         with self._database.changing() as transaction:
-            remove_row(transaction, RECORDINGS, recording_id)
+            transaction.execute(its_row.where(RECORDINGS.c.is_closed.is_(False)))
         self.in_the_making.discard(recording_id)
 
-    def recover(self) -> None:
-        """List what a crash left unfinished, with the frames that are whole."""
+    def recover(self, left: Left = set) -> None:
+        """List what a crash left unfinished, with the frames that are whole.
+
+        Parameters
+        ----------
+        left : callable
+            Tells files that a crash left from those that somebody is writing.
+        """
         with self._database.reading() as transaction:
             unfinished = select(RECORDINGS).where(RECORDINGS.c.is_closed.is_(False))
-            left = transaction.execute(unfinished).all()
-        for row in left:
+            rows = transaction.execute(unfinished).all()
+        written = {row.recording_id: self.sealed.written(row.recording_id) for row in rows}
+        are_left = left([path for path in written.values() if path is not None])
+        for row in rows:
+            path = written[row.recording_id]
+            is_made = path not in are_left if path else self._is_beginning(row)
+            if is_made:
+                continue
             try:
                 self._recover(row)
             except AdibasError as error:
                 # The other recordings and the store are well; `verify` tells the user of this one.
                 logger.warning("recording %s is not recovered: %s", row.recording_id, error)
+
+    def _is_beginning(self, row: Row) -> bool:
+        """Say whether another workstation may be about to write the first byte of a recording."""
+        age = self._audit.now_utc() - datetime.fromisoformat(row.created_utc)
+        return self.is_shared and age.total_seconds() < SECONDS_AT_REST
 
     def _recover(self, row: Row) -> None:
         recording_id = row.recording_id

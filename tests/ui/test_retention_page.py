@@ -6,7 +6,9 @@ import pytest
 from PySide6.QtWidgets import QPlainTextEdit, QPushButton, QSpinBox
 
 from adibas.data.patients import Identity
+from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
+from adibas.sessions.purging import Purge
 from adibas.texts import use_language
 from tests.ui.conftest import NoSensor
 from tests.unit.store_samples import add_session, open_sample
@@ -121,20 +123,36 @@ def test_a_removal_that_fails_tells_who_is_gone_and_why_and_lists_who_is_left(
     page, years, two, told, monkeypatch
 ):
     first, second = two
-    purge = years.store.retention._purge
+    purge = Purge.patient
 
-    def fail_at_second(pseudonym):
+    def fail_at_second(self, pseudonym, **how):
         if years.store.patients.names()[pseudonym] == second:
             raise StoreError("It is in use.")
-        purge(pseudonym)
+        return purge(self, pseudonym, **how)
 
-    monkeypatch.setattr(years.store.retention, "_purge", fail_at_second)
+    monkeypatch.setattr(Purge, "patient", fail_at_second)
     consent(page, "2")
     assert told == [("bad", "1 patient was removed for good. It is in use.")]
     assert first not in names(years)
     assert years.patient is None
     (line,) = listed(page)
     assert line.startswith(second)
+
+
+def test_who_came_back_meanwhile_is_not_told_as_removed(page, years, two, told, monkeypatch):
+    first, second = two
+    purge = Purge.patient
+
+    def purge_and_come_back(self, pseudonym, **how):
+        (row,) = years.store.patients.search(second)
+        years.store.sessions.start(row.pseudonym, SessionSetup())
+        return purge(self, pseudonym, **how)
+
+    monkeypatch.setattr(Purge, "patient", purge_and_come_back)
+    consent(page, "2")
+    assert told == [("good", "1 patient was removed for good.")]
+    assert first not in names(years)
+    assert second in names(years)
 
 
 def test_other_rules_are_kept_and_put_the_list_away(page, years):

@@ -11,6 +11,7 @@ from adibas.sessions import open_store
 from adibas.sessions.key_file import KEY_FILE
 from adibas.sessions.server_address import ServerAddress, read_server_file, write_server_file
 from adibas.sessions.server_password import kept_password
+from adibas.sessions.sqlite_file import SqliteFile
 from tests.ui.conftest import CHEAP, PASSPHRASE
 from tests.unit.store_samples import MemoryKeyring, use_keyring
 from ui.ports import CancelledError
@@ -215,6 +216,8 @@ def on_a_server(folder, behind_passphrase, monkeypatch):  # noqa: ARG001  (it is
             (where / "kept").rename(where / "server.json")
 
     monkeypatch.setattr("adibas.sessions.open_store", answer, raising=False)
+    # What stands in for the server is a file, which must not notice that there is a server.
+    monkeypatch.setattr(SqliteFile, "check_in_place", lambda _self: None)
 
 
 @pytest.mark.usefixtures("on_a_server")

@@ -67,9 +67,9 @@ def open_sample(folder, **options):
     return open_store(folder, PASSPHRASE, **options)
 
 
-def raw_connection(folder):
+def raw_connection(folder, name="adibas.db"):
     """The database as somebody with the key and without this program opens it."""
-    connection = sqlcipher.connect(str(folder / "adibas.db"), isolation_level=None)
+    connection = sqlcipher.connect(str(folder / name), isolation_level=None)
     connection.execute(f"PRAGMA key = \"x'{load_key(folder, PASSPHRASE).hex()}'\"")
     return connection
 

@@ -106,6 +106,25 @@ def test_a_removal_that_is_stopped_leaves_the_rest_and_the_log_sums_up_who_is_go
         assert int(line.detail["patients"]) == 2
 
 
+def test_who_comes_back_while_others_are_removed_stays_with_the_new_session(folder):
+    born = date(1980, 5, 5)
+    first, second, third = (seen(folder, born, date(2000 + i, 3, 4)) for i in range(3))
+    today = datetime(2025, 1, 1, tzinfo=UTC)
+    with open_sample(folder, clock=lambda: today) as store:
+
+        def come_back(done, _total):
+            if done == 1:
+                store.sessions.start(second, SessionSetup())
+                store.patients.purge(third)
+
+        gone = store.retention.apply(RULES, today.date(), come_back)
+        assert [one.pseudonym for one in gone] == [first]
+        assert [row.pseudonym for row in store.patients.search("")] == [second]
+        assert len(store.sessions.of_patient(second)) == 2
+        (line,) = [one for one in store.audit.entries() if one.detail.get("by") == "retention"]
+        assert int(line.detail["patients"]) == 1
+
+
 def test_a_reader_removes_nobody(folder):
     seen(folder, date(1980, 5, 5), date(2000, 3, 4))
     with open_sample(folder) as first, open_sample(folder) as second:

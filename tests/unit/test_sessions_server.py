@@ -39,6 +39,7 @@ from tests.unit.store_samples import (
     minutes_clock,
     open_sample,
     picture,
+    raw_connection,
     use_keyring,
 )
 
@@ -241,6 +242,32 @@ def test_the_database_of_another_store_is_refused(server, tmp_path, folder):
 def test_an_open_store_stays_in_its_file(server, database, folder):
     with open_sample(folder), pytest.raises(StoreError, match="another window"):
         move_to_server(folder, PASSPHRASE, server.address(database), server.password)
+
+
+def test_a_window_that_only_reads_keeps_the_database_where_it_is(server, database, folder):
+    with open_sample(folder) as writer, open_sample(folder) as reader:
+        writer.close()
+        with pytest.raises(StoreError, match="another window"):
+            move_to_server(folder, PASSPHRASE, server.address(database), server.password)
+        reader.note_export("report", "x")
+    move_to_server(folder, PASSPHRASE, server.address(database), server.password)
+    with open_store(folder, PASSPHRASE, server_password=server.password) as store:
+        assert "export" in {line.action for line in store.audit.entries()}
+
+
+def test_who_still_reads_the_file_of_a_moved_store_is_told_and_leaves_no_line_there(
+    server, database, folder, monkeypatch
+):
+    # on a network disk an open file without a transaction has no lock that others see
+    monkeypatch.setattr("adibas.sessions.sqlite_file.is_on_network", lambda _folder: True)
+    with open_sample(folder) as writer, open_sample(folder) as reader:
+        writer.close()
+        move_to_server(folder, PASSPHRASE, server.address(database), server.password)
+        for act in (lambda: reader.note_export("report", "x"), lambda: reader.patients.search("")):
+            with pytest.raises(StoreError, match="gone to a server meanwhile"):
+                act()
+    with raw_connection(folder, "adibas.db.before-server") as kept:
+        assert kept.execute("SELECT count(*) FROM audit WHERE action = 'export'").fetchone() == (0,)
 
 
 def test_a_store_of_one_keyring_cannot_be_shared(server, database, folder, monkeypatch):
