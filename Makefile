@@ -41,13 +41,11 @@ check: setup
 translations: setup
 	$(BIN)/python -m installers.translations
 
-## Train the shipped models of the 15 joints and of the limbs again on simulated people (four hours).
+## Train the shipped models of the 15 joints and of the limbs again on simulated people (three hours).
 train: setup
 	$(BIN)/adibas skeleton train --simulator --out resources/models/skeleton.json
 	$(BIN)/adibas limbs train --simulator --seed 6215 --out resources/models/limbs-15.npz
 	$(BIN)/adibas limbs train --simulator --seed 7101 --frames 64000 \
-		--context resources/models/limbs-15.npz --out resources/models/limbs-15.npz
-	$(BIN)/adibas limbs train --simulator --seed 7102 --frames 40000 \
 		--context resources/models/limbs-15.npz --out resources/models/limbs-15.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
 	$(BIN)/python -m adibas.pipeline.likeness_training
