@@ -3,7 +3,7 @@
 from adibas.data.body_measures import BodyMeasure
 from adibas.pipeline.body import MeasuredBody
 from adibas.reports.body_files import measures_of
-from adibas.reports.body_numbers import on_paper
+from adibas.reports.body_numbers import DIGITS_TO_READ, on_paper
 from adibas.reports.facts import Pairs, analysed, intended_use, view_name
 from adibas.texts import decimal_text, message
 from adibas.texts import translate as _
@@ -59,11 +59,12 @@ def _row(measure: BodyMeasure) -> tuple[str, str, str, str, str, str]:
     if value is None:
         reason = _(measure.reason) if measure.reason else ""
         return _(definition.name), meaning, "", reason, unit, definition.source
-    between = "" if interval is None else " … ".join(decimal_text(end, 1) for end in interval)
+    digits = DIGITS_TO_READ[definition.quantity]
+    between = "" if interval is None else " … ".join(decimal_text(end, digits) for end in interval)
     return (
         _(definition.name),
         meaning,
-        decimal_text(value, 1),
+        decimal_text(value, digits),
         between,
         unit,
         definition.source,

@@ -12,6 +12,8 @@ UNITS = {
     "volume": ("l", 1000.0, 3),
 }
 """Unit on paper, how many of it are in the core's, and digits."""
+DIGITS_TO_READ = {"angle": 1, "length": 1, "volume": 2}
+"""Where somebody reads them: a leg has two litres, and both sides differ by less than a tenth."""
 
 
 def on_paper(measure: BodyMeasure) -> tuple[float | None, tuple[float, float] | None, str]:

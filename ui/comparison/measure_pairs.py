@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from adibas.data.body_measures import BodyMeasure, Definition
-from adibas.reports.body_numbers import on_paper
+from adibas.reports.body_numbers import DIGITS_TO_READ, on_paper
 from adibas.texts import translate as _
 from ui.comparison.rows import Row, interval_text, number
 
@@ -53,10 +53,12 @@ def pair_headers() -> tuple[str, ...]:
 def pair_row(pair: MeasurePair) -> Row:
     """Return the line of a measure."""
     name = f"{_(pair.definition.name)} [{_(pair.unit)}]"
-    before, now, difference = (number(x) for x in (pair.before, pair.now, pair.difference))
+    digits = DIGITS_TO_READ[pair.definition.quantity]
+    numbers = (pair.before, pair.now, pair.difference)
+    before, now, difference = (number(one, digits) for one in numbers)
     return Row(
         (pair.definition.measure_id, ""),
-        (name, before, now, interval_text(pair.interval), difference),
+        (name, before, now, interval_text(pair.interval, digits), difference),
         (name, pair.before, pair.now, None, pair.difference),
     )
 

@@ -175,12 +175,12 @@ def number(value: float | None, n_decimals: int = 1) -> str:
     return NOTHING if value is None else decimal_text(value, n_decimals)
 
 
-def interval_text(interval: Interval | None) -> str:
+def interval_text(interval: Interval | None, n_decimals: int = 1) -> str:
     """Write the ends of an interval."""
     if interval is None:
         return NOTHING
     low, high = interval
-    return _("{low} to {high}").format(low=number(low), high=number(high))
+    return _("{low} to {high}").format(low=number(low, n_decimals), high=number(high, n_decimals))
 
 
 def _told(name: str, value: float, interval: Interval) -> str:
