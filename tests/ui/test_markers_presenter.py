@@ -10,6 +10,7 @@ import pytest
 from adibas.data.frames import SourceInfo
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
+from adibas.errors import ServerAwayError
 from adibas.markers.color_files import read_colors
 from adibas.markers.color_model import ColorModel
 from adibas.markers.led import LedParams
@@ -145,6 +146,29 @@ def test_used_markers_are_looked_for_and_kept_with_the_session(learner, workspac
     np.testing.assert_allclose(kept["centroids_lab"], workspace.target.centroids_lab)
     assert told[-1] == ("good", "From now on these markers are looked for.")
     assert wanted == ["capture"]
+
+
+def test_that_saving_could_be_tried_again_is_not_covered_by_good_news(
+    learner, workspace, store, told, monkeypatch
+):
+    offers, change = [], store.sessions.change
+
+    def change_once_it_answers(*ids, **fields):
+        if not offers:
+            raise ServerAwayError("The server does not answer.")
+        return change(*ids, **fields)
+
+    workspace.retry_offered.subscribe(lambda _sentence, again: offers.append(again))
+    patient = store.patients.add(Identity("Ana"))
+    workspace.choose_patient(patient)
+    workspace.choose_session(store.sessions.start(patient.pseudonym, SessionSetup()))
+    learner.click(*STICKERS[0])
+    monkeypatch.setattr(store.sessions, "change", change_once_it_answers)
+    learner.use()
+    assert told == []
+    (again,) = offers
+    again()
+    assert workspace.session.setup.markers is not None
 
 
 def test_markers_chosen_elsewhere_take_the_place_of_clicks(learner, view, workspace):

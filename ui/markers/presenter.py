@@ -160,16 +160,17 @@ class LearnerPresenter:
         if target is None:
             return
         self._workspace.set_target(target)
-        session = self._workspace.session
+        session, is_kept = self._workspace.session, True
         if session is not None and not self._workspace.store.is_read_only:
             setup = replace(session.setup, markers=target_to_document(target))
             change = partial(
                 self._workspace.store.sessions.change, session.session_id, setup=setup, seen=session
             )
-            self._workspace.save_shared(
+            is_kept = self._workspace.save_shared(
                 lambda decisions: self._workspace.renew_session(change(decisions=decisions))
             )
-        self._workspace.tell("good", _("From now on these markers are looked for."))
+        if is_kept:  # else the user is being asked what to do, which this would cover
+            self._workspace.tell("good", _("From now on these markers are looked for."))
         self._workspace.show_screen("capture")
 
     def save(self, path: Path) -> None:
