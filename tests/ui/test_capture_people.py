@@ -243,7 +243,8 @@ def test_the_thread_knows_how_the_picture_is_turned(thread, qtbot, chain):
     chain(Turned, lambda _n_models, _moment: [])
     thread.use(Wanted(joints=True))
     thread.put(replace(FRAME, rotation_deg=270))
-    qtbot.waitUntil(lambda: turned_deg == [270])
+    qtbot.waitUntil(lambda: bool(turned_deg))
+    assert turned_deg == [270]
 
 
 def test_the_thread_tells_once_why_nobody_is_followed_and_once_that_somebody_is(
