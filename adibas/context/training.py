@@ -46,7 +46,7 @@ class ContextTraining:
     batch_size : int
         Examples between two steps.
     rate : float
-        Of the steps, at the most.
+        Of the steps, at the most; half of it where a network goes on that learned before.
     evenness : float
         1: all labels weigh the same in sum, however many cells they have; 0: all cells do.
     seed : int

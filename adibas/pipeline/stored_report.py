@@ -79,11 +79,11 @@ def _measured(
     protocol: ProtocolWish | None,
 ) -> Iterator[CaptureReport]:
     """Yield each capture as it was corrected."""
+    rotation_deg = session.setup.rotation_deg
     for capture in captures:
         surface = store.captures.surface(capture.capture_id)
         picture_rgb = store.captures.picture(capture.capture_id)
         surface_per_m = None if surface is None else surface.mean_per_m
-        rotation_deg = session.setup.rotation_deg
         yield capture_report(capture, picture_rgb, surface_per_m, protocol, rotation_deg)
 
 
