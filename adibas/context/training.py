@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from adibas.arrays import AnyArray, Float32Array, IntArray
+from adibas.arrays import AnyArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import Batch, ContextExample, batch_of
 from adibas.context.kernels import pooled
 from adibas.context.layers import Back, Linear, NormalizedConvolution, from_parents, from_pooled
@@ -246,14 +246,16 @@ def loss_and_slope(
     return -float(told @ weight), np.asarray(slope * weight[:, None], np.float32)
 
 
-def label_weights(
-    examples: Sequence[ContextExample], n_labels: int, evenness: float
-) -> Float32Array:
-    """Return (K,) weights of cells, 1 in the mean over all cells."""
+def label_shares(examples: Sequence[ContextExample], n_labels: int) -> FloatArray:
+    """Return (K,) shares of the cells that have each label; one that never occurs has one cell."""
     counts = np.zeros(n_labels)
     for example in examples:
         counts += np.bincount(example.labels[example.labels >= 0], minlength=n_labels)
-    shares = np.maximum(counts, 1.0) / max(counts.sum(), 1.0)
+    return np.asarray(np.maximum(counts, 1.0) / max(counts.sum(), 1.0))
+
+
+def label_weights(shares: FloatArray, evenness: float) -> Float32Array:
+    """Return (K,) weights of cells, 1 in the mean over all cells."""
     weights = shares**-evenness
     return np.asarray(weights / (weights @ shares), np.float32)
 
@@ -273,6 +275,11 @@ class ContextTrainer:
     params : ContextTraining
     taught : ContextNetwork or None
         Goes on learning, with smaller steps; None: a new one.
+
+    Attributes
+    ----------
+    label_shares : (K,) array
+        Of the cells of all examples.
     """
 
     def __init__(
@@ -294,7 +301,8 @@ class ContextTrainer:
             batch = self._batch(order, rng)
             self._network.take_over(taught, batch.inputs, batch.levels)
         self._adam = _Adam(self._network)
-        self._weights = label_weights(examples, n_labels, params.evenness)
+        self.label_shares = label_shares(examples, n_labels)
+        self._weights = label_weights(self.label_shares, params.evenness)
         self._per_pass = -(-len(examples) // params.batch_size)
 
     @property

@@ -23,13 +23,16 @@ def limb_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
     """
     network = model.context
     cells = None if network is None else person_cells(view)
-    if network is None or cells is None:
+    if network is None:
         return forest_probabilities(view, model)
+    if cells is None:
+        n_pixels, n_labels = np.count_nonzero(view.pixels), len(model.names)
+        return np.full((n_pixels, n_labels), 1.0 / n_labels, np.float32)
     levels = site_levels(cells.occupied, len(network.shape.widths))
     odds = network.log_odds(cell_features(view, model.forest, cells), levels)
     shares = np.exp(odds - odds.max(axis=1, keepdims=True))
     shares /= shares.sum(axis=1, keepdims=True)
-    return _merged(to_pixels(cells, shares, view.pixels), model)
+    return _merged(to_pixels(cells, shares, view), model)
 
 
 def forest_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
@@ -41,9 +44,9 @@ def forest_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
 def _merged(told: Float32Array, model: LimbModel) -> Float32Array:
     if len(model.names) == told.shape[1]:
         return told
-    onto = np.zeros((told.shape[1], len(model.names)), np.float32)
-    onto[np.arange(len(model.columns)), model.columns] = 1.0
-    return told @ onto
+    merged: Float32Array = told @ model.onto
+    merged /= merged.sum(axis=1, keepdims=True)
+    return merged
 
 
 def cell_features(view: PersonView, forest: Forest, cells: PersonCells) -> Float32Array:

@@ -7,7 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from adibas.arrays import AnyArray, FloatArray, Int32Array, IntArray, check_shape, read_only
+from adibas.arrays import (
+    AnyArray,
+    Float32Array,
+    FloatArray,
+    Int32Array,
+    IntArray,
+    check_shape,
+    read_only,
+)
 from adibas.context.files import SHAPE, network_arrays, network_of
 from adibas.context.network import ContextNetwork
 from adibas.data.limbs import LimbLabels, labels_named
@@ -20,7 +28,11 @@ from adibas.limbs.penalties import omega_2
 CLUTTER = "clutter"
 """The last label of a forest that knows what is no limb: furniture, floor, wall."""
 _MERGED = "merged"
-"""In a forest's provenance: labels of the model, and which of them each of the forest's is."""
+"""In a forest's provenance: labels of the model, which each of the forest's is, and its weight."""
+CONTEXT = "context"
+"""In a forest's provenance: how the network was trained."""
+LABEL_SHARES = "label_shares"
+"""In what is told of the network: of the cells that it was trained on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,22 +49,22 @@ class LimbModel:
         Table of equation 6.25; K labels, with `CLUTTER`.
     context : ContextNetwork or None
         Corrects what the forest says by what is around.
-    columns : (F,) int array
-        Which of the K each label of the forest is.
+    onto : (F, K) float32 array
+        What a probability of each of the forest's labels counts for the K; one of them each.
     """
 
     labels: LimbLabels
     forest: Forest
     omega_2: Int32Array
     context: ContextNetwork | None
-    columns: IntArray
+    onto: Float32Array
 
     def __post_init__(self) -> None:
         n_labels = len(self.names)
         check_shape("omega_2", self.omega_2, (n_labels, n_labels))
-        check_shape("columns", self.columns, (len(self.forest.labels),))
+        check_shape("onto", self.onto, (len(self.forest.labels), n_labels))
         read_only(self.omega_2)
-        read_only(self.columns)
+        read_only(self.onto)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -94,11 +106,14 @@ def model_of(forest: Forest, context: ContextNetwork | None = None) -> LimbModel
     """Return the model of a forest; what its provenance says of labels and table, or ours."""
     told: Any = forest.provenance.get(_MERGED)
     names = forest.labels if told is None else tuple(told["labels"])
-    columns = range(len(names)) if told is None else told["columns"]
+    n_found = len(forest.labels)
+    onto = np.zeros((n_found, len(names)), np.float32)
+    columns = range(n_found) if told is None else told["columns"]
+    onto[np.arange(n_found), columns] = 1.0 if told is None else told["weights"]
     limbs = names[:-1] if names[-1] == CLUTTER and len(names) > 1 else names
     table = forest.provenance.get("omega_2")
     penalties = omega_2(names) if table is None else np.array(table, np.int32)
-    return LimbModel(labels_named(limbs), forest, penalties, context, np.array(columns, np.int64))
+    return LimbModel(labels_named(limbs), forest, penalties, context, onto)
 
 
 def load_model(path: Path) -> LimbModel:
@@ -138,15 +153,16 @@ def save_model(model: LimbModel, path: Path) -> None:
 
 
 def merged(model: LimbModel, labels: LimbLabels, onto: Mapping[str, str]) -> LimbModel:
-    """Return the model of fewer labels: leaves say what training with these would have said.
+    """Return the model of fewer labels: it says what training with these would have said.
 
-    The splits stay those that were best for the labels before. With a context network, which
-    needs what the forest says of all labels, probabilities are added up behind it instead.
+    The splits stay those that were best for the labels before. A context network needs what the
+    forest says of all labels: what it says is added up behind it.
 
     Parameters
     ----------
     model : LimbModel
-        With the pixels of each label in its provenance, as training leaves them there.
+        With the pixels of each label in its provenance, and with the shares of the cells that a
+        network was trained on, as training leaves them there.
     labels : LimbLabels
         Wanted.
     onto : mapping
@@ -156,7 +172,8 @@ def merged(model: LimbModel, labels: LimbLabels, onto: Mapping[str, str]) -> Lim
     names = (*labels.names, *((CLUTTER,) if model.has_clutter else ()))
     target = np.array([names.index(onto.get(name, name)) for name in forest.labels])
     if model.context is not None:
-        told = {"labels": names, "columns": target.tolist()}
+        weights = _weights_behind(forest.provenance[CONTEXT], target)
+        told = {"labels": names, "columns": target.tolist(), "weights": weights.tolist()}
         table = {"omega_2": omega_2(names).tolist(), "merged_from": model.labels.name}
         provenance = {**forest.provenance, **table, _MERGED: told}
         return model_of(replace(forest, provenance=provenance), model.context)
@@ -175,6 +192,19 @@ def merged(model: LimbModel, labels: LimbLabels, onto: Mapping[str, str]) -> Lim
     return model_of(
         replace(forest, labels=names, leaves=shares.astype(np.float32), provenance=provenance)
     )
+
+
+def _weights_behind(trained: Any, target: IntArray) -> FloatArray:
+    """Return (F,) weights of what a network says of a label, in a sum over labels merged.
+
+    Trained with weights ``P(l) ** -e``, evenness e and shares P, it says ``q(l|x)`` in proportion
+    to ``P(x|l) P(l) ** (1 - e)``. Of a sum c of labels the same training would have said
+    ``P(x|c) P(c) ** (1 - e)``, and ``P(x|c) P(c)`` is the sum of ``P(x|l) P(l)``: so ``q(l|x)``
+    counts ``(P(l) / P(c)) ** e``.
+    """
+    shares: FloatArray = np.array(trained[LABEL_SHARES], float)
+    of_sum = np.bincount(target, weights=shares)[target]
+    return np.asarray((shares / of_sum) ** float(trained["params"]["evenness"]))
 
 
 def _tree_of_leaf(forest: Forest) -> IntArray:

@@ -18,7 +18,7 @@ from adibas.files import DAMAGED_ARRAYS, written_whole
 from adibas.forests.forest import Forest
 from adibas.forests.samples import TrainingImages
 from adibas.limbs.context import context_example
-from adibas.limbs.model import LimbModel, load_model, save_model
+from adibas.limbs.model import CONTEXT, LABEL_SHARES, LimbModel, load_model, save_model
 from adibas.limbs.training_set import LimbFolder, check_people, nobody_with_depth
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS
 from adibas.pipeline.unfinished_training import (
@@ -87,7 +87,7 @@ def train_context_of(
         "n_images": request.n_frames if folder is None else len(folder),
         "seed": request.seed,
         "params": {**asdict(params), "widths": list(params.widths)},
-        "before": model.forest.provenance.get("context"),
+        "before": model.forest.provenance.get(CONTEXT),
         **fingerprint_of(folder),
     }
     _check_labels(model.forest, SIMULATED_LABELS if folder is None else folder.labels)
@@ -98,7 +98,9 @@ def train_context_of(
     images = folder or simulated_images(work, request.n_frames, request.seed, progress)
     trainer = _trainer(images, model, params, progress)
     _run(trainer, work / _KEPT, params.n_passes, progress)
-    made = {"context": settings, "created_utc": to_text(clock())}
+    shares = [float(f"{share:.4g}") for share in trainer.label_shares]
+    learned = {**settings, LABEL_SHARES: shares}
+    made = {CONTEXT: learned, "created_utc": to_text(clock())}
     provenance = {**model.forest.provenance, **made}
     forest = replace(model.forest, provenance=provenance)
     trained = replace(model, forest=forest, context=rounded(trainer.learned()))

@@ -16,6 +16,7 @@ from adibas.context.training import (
     ContextTrainer,
     ContextTraining,
     LearningNetwork,
+    label_shares,
     label_weights,
     loss_and_slope,
 )
@@ -319,5 +320,5 @@ class TestTraining:
         places = np.arange(len(labels))
         features = np.zeros((len(labels), SHAPE.n_inputs), np.float16)
         example = _example(places, places, features, labels)
-        weights = label_weights([example], 4, evenness=1.0)
+        weights = label_weights(label_shares([example], 4), evenness=1.0)
         np.testing.assert_allclose(weights * np.array([3, 1, 2, 4]), 2.5)

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from adibas.cli import main
-from adibas.context.training import ContextTraining
+from adibas.context.training import ContextTraining, label_weights
 from adibas.data.limbs import LimbLabels
 from adibas.errors import FileError, LimbError
 from adibas.forests.params import ForestParams
 from adibas.limbs.cells import CELL_M, PersonView, person_cells, to_pixels
 from adibas.limbs.context import context_example, limb_probabilities
-from adibas.limbs.model import load_model, merged, save_model
+from adibas.limbs.model import load_model, merged, model_of, save_model
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline import context_training
 from adibas.pipeline.context_training import ContextRequest, train_context_of
@@ -88,19 +88,49 @@ class TestCells:
             assert cells.pixel[one] in rows[number == one] * 80 + columns[number == one]
             assert np.isfinite(view.depth_m.flat[cells.pixel[one]]) == known.any()
 
-    def test_pixels_get_what_rises_evenly_over_the_cells_exactly(self, view):
+    def test_pixels_get_what_rises_evenly_over_the_cells_exactly(self):
         mask = np.zeros((60, 80), bool)
         mask[5:55, 5:70] = True
-        cells = person_cells(view._replace(mask=mask, pixels=mask))
+        flat = PersonView(np.full(mask.shape, 2.0, np.float32), mask, mask, 300.0)
+        cells = person_cells(flat)
         rows, columns = np.nonzero(cells.occupied)
         values = np.column_stack([2.0 * rows - columns, np.ones(len(cells))]).astype(np.float32)
-        found = to_pixels(cells, values, mask)
+        found = to_pixels(cells, values, flat)
         np.testing.assert_allclose(found[:, 1], 1.0, rtol=1e-5)
         row, column = np.nonzero(mask)
         down = (row - cells.top) / cells.size_px - 0.5
         right = (column - cells.left) / cells.size_px - 0.5
         inner = (down >= 0) & (right >= 0) & (down <= rows.max()) & (right <= columns.max())
         np.testing.assert_allclose(found[inner, 0], (2 * down - right)[inner], atol=1e-4)
+
+    @pytest.fixture
+    def arm_before_torso(self):
+        """Return a view whose upper half has an arm, 20 cm before the torso, half a cell aside."""
+        depth_m = np.full((60, 80), 2.0, np.float32)
+        depth_m[:30, 41:] = 1.8
+        everywhere = np.ones((60, 80), bool)
+        return PersonView(depth_m, everywhere, everywhere, 400.0)  # cells of 4 pixels
+
+    def test_beside_a_limb_that_is_before_another_pixels_go_by_their_depth(self, arm_before_torso):
+        view = arm_before_torso
+        cells = person_cells(view)
+        is_arm = (cells.ahead_m < -0.1).astype(np.float32)
+        found = to_pixels(cells, is_arm[:, None], view).reshape(view.mask.shape)
+        upper = np.s_[:26]  # a cell away from the lower half
+        np.testing.assert_array_equal(found[upper] > 0.5, view.depth_m[upper] < 1.9)
+        assert np.abs(found[upper] - (view.depth_m[upper] < 1.9)).max() < 0.1
+        assert ((found > 0) & (found < 1)).any(), "what lies between still counts a little"
+
+    def test_a_pixel_without_depth_takes_what_lies_between_the_cells(self, arm_before_torso):
+        depth_m = arm_before_torso.depth_m.copy()
+        depth_m[10, 41] = np.nan
+        view = arm_before_torso._replace(depth_m=depth_m)
+        cells = person_cells(view)
+        rows, columns = np.nonzero(cells.occupied)
+        values = np.column_stack([columns, rows]).astype(np.float32)
+        found = to_pixels(cells, values, view).reshape(60, 80, 2)[10, 41]
+        middle = (np.array([41 - cells.left, 10 - cells.top])) / cells.size_px - 0.5
+        np.testing.assert_allclose(found, middle, atol=1e-4)
 
     def test_nobody_with_depth_has_none(self, view):
         assert person_cells(view._replace(depth_m=np.full_like(view.depth_m, np.nan))) is None
@@ -163,6 +193,42 @@ class TestModel:
         assert told["model_created_utc"] == load_model(forest_path).created_utc
         assert not model.is_made(told["model_created_utc"])
         assert model.context is not None
+
+    def test_the_file_says_which_labels_the_cells_had(self, with_context, others):
+        shares = load_model(with_context).forest.provenance["context"]["label_shares"]
+        assert sum(shares) == pytest.approx(1.0, abs=1e-3)
+        images = [LimbFolder(others).read(index)[1] for index in range(14)]
+        hands = sum(np.count_nonzero(one == 2) for one in images)
+        everything = sum(np.count_nonzero(one) for one in images)
+        assert shares[1] == pytest.approx(hands / everything, rel=0.1)
+
+    def test_merged_labels_are_what_training_with_them_would_have_said(self, with_context):
+        """Bayes' rule with the weights of training, for ten things that may be seen."""
+        rng = np.random.default_rng(8)
+        shares, evenness = np.array([0.5, 0.2, 0.07, 0.2, 0.03]), 0.85
+        seen_of = rng.dirichlet(np.ones(10), 5)  # how often each is seen of each label
+        told = (shares * label_weights(shares, evenness))[:, None] * seen_of
+        told /= told.sum(axis=0)
+        columns = np.array([0, 0, 0, 1, 2])
+        shares_of_sums = np.bincount(columns, weights=shares)
+        wanted = np.zeros((3, 10))
+        np.add.at(wanted, columns, shares[:, None] * seen_of)
+        wanted *= label_weights(shares_of_sums, evenness)[:, None]
+        wanted /= wanted.sum(axis=0)
+        names = ("head", "neck", "torso", "left_hand", "right_hand")
+        model = load_model(with_context)
+        learned = {"label_shares": shares.tolist(), "params": {"evenness": evenness}}
+        told_of = {**model.forest.provenance, "context": learned, "omega_2": None}
+        forest = replace(
+            model.forest,
+            labels=names,
+            leaves=np.full((len(model.forest.leaves), 5), 0.2),
+            provenance=told_of,
+        )
+        few = LimbLabels("own", ("torso", "left_hand", "right_hand"))
+        joined = merged(model_of(forest, model.context), few, {"head": "torso", "neck": "torso"})
+        found = joined.onto.T @ told
+        np.testing.assert_allclose(found / found.sum(axis=0), wanted, rtol=1e-5)
 
     def test_merged_labels_are_sums(self, with_context, others, tmp_path):
         model = load_model(with_context)
