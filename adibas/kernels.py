@@ -7,7 +7,7 @@ from typing import Any, TypeVar, cast
 
 import platformdirs
 
-from adibas.shipped_kernels import look_among_shipped, use_shipped_kernels
+from adibas.shipped_kernels import build_mark, look_among_shipped, use_shipped_kernels
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(platformdirs.user_cache_path("adibas") / "numba"))
 os.environ.setdefault("GOMP_SPINCOUNT", "1000")
@@ -19,6 +19,8 @@ CPU time, and it is no faster for it.
 use_shipped_kernels()
 
 import numba  # noqa: E402  (it reads all that only now)
+
+from adibas.kernel_sources import sources_of  # noqa: E402  (numpy, as numba)
 
 logger = logging.getLogger(__name__)
 
@@ -64,8 +66,9 @@ def _forgiving(dispatcher: Any) -> Any:
 
     numba lets the error of a full disk through to whoever called the compiled function.
     """
-    look_among_shipped(dispatcher)
     cache = dispatcher._cache  # noqa: SLF001  (numba offers no other place)
+    _watch_sources(dispatcher.py_func, cache)
+    look_among_shipped(dispatcher)
     save = cache.save_overload
 
     def save_if_possible(signature: object, code: object) -> None:
@@ -76,3 +79,16 @@ def _forgiving(dispatcher: Any) -> Any:
 
     cache.save_overload = save_if_possible
     return dispatcher
+
+
+def _watch_sources(function: Callable[..., Any], cache: Any) -> None:
+    """Let kept machine code count as long as all stays as it was that went into it."""
+    if build_mark() is not None:
+        return
+    load = cache.load_overload
+
+    def load_if_nothing_changed(signature: object, context: object) -> object:
+        cache._cache_file._source_stamp = sources_of(function)  # noqa: SLF001  (as above)
+        return load(signature, context)
+
+    cache.load_overload = load_if_nothing_changed

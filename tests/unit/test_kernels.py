@@ -55,3 +55,77 @@ def test_threads_that_wait_for_loops_sleep_soon_unless_the_user_wants_otherwise(
         check=False,
     )
     assert run.stdout.strip() == wanted, run.stderr
+
+
+NUMBERS = "STEP = {step}\n"
+CALLED = """
+from adibas.kernels import compiled
+
+@compiled
+def twice(x):
+    return {factor} * x
+"""
+CALLER = """
+from adibas.kernels import compiled
+from called import twice
+from numbers_of_it import STEP
+
+@compiled
+def more(x):
+    return below(x) + twice(x)
+
+@compiled
+def below(x):
+    return x - STEP
+"""
+
+
+class TestKeptMachineCode:
+    """Of a caller whose own file never changes."""
+
+    @pytest.fixture
+    def result(self, tmp_path):
+        """Return a function: write what is called and a number of another module, then call."""
+        (tmp_path / "caller.py").write_text(CALLER)
+
+        def call(factor, step):
+            for name, text in (
+                ("called.py", CALLED.format(factor=factor)),
+                ("numbers_of_it.py", NUMBERS.format(step=step)),
+            ):
+                if not (tmp_path / name).exists() or (tmp_path / name).read_text() != text:
+                    (tmp_path / name).write_text(text)
+            run = subprocess.run(
+                [sys.executable, "-W", "error", "-c", "import caller; print(caller.more(10.0))"],
+                cwd=tmp_path,
+                env={
+                    "NUMBA_CACHE_DIR": str(tmp_path / "kept"),
+                    "PATH": "/usr/bin:/bin",
+                    "PYTHONDONTWRITEBYTECODE": "1",
+                    "PYTHONPATH": str(PROJECT),
+                },
+                capture_output=True,
+                text=True,
+                timeout=120,
+                check=True,
+            )
+            return float(run.stdout)
+
+        return call
+
+    def test_is_not_run_any_more_when_what_it_calls_has_changed(self, result):
+        assert result(factor=2.0, step=1.0) == 29.0
+        assert result(factor=3.0, step=1.0) == 39.0
+
+    def test_is_not_run_any_more_when_a_number_of_another_module_has_changed(self, result):
+        assert result(factor=2.0, step=1.0) == 29.0
+        assert result(factor=2.0, step=4.0) == 26.0
+
+    def test_is_run_again_when_nothing_has_changed(self, result, tmp_path):
+        result(factor=2.0, step=1.0)
+        made = {path: path.stat().st_mtime_ns for path in (tmp_path / "kept").rglob("*.nbc")}
+        assert len(made) == 3
+        result(factor=2.0, step=1.0)
+        assert made == {
+            path: path.stat().st_mtime_ns for path in (tmp_path / "kept").rglob("*.nbc")
+        }
