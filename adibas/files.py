@@ -32,11 +32,18 @@ UNFINISHED = re.compile(r"\.[0-9a-f]{32}(\.[\w-]+)?")
 """Names of files in the making."""
 UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
 """No XML file holds these; tab and line feed may stay."""
+HALVES = re.compile("[\ud800-\udfff]")
+"""Halves of characters, as of bytes that are no text, or escaped in JSON; no UTF-8 holds them."""
 
 
 def printable(text: str) -> str:
     """Return the text with a box in place of characters that no file holds."""
     return UNPRINTABLE.sub("\N{WHITE SQUARE}", text)
+
+
+def whole_letters(text: str) -> str:
+    """Return the text with a box in place of halves of characters, which no UTF-8 holds."""
+    return HALVES.sub("\N{WHITE SQUARE}", text)
 
 
 def check_document(document: Mapping[str, Any], kind: str, version: int) -> None:

@@ -74,4 +74,4 @@ def joined_name(names: Sequence[str]) -> str:
 
 def joined_key(names: Sequence[str]) -> str:
     """Return a short text that is the same for the same parts in the same order."""
-    return hashlib.sha256("\n".join(names).encode()).hexdigest()[:8]
+    return hashlib.sha256("\n".join(names).encode(errors="surrogateescape")).hexdigest()[:8]

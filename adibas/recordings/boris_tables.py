@@ -9,7 +9,7 @@ from pathlib import Path
 
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.errors import BehaviourError
-from adibas.files import written_whole
+from adibas.files import whole_letters, written_whole
 from adibas.recordings.boris_writing import NOBODY, NOT_TOLD
 from adibas.recordings.coding_table import POINT, SESSION, STATE, Row
 from adibas.recordings.coding_times import milliseconds, seconds_text
@@ -83,7 +83,10 @@ def write_boris_table(path: Path, codings: Sequence[Coding]) -> None:
         writer = csv.DictWriter(file, columns, restval="", delimiter="\t")
         writer.writeheader()
         for coding in codings:
-            writer.writerows(_told(coding, modifiers))
+            writer.writerows(
+                {name: whole_letters(cell) for name, cell in row.items()}
+                for row in _told(coding, modifiers)
+            )
 
 
 def _told(coding: Coding, modifiers: Sequence[str]) -> Iterator[dict[str, str]]:

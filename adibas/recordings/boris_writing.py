@@ -8,7 +8,7 @@ from typing import Any
 from adibas.data.coding import MS_PER_S, Coding
 from adibas.data.ethogram import Behaviour, Selection
 from adibas.errors import BehaviourError
-from adibas.files import written_whole
+from adibas.files import whole_letters, written_whole
 
 PROJECT_VERSION = "7.0"
 OBSERVER, SECTIONS = "observer", "adibas sections"
@@ -32,7 +32,7 @@ def write_boris(path: Path, codings: Sequence[Coding]) -> None:
     """
     with written_whole(path) as unfinished:
         text = json.dumps(project_document(codings), indent=1, ensure_ascii=False, allow_nan=False)
-        unfinished.write_text(text, "utf-8")
+        unfinished.write_text(whole_letters(text), "utf-8")
 
 
 def project_document(codings: Sequence[Coding]) -> dict[str, Any]:

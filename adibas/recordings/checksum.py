@@ -22,7 +22,8 @@ def recording_sha256(path: Path) -> str:
             _add_file(digest, path)
             return digest.hexdigest()
         for file in sorted(item for item in path.rglob("*") if item.is_file()):
-            digest.update(file.relative_to(path).as_posix().encode() + b"\0")
+            name = file.relative_to(path).as_posix()
+            digest.update(name.encode(errors="surrogateescape") + b"\0")
             _add_file(digest, file)
     except OSError as error:
         raise cannot_read(path.name, error) from error

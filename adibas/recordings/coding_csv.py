@@ -10,7 +10,7 @@ from pathlib import Path
 from adibas.data.coding import Coding
 from adibas.data.ethogram import Ethogram
 from adibas.errors import BehaviourError
-from adibas.files import DAMAGED_JSON, written_whole
+from adibas.files import DAMAGED_JSON, whole_letters, written_whole
 from adibas.recordings.boris_tables import boris_rows
 from adibas.recordings.boris_writing import check_one_scheme
 from adibas.recordings.coding_table import (
@@ -99,7 +99,7 @@ def coding_csv_text(codings: Sequence[Coding]) -> str:
     writer = csv.DictWriter(table, COLUMNS, restval="")
     writer.writeheader()
     writer.writerows({name: shielded(cell) for name, cell in row.items()} for row in rows)
-    return table.getvalue()
+    return whole_letters(table.getvalue())
 
 
 def _lines(text: str) -> Iterator[tuple[int, list[str]]]:

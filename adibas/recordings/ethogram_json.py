@@ -9,7 +9,7 @@ from typing import Any
 
 from adibas.data.ethogram import BETWEEN_VALUES, Behaviour, Ethogram, Modifier, Subject
 from adibas.errors import BehaviourError
-from adibas.files import written_whole
+from adibas.files import whole_letters, written_whole
 from adibas.measures.json_lines import LARGEST_FILE, parse_lines
 from adibas.measures.protocol_fields import Findings, Group
 from adibas.resources import resource_path
@@ -69,7 +69,7 @@ def write_ethogram(path: Path, ethogram: Ethogram) -> None:
     """
     with written_whole(path) as unfinished:
         text = json.dumps(ethogram_document(ethogram), indent=1, ensure_ascii=False)
-        unfinished.write_text(f"{text}\n", "utf-8")
+        unfinished.write_text(f"{whole_letters(text)}\n", "utf-8")
 
 
 def ethogram_document(ethogram: Ethogram) -> dict[str, Any]:

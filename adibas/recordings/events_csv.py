@@ -6,7 +6,7 @@ from pathlib import Path
 
 from adibas.data.events import TimedEvent
 from adibas.errors import RecordingError
-from adibas.files import written_whole
+from adibas.files import whole_letters, written_whole
 
 NEEDED = ("recording", "label", "begin_s", "end_s")
 COLUMNS = (*NEEDED, "subject", "person", "kind", "cost")
@@ -55,13 +55,13 @@ def write_events_csv(path: Path, events: Iterable[TimedEvent]) -> None:
         for event in events:
             writer.writerow(
                 (
-                    event.recording,
-                    event.label,
+                    whole_letters(event.recording),
+                    whole_letters(event.label),
                     f"{event.begin_s:.6f}",
                     f"{event.end_s:.6f}",
-                    event.subject,
+                    whole_letters(event.subject),
                     event.person,
-                    event.kind,
+                    whole_letters(event.kind),
                     "" if event.cost is None else f"{event.cost:.6g}",
                 )
             )

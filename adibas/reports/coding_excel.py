@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from openpyxl import Workbook
 
@@ -20,6 +21,7 @@ from adibas.texts import translate as _
 LONGEST_CELL = 32_767
 SCHEME_PIECE = 1000
 TIMES, SECONDS = ("begin_s", "end_s"), "0.000"
+DETAILS = "details"
 WIDTHS = dict.fromkeys(COLUMNS, 14.0) | {"label": 24.0, "comment": 32.0, "details": 40.0}
 
 
@@ -74,15 +76,31 @@ def _add_sheets(workbook: Workbook, codings: Sequence[Coding]) -> None:
         (_("Sources"), 50.0),
     )
     add_table(workbook, _("Ethogram"), [Column(*title) for title in titles], behaviours, footer)
-    text = json.dumps(ethogram_document(ethogram))
+    text = json.dumps(_printable(ethogram_document(ethogram)))
     pieces = [text[at : at + SCHEME_PIECE] for at in range(0, len(text), SCHEME_PIECE)]
     sheet = workbook.create_sheet(SCHEME_SHEET)
     for piece in pieces:
         sheet.append([shielded(piece)])
 
 
+def _printable(document: Any) -> Any:
+    """Write names as the cells have them: else no event would be of this ethogram any more."""
+    match document:
+        case str():
+            return printable(document)
+        case list():
+            return [_printable(one) for one in document]
+        case dict():
+            return {key: _printable(one) for key, one in document.items()}
+    return document
+
+
 def _value(name: str, text: str) -> Value:
-    return float(text) if name in TIMES else _cell(text)
+    if name in TIMES:
+        return float(text)
+    if name == DETAILS and text:
+        text = json.dumps(_printable(json.loads(text)), ensure_ascii=False)
+    return _cell(text)
 
 
 def _cell(text: str) -> str:

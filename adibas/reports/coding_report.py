@@ -7,7 +7,7 @@ from pathlib import Path
 from openpyxl import Workbook
 
 from adibas.data.coding import Coding
-from adibas.files import written_whole
+from adibas.files import whole_letters, written_whole
 from adibas.recordings.coding_table import shielded
 from adibas.reports import behaviour_tables as tables
 from adibas.reports.behaviour_excel import add_coding_sheets
@@ -51,4 +51,8 @@ def _write_totals(codings: Sequence[Coding], path: Path) -> None:
         writer = csv.writer(file)  # lines end in CRLF: else it does not quote a carriage return
         writer.writerow([column.title for column in tables.budget_columns()])
         for row in tables.budget_rows(codings):
-            writer.writerow([shielded(cell) if isinstance(cell, str) else cell for cell in row])
+            writer.writerow([_cell(cell) if isinstance(cell, str) else cell for cell in row])
+
+
+def _cell(text: str) -> str:
+    return shielded(whole_letters(text))

@@ -13,8 +13,9 @@ from adibas import __version__
 from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.movement import Movement
-from adibas.errors import ReportError
-from adibas.files import written_whole
+from adibas.errors import FileError, ReportError
+from adibas.files import HALVES, whole_letters, written_whole
+from adibas.texts import message
 
 MM_PER_M = 1000.0
 TRC_FIELDS = (
@@ -24,6 +25,7 @@ TRC_FIELDS = (
 ON_ITS_SIDE = math.cos(math.radians(30.0))
 MOST_C3D_FRAMES = 65_535
 """A C3D file counts its frames in 16 bits."""
+NO_TEXT = message("it is no text")
 
 
 def upright_axes(up: FloatArray) -> FloatArray:
@@ -49,9 +51,17 @@ def write_c3d(movement: Movement, path: Path) -> None:
     ReportError
         There are more frames than the format counts.
     FileError
-        The disk is full, or the folder cannot be written.
+        The disk is full, or the folder cannot be written, or its name is no text.
     """
     import ezc3d
+
+    if HALVES.search(str(path.parent)):  # the library takes text alone
+        raise FileError(
+            "{file} cannot be written: {reason}. Choose another folder, or close the program that "
+            "uses it.",
+            file=str(path.parent),
+            reason=NO_TEXT,
+        )
 
     n_frames = len(movement.times_s)
     if n_frames > MOST_C3D_FRAMES:
@@ -95,7 +105,7 @@ def write_trc(movement: Movement, path: Path) -> None:
     rate = f"{_rate_hz(movement):.6g}"
     n_frames, n_joints = places_mm.shape[:2]
     head = [
-        f"PathFileType\t4\t(X/Y/Z)\t{path.name}{origin}",
+        f"PathFileType\t4\t(X/Y/Z)\t{whole_letters(path.name)}{origin}",
         TRC_FIELDS,
         f"{rate}\t{rate}\t{n_frames}\t{n_joints}\tmm\t{rate}\t1\t{n_frames}",
         "Frame#\tTime\t" + "\t\t\t".join(JOINT_NAMES) + "\t\t",

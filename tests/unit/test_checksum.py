@@ -1,6 +1,8 @@
 """The fingerprint of a recording changes with everything that belongs to it."""
 
 import hashlib
+import os
+import sys
 
 import pytest
 
@@ -22,6 +24,13 @@ def test_a_folder_changes_with_a_name_and_with_a_byte(tmp_path):
         sums.add(recording_sha256(tmp_path))
     assert len(sums) == 3
     assert recording_sha256(tmp_path) in sums
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name is text")
+def test_a_folder_may_hold_a_name_that_is_no_text(tmp_path):
+    without = recording_sha256(tmp_path)
+    (tmp_path / os.fsdecode(b"caf\xe9.txt")).write_bytes(b"1")
+    assert recording_sha256(tmp_path) != without
 
 
 def test_a_missing_file_is_told(tmp_path):

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from openpyxl import load_workbook
 
 from adibas.data.coding import Coding, Occurrence, Section
-from adibas.data.ethogram import Behaviour, Subject
+from adibas.data.ethogram import Behaviour, Modifier, Subject
 from adibas.errors import AdibasError, BehaviourError
 from adibas.recordings.boris_project import read_boris
 from adibas.recordings.boris_tables import write_boris_table
@@ -25,7 +25,9 @@ from adibas.recordings.coding_times import milliseconds, seconds_text
 from adibas.recordings.codings import CODING_KINDS, read_codings
 from adibas.recordings.elan import read_elan
 from adibas.recordings.elan_writing import write_elan
+from adibas.recordings.ethogram_json import read_ethogram, write_ethogram
 from adibas.reports.coding_excel import write_coding_excel
+from adibas.reports.coding_report import write_coding_report
 from tests.unit.coding_samples import ETHOGRAM, coding, codings
 
 few = settings(
@@ -74,6 +76,67 @@ def odd_coding():
 def test_a_carriage_return_stays_where_it_was_typed(tmp_path, name):
     WRITERS[name](tmp_path / name, [odd_coding()])
     assert read_codings(tmp_path / name) == (odd_coding(),)
+
+
+HALF = "\ud800"
+"""Half a character, as a file of JSON escapes one; no UTF-8 holds it."""
+
+
+def half_coding():
+    """A coding with half a character wherever somebody types."""
+    ethogram = dataclasses.replace(
+        ETHOGRAM,
+        name="table" + HALF,
+        behaviours=(Behaviour("nods" + HALF, "point", "d" + HALF, "", "c" + HALF),),
+        subjects=(Subject("child" + HALF),),
+    )
+    nods = Occurrence("nods" + HALF, 3000, 3000, "child" + HALF, (), "said" + HALF)
+    whole = Coding("session" + HALF, ethogram, 0, 60_000, (nods,), "AB" + HALF)
+    return dataclasses.replace(
+        whole,
+        sections=(Section("game" + HALF, 0, 1000),),
+        media=("film" + HALF,),
+        variables=(("room" + HALF, "b" + HALF),),
+    )
+
+
+def boxed(one):
+    """Return what a dataclass holds, with a box in place of each half of a character."""
+    return json.loads(json.dumps(dataclasses.asdict(one)).replace("\\ud800", "\\u25a1"))
+
+
+@pytest.mark.parametrize("name", [*WRITERS, "c.eaf"])
+def test_half_a_character_becomes_a_box_in_every_file(tmp_path, name):
+    write = WRITERS.get(name, lambda path, some: write_elan(path, some[0]))
+    write(tmp_path / name, [half_coding()])
+    (read,) = read_codings(tmp_path / name)
+    assert boxed(read) == boxed(half_coding())
+    assert HALF not in str(read)
+
+
+def test_a_workbook_with_a_bell_in_the_name_of_a_behaviour_opens_again(tmp_path):
+    bell = Behaviour("nods\x07", "point", modifiers=(Modifier("with\x07", ("pen\x07",)),))
+    ethogram = dataclasses.replace(ETHOGRAM, behaviours=(bell,))
+    nods = Occurrence("nods\x07", 3000, 3000, "", ("pen\x07",))
+    write_coding_excel(tmp_path / "c.xlsx", [Coding("s", ethogram, 0, 9000, (nods,))], "en")
+    (read,) = read_codings(tmp_path / "c.xlsx")
+    (event,) = read.occurrences
+    assert (event.behaviour, event.modifiers) == ("nods\u25a1", ("pen\u25a1",))
+
+
+@pytest.mark.parametrize(
+    "write",
+    [write_boris_table, lambda path, some: write_coding_report(some, 1000, path, "en")],
+    ids=["boris", "totals"],
+)
+def test_half_a_character_becomes_a_box_in_what_is_counted(tmp_path, write):
+    write(tmp_path / "c.csv", [half_coding()])
+    assert "child\N{WHITE SQUARE}" in (tmp_path / "c.csv").read_text("utf-8")
+
+
+def test_half_a_character_becomes_a_box_in_an_ethogram(tmp_path):
+    write_ethogram(tmp_path / "e.json", half_coding().ethogram)
+    assert boxed(read_ethogram(tmp_path / "e.json")) == boxed(half_coding().ethogram)
 
 
 def test_a_carriage_return_stays_in_a_table_of_boris(tmp_path):

@@ -3,6 +3,8 @@
 import csv
 import json
 import math
+import os
+import sys
 
 import ezc3d
 import numpy as np
@@ -178,6 +180,20 @@ def test_trc_has_one_line_a_frame_and_y_up(movement, tmp_path):
     )
     assert 1400 < (head - foot)[1] < 1800
     assert rows[50][2 + 3 * INDEX["left_hand"]] == ""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name is text")
+@pytest.mark.parametrize("kind", MOVEMENT_KINDS)
+def test_a_name_that_is_no_text_is_written_to_all_the_same(movement, tmp_path, kind):
+    path = tmp_path / os.fsdecode(b"Jos\xe9" + kind.encode())
+    write_movement(movement, path, "en")
+    assert path.stat().st_size
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name is text")
+def test_c3d_says_that_the_name_of_its_folder_is_no_text(movement, tmp_path):
+    with pytest.raises(FileError, match="it is no text"):
+        write_movement(movement, tmp_path / os.fsdecode(b"Jos\xe9") / "m.c3d", "en")
 
 
 def test_upright_axes_are_a_right_handed_turn():

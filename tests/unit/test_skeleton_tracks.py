@@ -140,6 +140,12 @@ def test_files_that_are_not_there_are_named(tmp_path):
         read_events_csv(tmp_path / "gone.csv")
 
 
+def test_half_a_character_becomes_a_box_in_a_table_of_events(tmp_path):
+    write_events_csv(tmp_path / "e.csv", [TimedEvent("r\udce9", "l\ud800", 1.0, 2.0, "s\udfff")])
+    (read,) = read_events_csv(tmp_path / "e.csv")
+    assert (read.recording, read.label, read.subject) == ("r\u25a1", "l\u25a1", "s\u25a1")
+
+
 def test_events_come_back_from_a_file_as_they_were(tmp_path):
     events = (
         TimedEvent("walk", "clap", 0.5, 1.25, "s01", 2, "state", 0.75),
