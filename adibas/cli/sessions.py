@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -19,7 +20,7 @@ from adibas.cli.sessions_server import add_server_arguments
 from adibas.cli.store_options import add_store, open_existing
 from adibas.clock import NS_PER_S
 from adibas.errors import StoreError
-from adibas.files import check_place
+from adibas.files import check_place, remove_file
 from adibas.sessions.audit_words import action_text, subject_text
 from adibas.sessions.roles import Permission
 from adibas.texts import message, translate_plural
@@ -35,6 +36,7 @@ SUMMARY = message("list, show, export, verify, back up or purge what the patient
 
 ALL_PATIENTS = 1_000_000
 REPORTS = ("posture.json", "report.xlsx", "report.pdf")
+EXPORTED_RECORDING = re.compile(r"recording-\d{2,}\.mcap")
 
 Work = Callable[["SessionStore", argparse.Namespace, Console], int]
 
@@ -168,13 +170,12 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
 
     protocol = wished_protocol(arguments)
     session = store.sessions.get(arguments.session)
+    store.require(Permission.EXPORT, session.session_id)
     recordings = store.recordings.of_session(session.session_id)
     folder: Path = arguments.out
     paths = [folder / f"recording-{number:02d}.mcap" for number in range(1, len(recordings) + 1)]
     reports = [folder / name for name in REPORTS] if session.capture_ids else []
-    for path in (*paths, *reports):
-        check_place(path)
-        refuse_to_replace(path, is_allowed=arguments.overwrite)
+    _make_place([*paths, *reports], folder, is_allowed=arguments.overwrite)
     for facts, path in zip(recordings, paths, strict=True):
         with console.progress(path.name) as progress:
             summary = store.recordings.export(facts.recording_id, path, progress)
@@ -195,6 +196,18 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
         console.warn(_("The session has neither recordings nor captures; nothing was written."))
     console.give({"out": [str(path) for path in paths]})
     return 0
+
+
+def _make_place(wanted: Sequence[Path], folder: Path, *, is_allowed: bool) -> None:
+    """Let nothing of an earlier export stay in the folder: sessions are not mixed there."""
+    for path in wanted:
+        check_place(path)
+    recordings = (path for path in folder.glob("*") if EXPORTED_RECORDING.fullmatch(path.name))
+    earlier = {*recordings, *(folder / name for name in REPORTS), *wanted}
+    for path in sorted(earlier):
+        refuse_to_replace(path, is_allowed=is_allowed)
+    for path in earlier - {*wanted}:
+        remove_file(path)
 
 
 def _export_reports(

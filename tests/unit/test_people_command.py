@@ -54,6 +54,14 @@ def people(run, session):
     return session
 
 
+def test_who_may_not_export_removes_nothing_of_an_earlier_export(run, people, tmp_path):
+    (tmp_path / "recording-09.mcap").touch()
+    export = ("export", people.session_id, "--out", str(tmp_path), "--overwrite")
+    code, _, err = run(CARLA, *export)
+    assert (code, "is only for clinicians" in err) == (1, True)
+    assert (tmp_path / "recording-09.mcap").exists()
+
+
 def test_the_first_is_administrator_and_the_next_an_operator_if_nothing_is_said(run, people):
     assert people
     told = json.loads(run(ANNA, "people", "list", "--json")[1])

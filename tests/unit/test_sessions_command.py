@@ -148,6 +148,23 @@ def test_export_replaces_no_report_of_another_session(run, folder, session, tmp_
     assert run("export", other.session_id, *out, "--overwrite")[0] == 0
 
 
+def test_an_export_leaves_nothing_of_another_session_in_its_folder(run, folder, session, tmp_path):
+    with open_sample(folder) as store:
+        other = add_session(store)
+        with store.recordings.create(other.session_id, INFO) as writer:
+            writer.write(make_frames(1)[0])
+    out = tmp_path / "out"
+    assert run("export", session.session_id, "--out", str(out))[0] == 0
+    (out / "recording-01.mcap").unlink()
+    (out / "recording-of-mine.mcap").touch()
+    code, _, err = run("export", other.session_id, "--out", str(out))
+    assert (code, "exists already" in err) == (1, True)
+    assert (out / "recording-02.mcap").exists()
+    assert run("export", other.session_id, "--out", str(out), "--overwrite")[0] == 0
+    left = sorted(path.name for path in out.iterdir())
+    assert left == ["recording-01.mcap", "recording-of-mine.mcap"]
+
+
 def test_an_export_is_noted_before_it_is_written(run, folder, session, tmp_path, monkeypatch):
     def full(_report, path):
         raise FileError("{file} cannot be written: the disk is full.", file=path.name)
