@@ -83,6 +83,10 @@ class PassphraseError(StoreError):
     """The store needs a passphrase, or another one."""
 
 
+class BackupLockedError(PassphraseError):
+    """A backup needs a passphrase, and none was given."""
+
+
 class NotAllowedError(StoreError):
     """Whoever has the store open may not do this: it is for another role."""
 

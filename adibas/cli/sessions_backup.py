@@ -2,7 +2,8 @@
 
 import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from adibas.cli.store_options import (
     open_existing,
     read_passphrase,
 )
-from adibas.errors import FileError
+from adibas.errors import BackupLockedError, FileError, PassphraseError
 from adibas.files import cannot_write
 from adibas.sessions.defaults import DAYS_BETWEEN_BACKUPS, N_BACKUPS_KEPT
 from adibas.sessions.merge_words import merge_texts
@@ -170,7 +171,9 @@ def _tell(out: Path, summary: "BackupSummary", console: Console) -> None:
 
 
 def _restore(arguments: argparse.Namespace, console: Console) -> int:
-    return _restore_used(arguments, console) if arguments.into is None else _new(arguments, console)
+    with _telling_how("--backup-passphrase-file"):
+        restore = _restore_used if arguments.into is None else _new
+        return restore(arguments, console)
 
 
 def _restore_used(arguments: argparse.Namespace, console: Console) -> int:
@@ -203,7 +206,10 @@ def _new(arguments: argparse.Namespace, console: Console) -> int:
 def _verify_backup(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.sessions.trial_restore import verify_backup
 
-    with console.progress(arguments.backup.name) as progress:
+    with (
+        _telling_how("--passphrase-file"),
+        console.progress(arguments.backup.name) as progress,
+    ):
         header, report = verify_backup(
             arguments.backup,
             _passphrase_of_backup(arguments),
@@ -250,6 +256,21 @@ def tell_report(report: "VerifyReport", console: Console) -> dict[str, object]:
             {"kind": f.kind, "subject": f.subject, "text": f.text} for f in report.findings
         ],
     }
+
+
+@contextmanager
+def _telling_how(option: str) -> Iterator[None]:
+    """Say of a locked backup with which option its passphrase is given."""
+    try:
+        yield
+    except BackupLockedError as error:
+        raise PassphraseError(
+            "{file} is locked. Give a file with {option} FILE, whose first line is the passphrase "
+            "that held when it was made, or set the environment variable {variable}.",
+            file=error.fields["file"],
+            option=option,
+            variable=PASSPHRASE_VARIABLE,
+        ) from error
 
 
 def _passphrase_of_backup(arguments: argparse.Namespace) -> str | None:

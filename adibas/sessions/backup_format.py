@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Self
 
-from adibas.errors import PassphraseError, StoreError
+from adibas.errors import BackupLockedError, PassphraseError, StoreError
 from adibas.files import cannot_read
 from adibas.recordings.seal import SealError
 from adibas.sessions.key_file import ID_LENGTH, KeyFile, KeyPlace, fingerprint_of, version_of
@@ -140,7 +140,7 @@ class BackupReader:
             The passphrase is missing or wrong.
         """
         if passphrase is None:
-            raise PassphraseError(
+            raise BackupLockedError(
                 "{file} is locked. Give the passphrase that held when it was made.",
                 file=self._path.name,
             )

@@ -461,3 +461,28 @@ def test_the_commands_back_up_check_and_restore(folder, session, tmp_path, monke
     assert "cut off, changed or damaged" in capsys.readouterr().err
     assert main(["sessions", "verify-backup", str(tmp_path / "none")]) == 1
     assert "cannot be read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("action", "option"),
+    [
+        (["verify-backup"], "--passphrase-file"),
+        (["restore", "--into", "new"], "--backup-passphrase-file"),
+        (["restore", "--store", "of-the-keyring"], "--backup-passphrase-file"),
+    ],
+    ids=["check", "new", "used"],
+)
+def test_who_gives_no_passphrase_of_a_backup_is_told_how_to_give_it(
+    backup, tmp_path, monkeypatch, capsys, action, option
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("ADIBAS_PASSPHRASE", raising=False)
+    use_keyring(monkeypatch, MemoryKeyring())
+    open_store(tmp_path / "of-the-keyring").close()
+    command = ["sessions", action[0], str(backup), *action[1:]]
+    assert main(command) == 1
+    told = capsys.readouterr().err
+    assert f" {option} FILE" in told
+    assert "ADIBAS_PASSPHRASE" in told
+    (tmp_path / "words").write_text(PASSPHRASE, "utf-8")
+    assert main([*command, option, "words"]) == 0
