@@ -31,7 +31,7 @@ def back_up_if_due(workspace: Workspace) -> None:
         if made is not None:
             tell_of_backup(workspace, *made)
 
-    workspace.jobs.start(_("Backing the patient store up"), work, done)
+    workspace.jobs.start(_("Backing the patient store up"), work, done, stop="tells")
 
 
 def tell_of_backup(workspace: Workspace, path: Path, summary: "BackupSummary") -> None:

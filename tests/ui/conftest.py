@@ -93,6 +93,8 @@ class InlineJobs:
         self.labels: list[str] = []
         self.problems: list[AdibasError] = []
         self.is_stopped = False
+        self.is_stopped_late = False
+        """The user stops each job after its last progress."""
 
     def start(self, label, work, done, failed=None, ended=None, *, stop="drops"):
         self.labels.append(label)
@@ -108,7 +110,8 @@ class InlineJobs:
             (failed or self.problems.append)(error)
             return job
         ended()
-        done(result)
+        if not self.is_stopped_late or stop != "drops":
+            done(result)
         return job
 
 

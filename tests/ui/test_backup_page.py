@@ -92,6 +92,22 @@ def test_a_backup_is_made_by_itself_when_one_is_due(workspace, told, tmp_path):
     assert told == [("good", f"The backup {made.name} is made.")]
 
 
+def test_what_was_done_when_stop_was_pressed_is_told(
+    presenter, view, workspace, told, inline_jobs, tmp_path
+):
+    inline_jobs.is_stopped_late = True
+    path = tmp_path / "a.adibas-backup"
+    workspace.store.patients.add(Identity("Ana"))
+    presenter.back_up(path, "")
+    assert told == [("good", "The backup a.adibas-backup is made.")]
+    presenter.restore(path, "")
+    assert "0 patients" in view.show_result.call_args.args[0][0]
+    told.clear()
+    workspace.preferences.change(backup_folder=str(tmp_path / "planned"))
+    back_up_if_due(workspace)
+    assert [kind for kind, _sentence in told] == ["good"]
+
+
 def test_missing_files_of_the_store_are_told(presenter, store, told, tmp_path, monkeypatch):
     write = store.backups.write
 

@@ -97,6 +97,15 @@ def test_the_bundle_is_the_one_that_the_command_writes(
     assert exports(store) == ["fhir", "fhir"]
 
 
+def test_an_export_that_was_done_when_stop_was_pressed_is_told(
+    presenter, tmp_path, told, inline_jobs
+):
+    inline_jobs.is_stopped_late = True
+    presenter.choose(pictures=AS_IS)
+    presenter.export_to(tmp_path / "window.json")
+    assert [kind for kind, _sentence in told] == ["good"]
+
+
 def test_the_dialog_gives_way_to_a_job_whose_end_is_told(
     presenter, view, workspace, tmp_path, told
 ):

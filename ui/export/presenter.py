@@ -147,7 +147,10 @@ class ExportPresenter:
         """Let a session leave, beside the window; the work returns what the user is told."""
         self._view.close_dialog()
         self._workspace.jobs.start(
-            _("Exporting the session"), work, lambda told: self._workspace.tell("good", told)
+            _("Exporting the session"),
+            work,
+            lambda told: self._workspace.tell("good", told),
+            stop="tells",
         )
 
     def _wish(self) -> "HandoverWish":

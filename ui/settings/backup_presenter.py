@@ -72,7 +72,7 @@ class BackupPresenter:
             tell_of_backup(self._workspace, path, summary)
             self.enter()
 
-        self._workspace.jobs.start(_("Backing the patient store up"), work, done)
+        self._workspace.jobs.start(_("Backing the patient store up"), work, done, stop="tells")
 
     def check(self, path: Path, passphrase: str) -> None:
         """Restore a backup for a moment beside what it is of, and check it there."""
@@ -94,7 +94,7 @@ class BackupPresenter:
             self._view.show_result(merge_texts(summary))
             self._workspace.choose_patient(None)  # who is shown may be another version now
 
-        self._workspace.jobs.start(_("Restoring from the backup"), work, done)
+        self._workspace.jobs.start(_("Restoring from the backup"), work, done, stop="tells")
 
     def _show_check(self, found: "tuple[BackupHeader, VerifyReport]") -> None:
         header, report = found
