@@ -66,6 +66,10 @@ ESTIMATED = message(
     "The joints are estimated without markers: how far they wander while somebody is still looks "
     "like movement. Tell a still time with --still."
 )
+ESTIMATED_STILL = message(
+    "The joints are estimated without markers: how far they wander in the still time counts as "
+    "noise."
+)
 SLOWEST_HZ = 20.0
 
 
@@ -171,7 +175,7 @@ def analyse_behaviour(
         A file cannot be used.
     """
     joints = request.joints or find_joints(request, progress, clock)
-    tracks, notices = joints.tracks, list(joints.notices)
+    tracks, notices = joints.tracks, _of_joints(joints, request.activity)
     name = request.called
     ethogram = None if request.ethogram is None else read_ethogram(request.ethogram)
     observed, more = _observed(request, ethogram)
@@ -241,6 +245,14 @@ def find_joints(
         return FoundJoints(read.tracks, tuple(read.notices))
     posed = pose_recording(PoseRequest(request.source, access=request.access), progress, clock)
     return FoundJoints(posed.tracks, (Sentence(ESTIMATED), *posed.notices))
+
+
+def _of_joints(joints: FoundJoints, params: ActivityParams) -> list[Sentence]:
+    """Return what is to be said of the joints: nobody is asked for a still time that is told."""
+    if params.still_s is None:
+        return list(joints.notices)
+    asked, told = Sentence(ESTIMATED), Sentence(ESTIMATED_STILL)
+    return [told if one == asked else one for one in joints.notices]
 
 
 def _unseen(file: str, track: SkeletonTrack) -> list[Sentence]:

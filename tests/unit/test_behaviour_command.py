@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from openpyxl import load_workbook
 
+from adibas.behaviour.activity import ActivityParams
 from adibas.cli.command_line import main
 from adibas.data.events import TimedEvent
 from adibas.data.joints import JOINT_NAMES
@@ -129,6 +130,12 @@ def test_joints_of_a_recording_are_found_without_markers(tmp_path, monkeypatch):
     found = analyse_behaviour(BehaviourRequest(tmp_path / "a.mcap"), lambda _done, _total: None)
     assert found.recording == "a"
     assert "estimated without markers" in found.notices[0].text
+    assert "--still" in found.notices[0].text
+    still_time = ActivityParams(still_s=(5.0, 10.0))
+    request = BehaviourRequest(tmp_path / "a.mcap", activity=still_time, joints=found.joints)
+    again = analyse_behaviour(request, lambda _done, _total: None)
+    assert "estimated without markers" in again.notices[0].text
+    assert not any("--still" in notice.text for notice in again.notices)
 
 
 def test_an_observer_stands_beside_the_joints(joints, tmp_path, capsys):
