@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 from sqlalchemy import select, update
 
@@ -12,6 +14,11 @@ from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row,
 from adibas.sessions.schema import CAPTURES, CORRECTIONS, IDENTITIES, PATIENTS, SESSIONS
 from adibas.texts import translate as _
 
+Value = TypeVar("Value")
+
+ALL_FIELDS = ""
+"""What was changed, where the audit log names no field, as of corrections and of what is new."""
+
 
 @dataclass(frozen=True, slots=True)
 class Side:
@@ -20,22 +27,27 @@ class Side:
     Attributes
     ----------
     last_changes : Mapping
-        When each thing was changed last, as its audit log says, by its id.
+        When each field of each thing was changed last, as its audit log says, by id and field; the
+        field is `ALL_FIELDS` where the log names none.
     is_right : bool
         It went on from the other one, so that it knows everything that the other one says.
     """
 
     transaction: Transaction
-    last_changes: Mapping[str, str]
+    last_changes: Mapping[tuple[str, str], str]
     is_right: bool = False
 
-    def is_newer(self, other: "Side", subject: str) -> bool:
-        """Say whether a thing was changed here after it was changed there."""
-        return self.last_changes.get(subject, "") > other.last_changes.get(subject, "")
+    def is_newer(self, other: "Side", subject: str, group: str = ALL_FIELDS) -> bool:
+        """Say whether a field was changed here after it was changed there."""
+        return self.last_change(subject, group) > other.last_change(subject, group)
+
+    def last_change(self, subject: str, group: str) -> str:
+        """Return when a field was changed last; empty where the log does not say."""
+        return max(self.last_changes.get((subject, one), "") for one in (group, ALL_FIELDS))
 
 
 def merge_patient(ours: Side, theirs: Side, pseudonym: str) -> tuple[str, ...] | None:
-    """Bring both versions of a patient together; the other identity goes into the notes.
+    """Bring both versions of a patient together; what does not hold goes into the notes.
 
     Returns
     -------
@@ -49,17 +61,25 @@ def merge_patient(ours: Side, theirs: Side, pseudonym: str) -> tuple[str, ...] |
         return None
     if ours.is_right:
         return ()
-    (row, identity), (old, old_identity) = rows[::-1] if theirs.is_newer(ours, pseudonym) else rows
+    newer_first = partial(_newer_first, ours, theirs, pseudonym)
+    identity, old_identity = newer_first("identity", (our_identity, their_identity))
+    (sex, old_sex), (newer_notes, old_notes) = (
+        newer_first(name, (getattr(our_row, name), getattr(their_row, name)))
+        for name in ("sex", "notes")
+    )
     others = [
         *([_identity_line(old_identity)] if old_identity != identity else []),
-        *([old.sex] if old.sex != row.sex else []),
-        old.notes,
+        *([old_sex] if old_sex != sex else []),
+        old_notes,
     ]
-    notes = _both(row.notes, others)
-    fields = []
-    if (row.sex, notes) != our_plain:
-        change_row(ours.transaction, PATIENTS, pseudonym, sex=row.sex, notes=notes)
-        fields += ["notes"]
+    notes = _both(newer_notes, others)
+    fields = [
+        name
+        for name, new, now in (("sex", sex, our_row.sex), ("notes", notes, our_row.notes))
+        if new != now
+    ]
+    if fields:
+        change_row(ours.transaction, PATIENTS, pseudonym, sex=sex, notes=notes)
     if identity != our_identity:
         columns = identity_columns(pseudonym, identity)
         change_row(ours.transaction, IDENTITIES, pseudonym, **columns)
@@ -76,9 +96,11 @@ def merge_session(ours: Side, theirs: Side, session_id: str) -> tuple[str, ...] 
         return None
     if ours.is_right:
         return ()
-    row, old = (there, here) if theirs.is_newer(ours, session_id) else (here, there)
-    others = [*([old.setup] if old.setup != row.setup else []), old.notes]
-    values = {"notes": _both(row.notes, others), "setup": row.setup}
+    newer_first = partial(_newer_first, ours, theirs, session_id)
+    setup, old_setup = newer_first("setup", (here.setup, there.setup))
+    notes, old_notes = newer_first("notes", (here.notes, there.notes))
+    others = [*([old_setup] if old_setup != setup else []), old_notes]
+    values = {"notes": _both(notes, others), "setup": setup}
     changed = tuple(name for name, value in values.items() if value != our_values[name])
     if changed:
         change_row(ours.transaction, SESSIONS, session_id, **values)
@@ -114,6 +136,14 @@ def merge_corrections(ours: Side, theirs: Side, capture_id: str) -> tuple[str, .
             number = here[key].correction_id
             change_row(ours.transaction, CORRECTIONS, number, position=position)
     return ("corrections",)
+
+
+def _newer_first(
+    ours: Side, theirs: Side, subject: str, group: str, both: tuple[Value, Value]
+) -> tuple[Value, Value]:
+    """Return our version of a field and theirs, the one first that was changed later."""
+    mine, other = both
+    return (other, mine) if theirs.is_newer(ours, subject, group) else (mine, other)
 
 
 def _both(notes: str, others: list[str]) -> str:

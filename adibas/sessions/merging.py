@@ -1,18 +1,26 @@
 """A backup into a store in use: what is missing is added, what differs is kept on both sides.
 
 Purged patients and sessions do not come back, hidden ones stay hidden. Where the store has gone on
-from the backup, it is right in everything that differs. Where both went on, the newer one is
-right, and what the other says is kept beside it.
+from the backup, it is right in everything that differs. Where both went on, the newer one of each
+field is right, and what the other says is kept beside it.
 """
 
-from collections.abc import Collection
+import json
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
-from sqlalchemy import Table, func, select, update
+from sqlalchemy import Table, select, update
 
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
-from adibas.sessions.merged_rows import Side, merge_corrections, merge_patient, merge_session
+from adibas.sessions.merged_rows import (
+    ALL_FIELDS,
+    Side,
+    merge_corrections,
+    merge_patient,
+    merge_session,
+)
 from adibas.sessions.rows import (
     Row,
     Transaction,
@@ -250,14 +258,24 @@ def _went_on_from(ours: Transaction, theirs: Transaction) -> bool:
     return line is not None and line.hash == head.hash
 
 
-def _last_changes(transaction: Transaction) -> dict[str, str]:
-    """Return when each thing was changed last, in one look at the log, which can be long."""
-    telling = (
-        select(AUDIT.c.subject, func.max(AUDIT.c.time_utc).label("last"))
-        .where(AUDIT.c.action.not_in(("view", "export", "merge")))
-        .group_by(AUDIT.c.subject)
+def _last_changes(transaction: Transaction) -> dict[tuple[str, str], str]:
+    """Return when each field of each thing was changed last; see `Side.last_changes`."""
+    telling = select(AUDIT.c.subject, AUDIT.c.time_utc, AUDIT.c.detail).where(
+        AUDIT.c.action.in_(("create", "change"))
     )
-    return {row.subject: row.last for row in transaction.execute(telling)}
+    found: dict[tuple[str, str], str] = {}
+    # One look at the log, which can be long, and whose time never goes back.
+    for row in transaction.execute(telling.order_by(AUDIT.c.sequence)):
+        for group in _changed_groups(json.loads(row.detail)):
+            found[row.subject, group] = row.time_utc
+    return found
+
+
+def _changed_groups(detail: Mapping[str, Any]) -> Collection[str]:
+    if "consent" in detail:
+        return ()
+    groups: Collection[str] = detail.get("fields", (ALL_FIELDS,))
+    return groups
 
 
 def _same_consent(row: Row) -> tuple[str, str, bool]:

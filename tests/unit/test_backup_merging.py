@@ -227,6 +227,54 @@ def assert_both_are_kept(store, session, patient, winner, other):
     assert f"visit {other}" in notes
 
 
+@pytest.mark.parametrize("later", ["consent", "hidden", "refused", "notes"])
+@pytest.mark.parametrize("is_corrected_here", [True, False])
+def test_a_corrected_identity_holds_whatever_else_was_done_later_in_the_other_place(
+    two_ways, session, tmp_path, later, is_corrected_here
+):
+    here, there = two_ways
+    corrected, other = (here, there) if is_corrected_here else (there, here)
+    right = replace(IDENTITY, name="Corrected")
+    with open_sample(corrected, clock=minutes_clock(LATER)) as store:
+        store.patients.change(session.patient, identity=right)
+    with open_sample(other, clock=minutes_clock(LATEST)) as store:
+        match later:
+            case "consent":
+                consent = Consent(("research",), "Ana", False, LATEST)
+                store.patients.give_consent(session.patient, consent)
+            case "hidden":
+                store.patients.delete(session.patient)
+                store.patients.restore(session.patient)
+            case "refused":
+                store.audit.append("refuse", session.patient, permission="purge")
+            case "notes":
+                store.patients.change(session.patient, notes="seen at home")
+    path = back_up(there, tmp_path / "b.adibas-backup")
+    with open_sample(here, clock=minutes_clock(LATEST + timedelta(days=1))) as store:
+        store.backups.restore(path)
+        patient = store.patients.get(session.patient)
+        assert patient.identity == right
+        assert patient.notes.startswith("seen at home") == (later == "notes")
+
+
+@pytest.mark.parametrize("is_measured_here", [True, False])
+def test_a_set_up_and_notes_that_were_changed_in_two_places_both_hold(
+    two_ways, session, tmp_path, is_measured_here
+):
+    here, there = two_ways
+    measured, noted = (here, there) if is_measured_here else (there, here)
+    setup = replace(session.setup, is_repeat=not session.setup.is_repeat)
+    with open_sample(measured, clock=minutes_clock(LATER)) as store:
+        store.sessions.change(session.session_id, setup=setup)
+    with open_sample(noted, clock=minutes_clock(LATEST)) as store:
+        store.sessions.change(session.session_id, notes="tired")
+    path = back_up(there, tmp_path / "b.adibas-backup")
+    with open_sample(here, clock=minutes_clock(LATEST + timedelta(days=1))) as store:
+        store.backups.restore(path)
+        merged = store.sessions.get(session.session_id)
+        assert (merged.setup, merged.notes.splitlines()[0]) == (setup, "tired")
+
+
 def test_a_name_within_a_word_of_the_notes_is_kept_all_the_same(two_ways, session, tmp_path):
     here, there = two_ways
     for folder, name, clock in ((there, "Eva", LATER), (here, "Ana", LATEST)):
