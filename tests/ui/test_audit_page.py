@@ -86,6 +86,16 @@ def test_older_lines_are_cut_from_the_page_but_not_from_the_file(
     assert subjects(view)[0] == "store", "the page shows that it was written"
 
 
+def test_a_log_that_was_written_when_stop_was_pressed_is_told(
+    presenter, workspace, inline_jobs, tmp_path
+):
+    told = []
+    workspace.noticed.subscribe(lambda kind, _sentence: told.append(kind))
+    inline_jobs.is_stopped_late = True
+    presenter.export(tmp_path / "log.csv")
+    assert told == ["good"]
+
+
 def test_only_the_lines_on_one_patient_are_written(presenter, tmp_path, ana):
     presenter.search("ruiz")
     presenter.export(tmp_path / "log.csv")

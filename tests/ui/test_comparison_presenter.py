@@ -287,6 +287,18 @@ def test_a_plot_that_is_saved_is_noted_in_the_audit_log(
     assert told == [("good", "Written: plot.png")]
 
 
+def test_a_plot_that_was_saved_when_stop_was_pressed_is_told(
+    presenter, visit, workspace, tmp_path, inline_jobs
+):
+    told = []
+    workspace.noticed.subscribe(lambda *notice: told.append(notice))
+    visit(0.0)
+    presenter.enter()
+    inline_jobs.is_stopped_late = True
+    presenter.save_picture(tmp_path / "plot.png", b"PNG")
+    assert told == [("good", "Written: plot.png")]
+
+
 def save_plot(view, workspace, patient, path):
     """Save a plot of a patient's last session."""
     workspace.choose_patient(patient)

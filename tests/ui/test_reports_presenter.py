@@ -259,6 +259,16 @@ def test_the_user_may_stop_the_writing(presenter, view, saved, inline_jobs, tmp_
     view.show_written.assert_called_once_with(None)
 
 
+def test_reports_that_were_written_when_stop_was_pressed_are_told(
+    presenter, view, saved, inline_jobs, tmp_path, told
+):
+    presenter.choose_sessions((saved[1].session_id,))
+    inline_jobs.is_stopped_late = True
+    presenter.write(tmp_path / "out", (".csv", ".xlsx"))
+    assert told[0][1].startswith("2 files are written")
+    view.show_written.assert_called_with(tmp_path / "out")
+
+
 def test_a_store_that_is_only_read_can_be_reported_and_the_log_says_so(
     second_window, store, saved, view, tmp_path
 ):

@@ -181,6 +181,7 @@ class CountsPresenter:
             lambda _none: self._workspace.tell(
                 "good", _("{file} is written.").format(file=path.name)
             ),
+            stop="tells",
         )
 
     def _on_changed(self) -> None:

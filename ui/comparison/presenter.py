@@ -128,7 +128,7 @@ class ComparisonPresenter:
         def done(_nothing: None) -> None:
             self._workspace.tell("good", _("Written: {names}").format(names=path.name))
 
-        self._workspace.jobs.start(_("Writing the picture"), work, done)
+        self._workspace.jobs.start(_("Writing the picture"), work, done, stop="tells")
 
     def save_report(self, path: Path) -> None:
         """Write the report on the back of the later session, as its ending says."""
@@ -145,7 +145,7 @@ class ComparisonPresenter:
         def done(_nothing: None) -> None:
             self._workspace.tell("good", _("Written: {names}").format(names=path.name))
 
-        self._workspace.jobs.start(_("Writing the report"), work, done)
+        self._workspace.jobs.start(_("Writing the report"), work, done, stop="tells")
 
     def _follow(self) -> None:
         if self._is_seen:

@@ -153,7 +153,10 @@ class ReportsPresenter:
             return write_session_reports(reports, folder, kinds, control.progress)
 
         self._workspace.jobs.start(
-            _("Writing reports"), work, lambda written: self._on_written(folder, written)
+            _("Writing reports"),
+            work,
+            lambda written: self._on_written(folder, written),
+            stop="tells",
         )
 
     def export(self) -> None:

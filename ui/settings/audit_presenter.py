@@ -66,7 +66,7 @@ class AuditPresenter:
             )
             self.enter()
 
-        self._workspace.jobs.start(_("Writing the audit log"), work, done)
+        self._workspace.jobs.start(_("Writing the audit log"), work, done, stop="tells")
 
     def _entries(self, text: str, limit: int) -> "tuple[AuditEntry, ...]":
         store, typed = self._workspace.store, text.strip()
