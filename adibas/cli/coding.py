@@ -121,7 +121,9 @@ def _scheme(arguments: argparse.Namespace) -> "Ethogram | None":
 
 
 def _ms(seconds: float) -> int:
-    return max(round(MS_PER_S * seconds), 1)
+    from adibas.data.coding import whole_ms
+
+    return max(whole_ms(seconds), 1)
 
 
 def _agreement(arguments: argparse.Namespace, console: Console) -> int:

@@ -13,6 +13,8 @@ from adibas.data.sentence import Sentence
 from adibas.texts import message
 
 MS_PER_S = 1000
+LONGEST_MS = 2**53
+"""Longer than anything lasts; up to it every whole number is a float, too."""
 
 UNKNOWN_BEHAVIOUR = message("the behaviour {behaviour} is not in the ethogram. Add it, or correct.")
 UNKNOWN_SUBJECT = message("the subject {subject} is not in the ethogram. Add it, or correct.")
@@ -26,6 +28,11 @@ OVERLAPS = message(
     "{behaviour} at {at} s begins while {other} still lasts, which the ethogram excludes. End one "
     "of them first."
 )
+
+
+def whole_ms(seconds: float) -> int:
+    """Return seconds in whole milliseconds; more than `LONGEST_MS` is as long as that."""
+    return round(min(seconds * MS_PER_S, LONGEST_MS))
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from adibas.behaviour.activity import ActivityParams
 from adibas.behaviour.budget import Condition, Span, conditions
 from adibas.behaviour.posture_changes import PostureParams, hidden_spans_s, posture_changes_s
 from adibas.clock import Clock, to_text, utc_now
-from adibas.data.coding import MS_PER_S, Coding, Occurrence, Section
+from adibas.data.coding import MS_PER_S, Coding, Occurrence, Section, whole_ms
 from adibas.data.ethogram import Behaviour, Ethogram, Subject
 from adibas.data.events import TimedEvent
 from adibas.data.posture import Provenance
@@ -202,7 +202,7 @@ def analyse_behaviour(
     detected = Coding(name, scheme, *session_ms, tuple(occurrences), PROGRAM, sections)
     return BehaviourAnalysis(
         *(name, request.patient, tuple(people), detected, observed),
-        round(request.bin_s * MS_PER_S),
+        max(whole_ms(request.bin_s), 1),
         _provenance(request, clock),
         _once(notices),
         joints,

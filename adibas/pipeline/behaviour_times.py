@@ -6,14 +6,14 @@ import numpy as np
 
 from adibas.behaviour.activity import Seconds
 from adibas.behaviour.budget import Span
-from adibas.data.coding import MS_PER_S, Coding, Section
+from adibas.data.coding import MS_PER_S, Coding, Section, whole_ms
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import BehaviourError
 
 
 def in_ms(span_s: Seconds) -> Span:
     """Return a span of time in whole milliseconds."""
-    return round(span_s[0] * MS_PER_S), round(span_s[1] * MS_PER_S)
+    return whole_ms(span_s[0]), whole_ms(span_s[1])
 
 
 def session_of(tracks: Sequence[SkeletonTrack], observed: Coding | None) -> Span:

@@ -10,6 +10,7 @@ from openpyxl import load_workbook
 
 from adibas.behaviour.activity import ActivityParams
 from adibas.cli.command_line import main
+from adibas.data.coding import LONGEST_MS
 from adibas.data.events import TimedEvent
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
@@ -161,6 +162,12 @@ def test_gestures_that_overlap_with_themselves_follow_each_other():
     ]
 
 
+@pytest.mark.parametrize(("bin_s", "bin_ms"), [(0.0001, 1), (1e306, LONGEST_MS)])
+def test_a_bin_lasts_a_millisecond_at_least_and_no_longer_than_anything(joints, bin_s, bin_ms):
+    request = BehaviourRequest(joints, bin_s=bin_s)
+    assert analyse_behaviour(request, lambda _done, _total: None).bin_ms == bin_ms
+
+
 def test_gestures_of_a_model_are_in_the_timeline(joints):
     model = resource_path("models", "gestures.json")
     found = analyse_behaviour(BehaviourRequest(joints, (model,)), lambda _done, _total: None)
@@ -174,6 +181,8 @@ def test_gestures_of_a_model_are_in_the_timeline(joints):
         (["--section", "a=0:20", "--section", "b=10:30"], "overlaps with another one"),
         (["--section", "a=0:200"], "outside the recording"),
         (["--still", "50:70"], "still time from 50.0 to 70.0 s lies outside the recording (0.0 to"),
+        (["--still", "0:1e306"], "lies outside the recording"),
+        (["--section", "a=0:1e306"], "outside the recording"),
         (["--coding", "none.csv"], "none.csv cannot be read"),
         (["--model", "none.json"], "none.json cannot be read"),
     ],
@@ -288,6 +297,23 @@ def test_a_coding_goes_through_every_format(observers, tmp_path, capsys):
     assert read_codings(at) == read_codings(observers[0])
     assert main(["coding", "convert", str(at), str(tmp_path / "c.doc")]) == 1
     assert "must end in one of" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["count", "--bin"],
+        ["sample", "--interval"],
+        ["agreement", "--tolerance"],
+        ["agreement", "--interval"],
+        ["agreement", "--unit"],
+    ],
+)
+@pytest.mark.parametrize("seconds", ["1e-9", "1e306"])
+def test_a_time_that_nothing_lasts_is_as_good_as_any_other(observers, command, seconds):
+    action, option = command
+    codings = observers[: 2 if action == "agreement" else 1]
+    assert main(["coding", action, *map(str, codings), option, seconds]) == 0
 
 
 def test_several_sessions_are_several_files_of_elan(tmp_path, capsys):
