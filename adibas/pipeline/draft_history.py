@@ -15,7 +15,7 @@ from adibas.behaviour.editing import Draft, History
 from adibas.data.coding import Coding, Occurrence
 from adibas.data.sentence import Sentence
 from adibas.errors import AdibasError
-from adibas.files import DAMAGED_JSON, check_document
+from adibas.files import DAMAGED_JSON, check_document, whole_letters
 from adibas.pipeline.coding_drafts import CODED, DETECTED, DraftPlace, read_draft, write_draft
 from adibas.recordings.coding_csv import coding_csv_text, codings_of_csv
 from adibas.texts import message
@@ -60,7 +60,7 @@ def write_history(place: DraftPlace, history: History[Draft], at_ms: int) -> Non
         "back": _steps(base, before[: -MOST_STEPS - 1 : -1]),
         "forth": _steps(base, after[:MOST_STEPS]),
     }
-    place.write(STEPS, json.dumps(document, ensure_ascii=False))
+    place.write(STEPS, whole_letters(json.dumps(document, ensure_ascii=False)))
 
 
 def read_history(place: DraftPlace) -> Kept | None:

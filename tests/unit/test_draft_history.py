@@ -90,6 +90,22 @@ def test_every_kind_of_step_comes_back(place):
     assert kept(place, half).redone().redone().redone() == EVERY_KIND
 
 
+def test_steps_with_half_a_character_come_back_with_a_box(tmp_path):
+    place = BesideRecording(tmp_path / "visit.mcap")
+    named = replace(coding(), ethogram=FREE, name="caf\udce9", media=("caf\udce9.mcap",))
+    start = Draft(named)
+    nods = Occurrence("nods", 5000, 5000, "child", (), "said \ud83d")
+    history = History(start).changed(added(start, nods))
+    found = kept(place, history)
+    assert found.now.coding.name == "caf\N{WHITE SQUARE}"
+    boxed = replace(nods, comment="said \N{WHITE SQUARE}")
+    assert found.now.coding.occurrences == (boxed,)
+    assert found.undone().now.coding.occurrences == ()
+    assert found.undone().redone().now.coding.occurrences == (boxed,)
+    undone = kept(place, history.undone())
+    assert undone.redone().now.coding.occurrences == (boxed,)
+
+
 def test_a_state_that_lasted_is_ended_and_lasts_again_when_that_is_undone(place):
     history = steps(lambda old: pressed(old, "seated", "child", 1000))
     found = kept(place, history, 9000)
