@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from adibas.data.markers import Marker
     from adibas.data.sessions import Capture, Session
     from adibas.pipeline.stored_report import ReportWish
-    from adibas.sessions import AuditEntry, PatientRow, SessionStore
+    from adibas.sessions import AuditEntry, PatientRow, RecordingFacts, SessionStore
 
 SUMMARY = message("list, show, export, verify, back up or purge what the patient store holds")
 
@@ -176,19 +176,17 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
     paths = [folder / f"recording-{number:02d}.mcap" for number in range(1, len(recordings) + 1)]
     reports = [folder / name for name in REPORTS] if session.capture_ids else []
     _make_place([*paths, *reports], folder, is_allowed=arguments.overwrite)
-    for facts, path in zip(recordings, paths, strict=True):
-        with console.progress(path.name) as progress:
-            summary = store.recordings.export(facts.recording_id, path, progress)
-        if summary.notice:
-            console.warn(summary.notice)
-        text = translate_plural(
-            "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", summary.n_frames
+    pictures = PictureChoice(arguments.pictures)
+    _export_recordings(store, recordings, paths, console)
+    if recordings and pictures is not PictureChoice.AS_IS:
+        console.warn(
+            _(
+                "The recordings show the patient as the camera did, the face too: --pictures is "
+                "for the report alone."
+            )
         )
-        console.say(text.format(file=path, n_frames=summary.n_frames))
     if reports:
-        wish = ReportWish(
-            arguments.language, PictureChoice(arguments.pictures), protocol, arguments.compared_with
-        )
+        wish = ReportWish(arguments.language, pictures, protocol, arguments.compared_with)
         for path in _export_reports(store, session, reports, wish):
             paths.append(path)
             console.say(str(path))
@@ -208,6 +206,23 @@ def _make_place(wanted: Sequence[Path], folder: Path, *, is_allowed: bool) -> No
         refuse_to_replace(path, is_allowed=is_allowed)
     for path in earlier - {*wanted}:
         remove_file(path)
+
+
+def _export_recordings(
+    store: "SessionStore",
+    recordings: "Sequence[RecordingFacts]",
+    paths: Sequence[Path],
+    console: Console,
+) -> None:
+    for facts, path in zip(recordings, paths, strict=True):
+        with console.progress(path.name) as progress:
+            summary = store.recordings.export(facts.recording_id, path, progress)
+        if summary.notice:
+            console.warn(summary.notice)
+        text = translate_plural(
+            "{file}: {n_frames} frame.", "{file}: {n_frames} frames.", summary.n_frames
+        )
+        console.say(text.format(file=path, n_frames=summary.n_frames))
 
 
 def _export_reports(
