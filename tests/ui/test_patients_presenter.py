@@ -586,7 +586,12 @@ def test_what_is_wrong_is_said_at_its_field_and_nothing_is_saved(
 
 @pytest.mark.usefixtures("ana")
 @pytest.mark.parametrize(
-    "entry", [PatientEntry("Someone", "", "HC-1"), PatientEntry("ana ruiz", "27/3/2014")]
+    "entry",
+    [
+        PatientEntry("Someone", "", "HC-1"),
+        PatientEntry("ana ruiz", "27/3/2014"),
+        PatientEntry("Ana Rui\u0301z", "27/3/2014"),
+    ],
 )
 def test_a_patient_like_another_one_is_saved_on_the_second_wish(screen, store, entry):
     screen.forms.add()
@@ -595,6 +600,16 @@ def test_a_patient_like_another_one_is_saved_on_the_second_wish(screen, store, e
     assert len(store.patients.search("")) == 1
     screen.forms.save(entry)
     assert len(store.patients.search("")) == 2
+
+
+def test_a_record_number_is_found_among_many_that_contain_it(screen, store):
+    for number in range(60):
+        store.patients.add(Identity(f"Ana {number:02d}", record_number=f"7{number:02d}"))
+    store.patients.add(Identity("Zoe", record_number="7"))
+    screen.forms.add()
+    screen.forms.save(PatientEntry("Zoé Puig", record_number="7"))
+    assert screen.form.show_problem.call_args.args[0] == "name"
+    assert len(store.patients.search("")) == 61
 
 
 @pytest.mark.usefixtures("ana")

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.data.patients import Consent, Identity, Patient
+from adibas.sessions.search_text import simplified
 from adibas.texts import translate as _
 from ui.orders.presenter import has_work_list
 from ui.patients.content import (
@@ -22,8 +23,6 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.exchange.orders import Order
     from adibas.sessions.conflicts import Decision
-
-MOST_ALIKE = 50
 
 
 class FormView(Protocol):
@@ -274,10 +273,12 @@ class FormPresenter:
         )
 
     def _is_alike_another(self, patient: Patient | None, identity: Identity) -> bool:
+        from adibas.sessions.patients import ALL_OF_THEM
+
         own = None if patient is None else patient.pseudonym
         search = self._workspace.store.patients.search
         for text in filter(None, (identity.record_number, identity.name)):
-            for row in search(text, limit=MOST_ALIKE):
+            for row in search(text, limit=ALL_OF_THEM):
                 if row.pseudonym != own and _is_alike(row.identity, identity):
                     return True
         return False
@@ -313,5 +314,5 @@ def _ordered_entry(order: "Order") -> PatientEntry:
 
 def _is_alike(one: Identity, other: Identity) -> bool:
     has_number = bool(one.record_number) and one.record_number == other.record_number
-    names = (one.name.casefold(), other.name.casefold())
+    names = (simplified(one.name), simplified(other.name))
     return has_number or (names[0] == names[1] and one.birth_date == other.birth_date)
