@@ -86,6 +86,14 @@ def test_older_lines_are_cut_from_the_page_but_not_from_the_file(
     assert subjects(view)[0] == "store", "the page shows that it was written"
 
 
+def test_the_lines_on_a_patient_are_found_among_many_with_a_number_like_it(presenter, view, store):
+    for number in range(60):
+        store.patients.add(Identity(f"Ana {number:02d}", record_number=f"7{number:02d}"))
+    zoe = store.patients.add(Identity("Zoe", record_number="7"))
+    presenter.search("7")
+    assert zoe.pseudonym in subjects(view)
+
+
 def test_a_log_that_was_written_when_stop_was_pressed_is_told(
     presenter, workspace, inline_jobs, tmp_path
 ):

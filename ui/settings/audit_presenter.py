@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from adibas.sessions import AuditEntry
 
 MOST_SHOWN = 200
-MOST_PATIENTS = 50
 EVERY_LINE = 2**31
 
 
@@ -69,10 +68,12 @@ class AuditPresenter:
         self._workspace.jobs.start(_("Writing the audit log"), work, done, stop="tells")
 
     def _entries(self, text: str, limit: int) -> "tuple[AuditEntry, ...]":
+        from adibas.sessions.patients import ALL_OF_THEM
+
         store, typed = self._workspace.store, text.strip()
         if not typed:
             return store.audit.entries(limit)
-        found = store.patients.search(typed, limit=MOST_PATIENTS, with_deleted=True)
+        found = store.patients.search(typed, limit=ALL_OF_THEM, with_deleted=True)
         # A patient who was removed for good is found by the whole pseudonym alone.
         pseudonyms = {typed.upper(), *(row.pseudonym for row in found)}
         return store.audit.entries(limit, patients=pseudonyms)
