@@ -25,9 +25,9 @@ DOCTYPE = re.compile(rb"<!(DOCTYPE|ENTITY)", re.IGNORECASE)
 def read_elan(path: Path, ethogram: Ethogram | None = None) -> Coding:
     """Read annotations that have times of their own.
 
-    In a file of ours everything is as it was, with what was moved in ELAN. In any other one each
-    tier is a behaviour (``behaviour@participant`` as ELAN's users name them), each annotation a
-    state, and its text the comment.
+    In a file of ours everything is as it was, with what was moved in ELAN. In any other one, and in
+    tiers that were added to ours, each tier is a behaviour (``behaviour@participant`` as ELAN's
+    users name them), each annotation a state, and its text the comment.
 
     Raises
     ------
@@ -92,9 +92,12 @@ def _ours(path: Path, root: ET.Element, ours: dict[str, Any], ethogram: Ethogram
     own = ethogram_of_text(json.dumps(ours["ethogram"]), path.name)
     scheme = ethogram or own
     annotations = _annotations(root)
+    tiers = {tier: (behaviour, subject) for tier, behaviour, subject in ours["tiers"]}
+    added = {tier: _named(tier, who) for tier, who in _people(root).items() if tier not in tiers}
+    added.pop(SECTION_TIER, None)
     occurrences = [
-        _occurrence(own, behaviour, subject, span)
-        for tier, behaviour, subject in ours["tiers"]
+        _occurrence(scheme if tier in added else own, behaviour, subject, span)
+        for tier, (behaviour, subject) in (tiers | added).items()
         for span in annotations.get(tier, ())
     ]
     begin_ms, end_ms = ours["observed_ms"]
@@ -133,15 +136,24 @@ def _occurrence(
     )
 
 
-def _others(path: Path, root: ET.Element, ethogram: Ethogram | None) -> Coding:
-    annotations = _annotations(root)
-    people = {
+def _people(root: ET.Element) -> dict[str, str]:
+    """Return the participant of each tier; empty where none is told."""
+    return {
         tier.attrib["TIER_ID"]: tier.attrib.get("PARTICIPANT", "") for tier in root.iter("TIER")
     }
+
+
+def _named(tier: str, participant: str) -> tuple[str, str]:
+    """Return behaviour and subject of a tier that somebody named."""
+    behaviour, _at, subject = tier.partition(BETWEEN)
+    return behaviour, participant or subject
+
+
+def _others(path: Path, root: ET.Element, ethogram: Ethogram | None) -> Coding:
+    people = _people(root)
     found = []
-    for tier, spans in annotations.items():
-        behaviour, _at, subject = tier.partition(BETWEEN)
-        who = people[tier] or subject
+    for tier, spans in _annotations(root).items():
+        behaviour, who = _named(tier, people[tier])
         found += [Occurrence(behaviour, *span[:2], who, comment=span[2]) for span in spans]
     if ethogram is None:
         names = dict.fromkeys(one.behaviour for one in found)

@@ -528,6 +528,33 @@ ELAN = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+ADDED_TIER = """
+ <TIER LINGUISTIC_TYPE_REF="behaviour" TIER_ID="{name}"><ANNOTATION>
+  <ALIGNABLE_ANNOTATION ANNOTATION_ID="a99" TIME_SLOT_REF1="ts1" TIME_SLOT_REF2="ts2">
+   <ANNOTATION_VALUE>seen again</ANNOTATION_VALUE>
+  </ALIGNABLE_ANNOTATION>
+ </ANNOTATION></TIER>
+ <LINGUISTIC_TYPE """
+
+
+def test_what_was_added_in_elan_in_a_tier_of_its_own_is_read_or_told(tmp_path):
+    path = tmp_path / "c.eaf"
+    write_elan(path, coding(("seated", 1, 2, "child")))
+    text = path.read_text("utf-8")
+
+    def read_with(name):
+        path.write_text(text.replace("<LINGUISTIC_TYPE ", ADDED_TIER.format(name=name)), "utf-8")
+        return read_elan(path).occurrences
+
+    seated = Occurrence("seated", 1000, 2000, "child")
+    up = Occurrence("up", 1000, 2000, "peer", comment="seen again")
+    nods = Occurrence("nods", 1000, 1000, "peer", comment="seen again")
+    assert set(read_with("up@peer")) == {seated, up}
+    assert set(read_with("nods@peer")) == {seated, nods}
+    with pytest.raises(BehaviourError, match="walks is not in the ethogram"):
+        read_with("walks@peer")
+
+
 def test_a_file_that_elan_itself_wrote_is_read(tmp_path):
     path = tmp_path / "talk.eaf"
     path.write_text(ELAN)
