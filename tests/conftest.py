@@ -3,6 +3,8 @@
 import gc
 import os
 import signal
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -38,6 +40,18 @@ def pytest_collection_finish() -> None:
 def nobodys_data(tmp_path_factory) -> None:
     """Keep what the user of this machine has, such as calibrations, out of the tests."""
     os.environ["XDG_DATA_HOME"] = str(tmp_path_factory.mktemp("data-home"))
+
+
+@pytest.fixture
+def three_hours_behind_utc(monkeypatch) -> Iterator[None]:
+    """Let this computer's clock be that of São Paulo."""
+    if not hasattr(time, "tzset"):
+        pytest.skip("this system takes no time zone from the environment")
+    with monkeypatch.context() as here:
+        here.setenv("TZ", "BRT3")
+        time.tzset()
+        yield
+    time.tzset()
 
 
 @pytest.fixture(scope="session")

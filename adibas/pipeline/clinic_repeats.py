@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
+from adibas.clock import day_here
 from adibas.data.protocol_measures import ProtocolMeasures
 from adibas.data.protocols import KINDS
 from adibas.data.reliability import Reliability, Repeat
@@ -138,7 +139,7 @@ def _series(sessions: tuple[Session, ...]) -> Iterator[tuple[Session, ...]]:
 
 def is_repeat_of(session: Session, before: Session) -> bool:
     """Say whether a session repeats the one before it."""
-    is_same_day = session.started_utc.date() == before.started_utc.date()
+    is_same_day = day_here(session.started_utc) == day_here(before.started_utc)
     return session.setup.is_repeat and is_same_day
 
 

@@ -9,7 +9,7 @@ import pytest
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.patients import Consent, Identity
 from adibas.data.posture import Provenance
-from adibas.data.sessions import SessionSetup
+from adibas.data.sessions import Session, SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures import protocol_store
 from adibas.sessions import NewCapture
@@ -22,7 +22,7 @@ from ui.patients.content import (
     read_birth_date,
 )
 from ui.patients.form_presenter import FormPresenter, FormView
-from ui.patients.history_presenter import HistoryPresenter, HistoryView
+from ui.patients.history_presenter import HistoryPresenter, HistoryView, can_repeat
 from ui.patients.presenter import PatientListView, PatientsPresenter, PatientView
 from ui.patients.undo import Undo, UndoView
 from ui.workspace import Workspace
@@ -415,6 +415,18 @@ def test_the_second_session_of_a_day_can_be_called_a_repeat_and_the_next_one_is_
     store.sessions.delete(first.session_id)
     screen.sessions.refresh()
     assert second.session_id not in screen.shown_history().can_repeat
+
+
+@pytest.mark.usefixtures("three_hours_behind_utc")
+def test_an_evening_past_midnight_of_utc_is_one_day_of_repeats():
+    begun = ("2026-11-02 20:45", "2026-11-02 21:15", "2026-11-03 10:45")
+    sessions = tuple(
+        Session(
+            one, "P-1", datetime.fromisoformat(f"{one}-03:00").astimezone(UTC), "op", SessionSetup()
+        )
+        for one in begun
+    )
+    assert can_repeat(sessions) == {begun[1]}
 
 
 def test_a_session_opens_in_review_at_the_wanted_or_first_capture(screen, store, ana):

@@ -17,7 +17,7 @@ from adibas.data.posture import PostureAnalysis, Provenance
 from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.data.report import PictureChoice
 from adibas.data.sentence import Sentence
-from adibas.data.sessions import SessionSetup
+from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import FileError, MarkerError, ProtocolError, ReportError
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures.protocol_store import find_protocol
@@ -423,6 +423,28 @@ def test_markers_placed_anew_count_more_than_many_captures_of_one_placing(tmp_pa
     assert found.n_values == 2
     assert found.sem == pytest.approx(np.degrees(0.002 / 0.36) / np.sqrt(2), rel=1e-3)
     assert found.mdc95 is not None
+
+
+@pytest.mark.usefixtures("three_hours_behind_utc")
+@pytest.mark.parametrize(
+    ("first", "second", "is_same_day"),
+    [
+        ("2026-11-02 20:45", "2026-11-02 21:15", True),
+        ("2026-11-02 21:15", "2026-11-03 10:45", False),
+        ("2026-11-02 23:59", "2026-11-03 00:01", False),
+    ],
+)
+def test_a_repeat_is_of_the_day_that_the_clinics_clock_shows(first, second, is_same_day):
+    from adibas.pipeline.clinic_repeats import is_repeat_of
+
+    before, repeat = (
+        Session(name, "P-1", datetime.fromisoformat(f"{begun}-03:00").astimezone(UTC), "op", setup)
+        for name, begun, setup in (
+            ("before", first, SessionSetup()),
+            ("again", second, SessionSetup(is_repeat=True)),
+        )
+    )
+    assert is_repeat_of(repeat, before) == is_same_day
 
 
 def test_two_sessions_of_a_day_are_repeats_only_where_somebody_says_so(tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
+from adibas.clock import day_here
 from adibas.errors import AdibasError
 from adibas.texts import translate as _
 from ui.patients.content import (
@@ -278,7 +279,7 @@ def can_repeat(sessions: "tuple[Session, ...]") -> frozenset[str]:
     for session in sorted(sessions, key=lambda one: one.started_utc):
         if session.is_deleted:
             continue
-        of_day = (session.started_utc.date(), session.operator)
+        of_day = (day_here(session.started_utc), session.operator)
         if first.setdefault(of_day, session.session_id) != session.session_id:
             found.add(session.session_id)
     return frozenset(found)
