@@ -72,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("id of an earlier session of the patient: the report tells what changed"),
     )
     add_out(exporting, _("DIR"), _("folder to write into"))
-    add_overwrite(exporting, _("replace a file of that name"))
+    add_overwrite(exporting, _("replace what an earlier export left in that folder"))
     repeating = add("reliability", _("How well measures repeat in this clinic."), tell_reliability)
     add_reliability_arguments(repeating)
     calling.add_argument("--no", action="store_true", help=_("it is no repeat"))
