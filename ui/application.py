@@ -1,13 +1,14 @@
 """Puts the program together: Qt, theme, window, store; and takes it apart again."""
 
 import logging
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QLoggingCategory, QTimer
+from PySide6.QtCore import QLoggingCategory, QSettings, QTimer
 from PySide6.QtWidgets import QApplication, QToolTip
 
 from adibas.errors import AdibasError
@@ -199,11 +200,20 @@ class Application:
         self._autolock_minutes = now.autolock_minutes
 
 
+def note_no_folders() -> None:
+    """Keep Qt's own file dialog from writing down which folders were visited.
+
+    They stood in ``QtProject.conf`` of this user, and a folder may bear a patient's name.
+    """
+    QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, os.devnull)
+
+
 def run(recordings: list[str]) -> int:
     """Open the window, with recordings if any are named, and return when it is closed."""
     from adibas.pipeline.warming import start_warming
 
     end_log = start_log(log_folder())
+    note_no_folders()
     app = QApplication(sys.argv[:1])
     app.setApplicationName("ADiBAS")
     app.setDesktopFileName("adibas")

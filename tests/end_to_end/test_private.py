@@ -5,6 +5,8 @@ A whole session in the window is searched by `adibas benchmark reliability priva
 
 import json
 import logging
+import os
+import subprocess
 import sys
 from datetime import date
 
@@ -64,6 +66,37 @@ def test_a_curious_program_is_noticed(tmp_path, monkeypatch):
     assert "example.org" in told
     assert "nowhere" not in told
     assert [line.split("/")[-1] for line in watched.removed] == ["draft"]
+
+
+SAVES = """
+import sys
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication, QFileDialog
+from ui.application import note_no_folders
+note_no_folders()
+app = QApplication([])
+def save():
+    dialog = app.activeModalWidget()
+    dialog.selectFile(sys.argv[1])
+    dialog.accept()
+QTimer.singleShot(500, save)
+told, _kind = QFileDialog.getSaveFileName(
+    None, "", sys.argv[1], options=QFileDialog.Option.DontUseNativeDialog
+)
+sys.exit(told != sys.argv[1])
+"""
+
+
+def test_no_folder_that_a_dialog_visited_is_written_down(tmp_path):
+    home, folder = tmp_path / "home", tmp_path / "Rosa Ibarra"
+    folder.mkdir()
+    for name in (".config", ".cache", ".local"):
+        (home / name).mkdir(parents=True)
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("XDG_")}
+    clean |= {"HOME": str(home), "QT_QPA_PLATFORM": "offscreen"}
+    code = [sys.executable, "-c", SAVES, str(folder / "report.xlsx")]
+    subprocess.run(code, env=clean, check=True, timeout=60)
+    assert found_below(home, ["Rosa", "Ibarra"]) == {}
 
 
 def test_a_crash_and_a_log_do_not_tell_what_was_typed(tmp_path):
