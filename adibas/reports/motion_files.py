@@ -1,10 +1,9 @@
 """Joints over time as C3D and TRC, which motion analysis programs open.
 
-Both are in millimetres and have upright axes. C3D: x to the right of the camera's picture, y away
-from the camera, z up. TRC, as OpenSim has it: x away from the camera, y up, z to the right.
+Both are in millimetres and have upright axes, see `upright_axes`. C3D: x to the right, y away from
+the camera, z up. TRC, as OpenSim has it: x away from the camera, y up, z to the right.
 """
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,8 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.movement import Movement
 from adibas.errors import FileError, ReportError
 from adibas.files import HALVES, whole_letters, written_whole
+from adibas.geometry.angles import unit
+from adibas.measures.sight_plane import to_the_right
 from adibas.texts import message
 
 MM_PER_M = 1000.0
@@ -22,24 +23,22 @@ TRC_FIELDS = (
     "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame"
     "\tOrigNumFrames"
 )
-ON_ITS_SIDE = math.cos(math.radians(30.0))
 MOST_C3D_FRAMES = 65_535
 """A C3D file counts its frames in 16 bits."""
 NO_TEXT = message("it is no text")
 
 
 def upright_axes(up: FloatArray) -> FloatArray:
-    """Return (3, 3) rows of length 1: to the right of the picture, away from the camera, up.
+    """Return (3, 3) rows of length 1: to the right, away from the camera, up.
 
-    Where the camera lies on its side, so that its picture's right is up or down, the right is that
-    of somebody who stands behind it.
+    They are those of somebody who stands behind the camera and looks where it looks, however it is
+    turned and tilted, as in the measures; where it looks straight down or up, the right is its
+    picture's.
     """
-    up = np.asarray(up, float) / np.linalg.norm(up)
-    right = np.array([1.0, 0.0, 0.0])
-    if abs(right @ up) > ON_ITS_SIDE:
-        right = np.cross([0.0, 0.0, 1.0], up)
-    right = right - (right @ up) * up
-    right /= np.linalg.norm(right)
+    up = unit(np.asarray(up, float))
+    right = to_the_right(up)
+    if np.isnan(right).any():
+        right = np.array([1.0, 0.0, 0.0])
     return np.stack([right, np.cross(up, right), up])
 
 

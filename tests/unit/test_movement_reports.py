@@ -209,6 +209,33 @@ def test_a_camera_on_its_side_has_a_right_all_the_same(up, right):
     np.testing.assert_allclose(upright_axes(np.array(up)), [right, [0, 0, 1], up], atol=1e-12)
 
 
+def tilted(roll_deg, pitch_deg):
+    """Up in the axes of a camera that looks down by `pitch_deg` and is rolled about its axis."""
+    roll_rad, pitch_rad = math.radians(roll_deg), math.radians(pitch_deg)
+    across = math.cos(pitch_rad)
+    return np.array(
+        [across * math.sin(roll_rad), -across * math.cos(roll_rad), -math.sin(pitch_rad)]
+    )
+
+
+@pytest.mark.parametrize("pitch_deg", [-20.0, 0.0, 25.0, 70.0])
+@pytest.mark.parametrize("roll_deg", [0.0, 30.0, 59.0, 61.0, 90.0, -120.0, 180.0])
+def test_what_is_straight_ahead_of_a_rolled_and_tilted_camera_is_neither_left_nor_right(
+    roll_deg, pitch_deg
+):
+    axes = upright_axes(tilted(roll_deg, pitch_deg))
+    across, away, _up = axes @ [0.0, 0.0, 1.0]
+    assert across == pytest.approx(0.0, abs=1e-12)
+    assert away == pytest.approx(math.cos(math.radians(pitch_deg)))
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_camera_that_looks_straight_down_or_up_has_axes_all_the_same(sign):
+    axes = upright_axes(np.array([0.0, 0.0, sign]))
+    np.testing.assert_allclose(axes, [[1, 0, 0], [0, sign, 0], [0, 0, sign]], atol=1e-12)
+
+
 def test_upright_axes_do_not_jump_where_a_camera_is_turned_on_its_side():
     axes = [
         upright_axes(np.array([math.sin(roll_rad), -math.cos(roll_rad), 0.0]))
