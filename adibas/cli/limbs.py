@@ -9,7 +9,12 @@ from adibas.cli.console import Console
 from adibas.cli.interrupts import kept_when_stopped
 from adibas.cli.limbs_evaluation import evaluation_document, evaluation_lines
 from adibas.cli.options import add_json, add_out, positive, positive_count, sentence
-from adibas.cli.recording_options import add_calibration, add_frames, add_recording
+from adibas.cli.recording_options import (
+    add_calibration,
+    add_frames,
+    add_recording,
+    add_rotation,
+)
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
 
@@ -145,6 +150,7 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
         help=_("of the shipped model; all 15 if not given"),
     )
     add_calibration(parser)
+    add_rotation(parser)
     add_frames(parser, _("frames to look at; all if not given"))
     _add_cut(parser)
     parser.add_argument(
@@ -161,6 +167,7 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
 def _add_propose(parser: argparse.ArgumentParser) -> None:
     add_recording(parser)
     add_calibration(parser)
+    add_rotation(parser)
     add_frames(parser, _("frames to label; all if not given"))
     parser.add_argument(
         "--labels", choices=SETS[:2], default=SETS[0], help=_("all 15 if not given")
@@ -294,6 +301,7 @@ def _segment(arguments: argparse.Namespace, console: Console) -> int:
         arguments.calibration,
         arguments.frames,
         _limb_params(arguments, step=2),
+        arguments.rotation,
     )
     with console.progress(_("Segmenting")) as progress:
         done = segment_recording(request, progress)
@@ -339,6 +347,7 @@ def _propose(arguments: argparse.Namespace, console: Console) -> int:
         arguments.calibration,
         arguments.frames,
         is_done=arguments.done,
+        rotation_deg=arguments.rotation,
     )
     with console.progress(_("Looking for limbs")) as progress:
         found = propose_recording(request, progress)

@@ -5,7 +5,12 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
-from adibas.cli.recording_options import add_calibration, add_oldest_calibration, add_person
+from adibas.cli.recording_options import (
+    add_calibration,
+    add_oldest_calibration,
+    add_person,
+    add_rotation,
+)
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.data.posture import VIEWS
 from adibas.errors import MarkerError
@@ -41,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("of limbs, with --markerless; the program's own if not given"),
     )
     add_calibration(parser)
+    add_rotation(parser)
     add_oldest_calibration(parser)
     parser.add_argument(
         "--view", choices=VIEWS, default="", help=_("which side is seen in the first frame")
@@ -64,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Measure the movement and write the reports."""
     from adibas.pipeline.movement import JOINT_FILE, MovementRequest, measure_moving
+    from adibas.pipeline.posture import PostureParams
     from adibas.reports.movement import MOVEMENT_KINDS, write_movement
     from adibas.reports.movement_json import movement_to_json
 
@@ -80,6 +87,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         arguments.patient,
         arguments.person,
         arguments.oldest_calibration,
+        PostureParams(rotation_deg=arguments.rotation),
     )
     with console.progress(_("Analysing")) as progress:
         movement = measure_moving(request, progress)

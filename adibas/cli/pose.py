@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
-from adibas.cli.recording_options import add_calibration, add_frames, add_person, add_recording
+from adibas.cli.recording_options import (
+    add_calibration,
+    add_frames,
+    add_person,
+    add_recording,
+    add_rotation,
+)
 from adibas.errors import FileError, RecordingError
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
@@ -32,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("of the limbs of the full body; the program's own if not given"),
     )
     add_calibration(parser)
+    add_rotation(parser)
     parser.add_argument(
         "--view",
         choices=VIEWS,
@@ -84,6 +91,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         arguments.frames,
         PoseParams(view=arguments.view),
         SmoothingParams(lag_frames=arguments.lag),
+        rotation_deg=arguments.rotation,
     )
     with console.progress(_("Looking for joints")) as progress:
         posed = pose_recording(request, progress)

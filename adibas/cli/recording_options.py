@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from adibas.cli.options import frame_range, positive_count
+from adibas.data.sessions import ROTATIONS_DEG
 from adibas.texts import translate as _
 
 
@@ -48,6 +49,20 @@ def add_frames(parser: argparse.ArgumentParser, help_text: str) -> None:
     """Offer `--frames`, all of them if not given."""
     parser.add_argument(
         "--frames", type=frame_range, default=(0, None), metavar="A:B", help=help_text
+    )
+
+
+def add_rotation(parser: argparse.ArgumentParser) -> None:
+    """Offer `--rotation`, 0 if not given."""
+    parser.add_argument(
+        "--rotation",
+        type=int,
+        choices=ROTATIONS_DEG,
+        default=0,
+        help=_(
+            "degrees by which the picture is turned clockwise to be upright, for a sensor on its "
+            "side; where gravity or the floor is known, that says where up is; 0 if not given"
+        ),
     )
 
 

@@ -43,7 +43,7 @@ class MovementParams:
     hidden_share : float
         Of the time without any angle, from which on the reader is told: 0.2.
     takes_upright : bool
-        Where the vertical is not known, the camera's own upper side stands for it. No: angles
+        Where the vertical is not known, the picture's upper side stands for it. No: angles
         against it are left out. Yes where two movements before one camera are compared.
     """
 
@@ -67,6 +67,8 @@ class MovementSource:
         A pseudonym, never a name.
     up : (3,) array or None
         Against gravity in the joints' axes; None where nobody measured it.
+    picture_up : (3,) array
+        Upper side of the picture as it is shown, which stands for it then.
     notices : tuple of Sentence
         Of the stages before.
     """
@@ -75,6 +77,7 @@ class MovementSource:
     provenance: Provenance
     patient: str = ""
     up: FloatArray | None = None
+    picture_up: FloatArray = field(default_factory=lambda: np.array(CAMERA_UP))
     notices: tuple[Sentence, ...] = ()
 
 
@@ -95,7 +98,7 @@ def measure_movement(
     )
     rate_hz = _rate_hz(times_s)
     joints_m = lowpass(measured_m, rate_hz, params.lowpass)
-    up = np.array(CAMERA_UP) if source.up is None else np.asarray(source.up, float)
+    up = np.asarray(source.picture_up if source.up is None else source.up, float)
     is_up_missing = source.up is None and not params.takes_upright
     against = np.full(3, np.nan) if is_up_missing else up
     curves = tuple(_curves(measured_m, joints_m, against, times_s, params.lowpass))

@@ -53,6 +53,25 @@ class FrameToLabel:
             read_only(array)
 
 
+@dataclass(frozen=True, slots=True)
+class DeskSetup:
+    """How a recording is laid on the desk.
+
+    Attributes
+    ----------
+    calibration : Path or None
+        In place of the recording's own.
+    labels : LimbLabels
+        Of a new folder; a folder that exists keeps its own.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright; see `turn_to_upright`.
+    """
+
+    calibration: Path | None = None
+    labels: LimbLabels = FULL_BODY
+    rotation_deg: int = 0
+
+
 class LabellingDesk:
     """A recording on one side, `files` of labelled images on the other.
 
@@ -64,10 +83,7 @@ class LabellingDesk:
         Of the recording: a folder belongs to one.
     folder : Path
         It may exist.
-    calibration : Path or None
-        In place of the recording's own.
-    labels : LimbLabels
-        Of a new folder; a folder that exists keeps its own.
+    setup : DeskSetup, optional
 
     Raises
     ------
@@ -84,25 +100,25 @@ class LabellingDesk:
         recording: RecordingReader,
         name: str,
         folder: Path,
-        calibration: Path | None = None,
-        labels: LimbLabels = FULL_BODY,
+        setup: DeskSetup | None = None,
     ) -> None:
+        setup = setup or DeskSetup()
         if not len(recording):
             raise RecordingError("{file} has no frames. Choose another recording.", file=name)
         self._recording = recording
         self._reading = Lock()
-        self._calibration = calibration_of(recording, calibration)
+        self._calibration = calibration_of(recording, setup.calibration)
         if self._calibration.depth is None:
             raise CalibrationError(
                 "The calibration is of a colour camera alone, and limbs are found in depth. Give "
                 "one of the depth camera with --calibration FILE."
             )
         self.camera: CameraCalibration = self._calibration.depth
-        self._turn = turn_to_upright(self._calibration)
+        self._turn = turn_to_upright(self._calibration, setup.rotation_deg)
         self._upright = turned_camera(self.camera, self._turn)
         self._floor = turned_floor(self._calibration.floor, self._turn)
         size = self.camera.height, self.camera.width
-        self.files = LabelFiles(folder, name, len(recording), size, self._header(labels))
+        self.files = LabelFiles(folder, name, len(recording), size, self._header(setup.labels))
         self._estimator: PoseEstimator | None = None
         self._looked_at_ns = 0
 

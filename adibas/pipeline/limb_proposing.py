@@ -6,7 +6,7 @@ from pathlib import Path
 
 from adibas.data.limbs import FULL_BODY, LABEL_SETS
 from adibas.errors import LimbError
-from adibas.pipeline.limb_labelling import LabellingDesk
+from adibas.pipeline.limb_labelling import DeskSetup, LabellingDesk
 from adibas.pipeline.session import wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
@@ -29,6 +29,8 @@ class ProposingRequest:
     frames : (first, one past the last or None)
     is_done : bool
         The proposals are images to train on, without a look at them.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright; see `turn_to_upright`.
     """
 
     recording: Path
@@ -37,6 +39,7 @@ class ProposingRequest:
     calibration: Path | None = None
     frames: tuple[int, int | None] = (0, None)
     is_done: bool = False
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +80,7 @@ def propose_recording(request: ProposingRequest, progress: Progress) -> Proposed
             recording,
             request.recording.name,
             request.out,
-            request.calibration,
-            LABEL_SETS[request.labels],
+            DeskSetup(request.calibration, LABEL_SETS[request.labels], request.rotation_deg),
         )
         known = desk.files.progress
         open_frames = [index for index in wanted if index not in known.done | known.begun]

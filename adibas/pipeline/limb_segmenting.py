@@ -54,6 +54,8 @@ class SegmentingRequest:
         In place of the recording's own.
     frames : (first, one past the last or None)
     params : LimbParams
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright; see `turn_to_upright`.
     """
 
     recording: Path
@@ -63,6 +65,7 @@ class SegmentingRequest:
     calibration: Path | None = None
     frames: tuple[int, int | None] = (0, None)
     params: LimbParams = field(default_factory=LimbParams)
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +119,8 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
     n_frames = n_people = n_known = 0
     with open_recording(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
-        looker = Looker(calibration_of(recording, request.calibration), recording.info)
+        calibration = calibration_of(recording, request.calibration)
+        looker = Looker(calibration, recording.info, request.rotation_deg)
         files = _files_of(request, recording, model, looker.camera)
         for number, index in enumerate(wanted, start=1):
             # Asked anew each time: the window may be labelling the same folder.
@@ -153,6 +157,8 @@ class Looker:
     ----------
     calibration : RgbdCalibration
     info : SourceInfo
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
 
     Raises
     ------
@@ -160,7 +166,9 @@ class Looker:
         The calibration is not of a depth camera.
     """
 
-    def __init__(self, calibration: RgbdCalibration, info: SourceInfo) -> None:
+    def __init__(
+        self, calibration: RgbdCalibration, info: SourceInfo, rotation_deg: int = 0
+    ) -> None:
         if calibration.depth is None:
             raise CalibrationError(
                 "The calibration is of a colour camera alone, and limbs are found in depth. Give "
@@ -168,7 +176,7 @@ class Looker:
             )
         self.camera: CameraCalibration = calibration.depth
         self._calibration = calibration
-        self._turn = turn_to_upright(calibration)
+        self._turn = turn_to_upright(calibration, rotation_deg)
         self._upright = turned_camera(calibration.depth, self._turn)
         self._floor: Plane | None = turned_floor(calibration.floor, self._turn)
         self._unit_m = info.depth_unit_m

@@ -141,7 +141,9 @@ def _of_table(request: MovementRequest, clock: Clock) -> Movement:
         to_text(clock()),
         asdict(request.movement),
     )
-    source = MovementSource(read.origin, provenance, request.patient, None, notices)
+    source = MovementSource(
+        read.origin, provenance, request.patient, None, request.posture.up, notices
+    )
     return measure_movement(tracks[person], source, request.movement)
 
 
@@ -155,6 +157,7 @@ def _without_markers(request: MovementRequest, progress: Progress, clock: Clock)
             request.calibration,
             pose=PoseParams(view=view),
             oldest_calibration_days=request.oldest_calibration_days,
+            rotation_deg=request.posture.rotation_deg,
         ),
         progress,
         clock,
@@ -167,7 +170,9 @@ def _without_markers(request: MovementRequest, progress: Progress, clock: Clock)
         notices += (Sentence(OTHER_PEOPLE, {"n": len(tracks), "person": person}),)
     parameters = {**posed.provenance.parameters, **asdict(request.movement)}
     provenance = replace(posed.provenance, parameters=parameters)
-    source = MovementSource("markerless", provenance, request.patient, posed.up, notices)
+    source = MovementSource(
+        "markerless", provenance, request.patient, posed.up, posed.picture_up, notices
+    )
     return measure_movement(tracks[person], source, request.movement)
 
 
@@ -207,7 +212,9 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
     notices: tuple[Sentence, ...] = ()
     if notice is not None:
         notices += (Sentence(message("{notice}"), {"notice": notice}),)
-    source = MovementSource("markers", provenance, request.patient, up, (*notices, *doubts))
+    source = MovementSource(
+        "markers", provenance, request.patient, up, request.posture.up, (*notices, *doubts)
+    )
     return measure_movement(joints, source, request.movement)
 
 

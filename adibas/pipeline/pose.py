@@ -19,9 +19,11 @@ from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, RecordingError
+from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.limbs.judging import REMARKS
 from adibas.limbs.model import LimbModel, load_model
 from adibas.measures.sight_plane import vertical_of
+from adibas.movement.measuring import CAMERA_UP
 from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
@@ -70,6 +72,8 @@ class PoseRequest:
         5. What is no person seldom has bones that fit for long.
     oldest_calibration_days : int or None
         An older calibration is refused; None: of any age.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright; see `turn_to_upright`.
     """
 
     recording: Path
@@ -82,6 +86,7 @@ class PoseRequest:
     least_frames: int = 5
     access: RecordingAccess = FILES
     oldest_calibration_days: int | None = None
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,6 +124,8 @@ class PosedRecording:
         By how much a live result would come later than its frame.
     up : (3,) array or None
         Against gravity, in the same axes; None where nobody measured it.
+    turn : QuarterTurn
+        After which people stand upright in the picture.
     provenance : Provenance
     notices : tuple of Sentence
     """
@@ -129,8 +136,14 @@ class PosedRecording:
     lag_frames: int
     lag_s: float
     up: FloatArray | None
+    turn: QuarterTurn
     provenance: Provenance
     notices: tuple[Sentence, ...]
+
+    @property
+    def picture_up(self) -> FloatArray:
+        """Return the upper side of the picture as people stand upright in it."""
+        return self.turn.inverse().points(np.array(CAMERA_UP))
 
 
 def pose_recording(
@@ -180,11 +193,18 @@ def pose_recording(
         identity_of(calibration),
         __version__,
         to_text(clock()),
-        {**asdict(request.pose), **asdict(request.smoothing), "model": _model_name(request)},
+        {
+            **asdict(request.pose),
+            **asdict(request.smoothing),
+            "model": _model_name(request),
+            "rotation_deg": request.rotation_deg,
+        },
     )
     lag_frames = request.smoothing.lag_frames
     lag_s = lag_frames * found.frame_s()
-    return PosedRecording(tracks, facts, len(wanted), lag_frames, lag_s, up, provenance, notices)
+    return PosedRecording(
+        *(tracks, facts, len(wanted), lag_frames, lag_s, up, found.turn, provenance, notices)
+    )
 
 
 def _model_name(request: PoseRequest) -> str:
@@ -204,9 +224,9 @@ class _Found:
             )
         self._request = request
         self._calibration = calibration
-        self._turn = turn_to_upright(calibration)
-        camera = turned_camera(calibration.depth, self._turn)
-        floor = turned_floor(calibration.floor, self._turn)
+        self.turn = turn_to_upright(calibration, request.rotation_deg)
+        camera = turned_camera(calibration.depth, self.turn)
+        floor = turned_floor(calibration.floor, self.turn)
         self._estimator = PoseEstimator(
             *(camera, forest_segmenter(model, camera, request.pose.limbs), floor, request.pose),
             joints=joint_model_for(model),
@@ -235,8 +255,8 @@ class _Found:
         self._look(depth_m, frame.timestamp_ns)
 
     def _look(self, depth_m: Float32Array, timestamp_ns: int) -> None:
-        now = self._estimator.look(self._turn.picture(depth_m), timestamp_ns / NS_PER_S)
-        now = turned_pose(now, self._turn.inverse())
+        now = self._estimator.look(self.turn.picture(depth_m), timestamp_ns / NS_PER_S)
+        now = turned_pose(now, self.turn.inverse())
         for notice in {notice.message: notice for notice in now.notices}.values():
             self._said[notice.message] += 1
             self._sentences[notice.message] = notice
@@ -314,7 +334,7 @@ def movement_of(posed: PosedRecording, person: int) -> Movement:
     since_s = track.times_s - track.times_s[0]
     times_s = even_times(since_s)
     joints_m = resample(since_s, track.joints_m, times_s, SmoothingParams().reach_s)
-    up = np.array([0.0, -1.0, 0.0]) if posed.up is None else posed.up
+    up = posed.picture_up if posed.up is None else posed.up
     return Movement(
         times_s,
         joints_m,

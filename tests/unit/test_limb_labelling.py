@@ -10,7 +10,7 @@ from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.errors import LimbError
 from adibas.limbs.training_set import LimbFolder, read_header, write_header
 from adibas.pipeline.limb_label_files import LabellingProgress
-from adibas.pipeline.limb_labelling import LabellingDesk
+from adibas.pipeline.limb_labelling import DeskSetup, LabellingDesk
 from adibas.pipeline.limb_names import limb_text, painting_colors
 from adibas.recordings import create_recording, open_recording
 from adibas.simulation.scenes import open_scene
@@ -65,7 +65,7 @@ def test_proposals_are_nearly_right_and_wait_for_somebody_to_look(video, scene, 
 def test_the_seven_labels_are_the_fifteen_merged_and_others_cannot_be_proposed(video, tmp_path):
     with open_recording(video) as recording:
         desks = [
-            LabellingDesk(recording, video.name, tmp_path / labels.name, labels=labels)
+            LabellingDesk(recording, video.name, tmp_path / labels.name, DeskSetup(labels=labels))
             for labels in (FULL_BODY, UPPER_BODY)
         ]
         frame = desks[0].frame(0)

@@ -1,23 +1,28 @@
 """People are found as well by a sensor on its side, and joints are in that sensor's own axes."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from adibas.cli.command_line import main
 from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.frames import depth_in_metres
+from adibas.data.joints import JOINT_NAMES
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.geometry.rigid import RigidTransform
 from adibas.limbs.training_set import LimbFolder
 from adibas.measures.sight_plane import up_of_picture
 from adibas.pipeline.limb_labelling import LabellingDesk
+from adibas.pipeline.limb_proposing import ProposingRequest, propose_recording
 from adibas.pipeline.limb_segmenting import SegmentingRequest, segment_recording
 from adibas.pipeline.live_gestures import LiveGestures
 from adibas.pipeline.live_people import LivePeople
 from adibas.pipeline.movement import MovementRequest, measure_moving
-from adibas.pipeline.pose import PoseRequest, pose_recording
+from adibas.pipeline.pose import PoseRequest, movement_of, pose_recording
+from adibas.pipeline.posture import PostureParams
 from adibas.pipeline.upright import (
     turn_to_upright,
     turned_camera,
@@ -25,6 +30,8 @@ from adibas.pipeline.upright import (
     turned_parts,
 )
 from adibas.recordings import create_recording, open_recording
+from adibas.recordings.joints_csv import write_joints_csv
+from adibas.reports.motion_files import upright_axes
 from adibas.simulation.scenes import open_scene
 
 N_FRAMES = 4
@@ -135,6 +142,88 @@ def test_a_movement_without_markers_is_measured_by_a_sensor_on_its_side(video):
     assert movement.is_up_measured
     np.testing.assert_allclose(movement.up, [-1.0, 0.0, 0.0], atol=1e-6)
     assert np.isfinite(movement.joints_m).mean() > 0.9
+
+
+@pytest.fixture(scope="module")
+def blind_video(on_its_side, tmp_path_factory):
+    """The same recording of a sensor that knows neither gravity nor the floor."""
+    calibration = replace(on_its_side.info.calibration, gravity=None, floor=None)
+    path = tmp_path_factory.mktemp("blind") / "portrait.mcap"
+    with create_recording(path, replace(on_its_side.info, calibration=calibration)) as writer:
+        for number in range(N_FRAMES):
+            writer.write(on_its_side.frame(number).sensor_frame)
+    return path
+
+
+@pytest.fixture(scope="module")
+def told_pose(blind_video):
+    return pose_recording(PoseRequest(blind_video, rotation_deg=90), lambda *_done: None)
+
+
+def test_a_rotation_says_where_up_is_where_the_recording_does_not(on_its_side, told_pose):
+    truth_m = watched(on_its_side)[2]
+    far_m = np.linalg.norm(told_pose.tracks[0].joints_m - truth_m, axis=2)
+    assert np.isfinite(far_m).mean() > 0.9
+    assert (far_m[np.isfinite(far_m)] < 0.1).mean() > 0.8
+
+
+def test_the_rotation_is_an_option_of_the_commands(blind_video, tmp_path, capsys):
+    out = tmp_path / "joints.csv"
+    options = ["--out", str(out), "--json"]
+    assert main(["pose", str(blind_video), "--rotation", "90", *options]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert min(found["people"][0]["seen_share"].values()) > 0.5
+    assert found["provenance"]["parameters"]["rotation_deg"] == 90
+    turned_out = tmp_path / "limbs"
+    command = ["limbs", "segment", str(blind_video), "--frames", "0:1", "--out", str(turned_out)]
+    assert main([*command, "--rotation", "90", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["n_with_person"] == 1
+    with pytest.raises(SystemExit):
+        main(["pose", str(blind_video), "--rotation", "45", *options])
+
+
+def test_a_table_of_joints_of_a_sensor_on_its_side_is_exported_upright(told_pose, tmp_path):
+    table = tmp_path / "joints.csv"
+    write_joints_csv(table, told_pose.tracks)
+    request = MovementRequest(table, posture=PostureParams(rotation_deg=90))
+    np.testing.assert_allclose(measure_moving(request, lambda *_done: None).up, [-1.0, 0.0, 0.0])
+
+
+def test_joints_of_a_rotated_recording_are_exported_upright(told_pose):
+    movement = movement_of(told_pose, told_pose.tracks[0].person)
+    assert not movement.is_up_measured
+    heights_m = movement.joints_m @ upright_axes(movement.up)[2]
+    head, foot = (JOINT_NAMES.index(name) for name in ("head", "left_foot"))
+    assert np.nanmean(heights_m[:, head] - heights_m[:, foot]) > 1.2
+
+
+def test_a_movement_of_a_rotated_recording_has_the_pictures_vertical_unmeasured(blind_video):
+    request = MovementRequest(
+        blind_video, is_markerless=True, posture=PostureParams(rotation_deg=90)
+    )
+    movement = measure_moving(request, lambda *_done: None)
+    assert not movement.is_up_measured
+    np.testing.assert_allclose(movement.up, [-1.0, 0.0, 0.0], atol=1e-12)
+    assert np.isfinite(movement.joints_m).mean() > 0.9
+
+
+def test_limbs_of_a_rotated_recording_are_segmented_and_proposed(
+    on_its_side, blind_video, tmp_path
+):
+    segmenting = SegmentingRequest(
+        blind_video, tmp_path / "segmented", frames=(0, 1), rotation_deg=90
+    )
+    proposing = ProposingRequest(
+        blind_video, tmp_path / "proposed", frames=(0, 1), is_done=True, rotation_deg=90
+    )
+    assert segment_recording(segmenting, lambda *_done: None).n_people == 1
+    assert propose_recording(proposing, lambda *_done: None).n_proposed == 1
+    truth = on_its_side.frame(0).truth.labels
+    for folder, least_right in ((segmenting.out, 0.7), (proposing.out, 0.87)):
+        labels = LimbFolder(folder).read(0)[1]
+        both = (truth > 0) & (labels > 0)
+        assert both.sum() > 0.8 * np.count_nonzero(truth)
+        assert (truth[both] == labels[both]).mean() > least_right
 
 
 def test_limbs_are_segmented_and_proposed_in_the_pixels_of_the_sensor(on_its_side, video, tmp_path):
