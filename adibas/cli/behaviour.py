@@ -5,6 +5,7 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive, seconds_range
+from adibas.cli.recording_options import add_rotation
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_("what a human observer coded: .csv, .tsv, .xlsx, .boris or .eaf"),
     )
+    add_rotation(parser)
     _add_measuring(parser)
     add_patient(parser)
     add_language(parser)
@@ -134,6 +136,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         access=access_to(arguments.sources),
         name=called,
         parts=tuple(names) if len(names) > 1 else (),
+        rotation_deg=arguments.rotation,
     )
     with console.progress(_("Analysing")) as advance:
         analysis = analyse_behaviour(request, advance)

@@ -21,6 +21,7 @@ from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import BehaviourError
+from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.gestures.descriptor import NECK
 from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
@@ -75,7 +76,7 @@ SLOWEST_HZ = 20.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundJoints:
-    """Joints of everybody over time, and what is to be said of them."""
+    """Joints of everybody over time, in axes in which they are upright, and what is to be said."""
 
     tracks: tuple[SkeletonTrack, ...]
     notices: tuple[Sentence, ...] = ()
@@ -109,6 +110,8 @@ class BehaviourRequest:
         What the recording is called, or several together; empty: as its file.
     parts : tuple of str
         Names of the recordings, where several are watched as one.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright; see `turn_to_upright`.
     """
 
     source: Path
@@ -124,6 +127,7 @@ class BehaviourRequest:
     joints: FoundJoints | None = None
     name: str = ""
     parts: tuple[str, ...] = ()
+    rotation_deg: int = 0
 
     @property
     def called(self) -> str:
@@ -242,9 +246,18 @@ def find_joints(
     """
     if request.source.suffix.lower() == JOINT_FILE:
         read = read_joints_csv(request.source)
-        return FoundJoints(read.tracks, tuple(read.notices))
-    posed = pose_recording(PoseRequest(request.source, access=request.access), progress, clock)
-    return FoundJoints(posed.tracks, (Sentence(ESTIMATED), *posed.notices))
+        turn = QuarterTurn(request.rotation_deg // 90)
+        return FoundJoints(_upright(read.tracks, turn), tuple(read.notices))
+    asked = PoseRequest(request.source, access=request.access, rotation_deg=request.rotation_deg)
+    posed = pose_recording(asked, progress, clock)
+    return FoundJoints(_upright(posed.tracks, posed.turn), (Sentence(ESTIMATED), *posed.notices))
+
+
+def _upright(tracks: Sequence[SkeletonTrack], turn: QuarterTurn) -> tuple[SkeletonTrack, ...]:
+    """Return tracks as gestures are learned: of people who stand upright in the picture."""
+    if turn.n_quarters == 0:
+        return tuple(tracks)
+    return tuple(replace(track, joints_m=turn.points(track.joints_m)) for track in tracks)
 
 
 def _of_joints(joints: FoundJoints, params: ActivityParams) -> list[Sentence]:
@@ -360,6 +373,7 @@ def _provenance(request: BehaviourRequest, clock: Clock) -> Provenance:
         "activity": asdict(request.activity),
         "posture": asdict(request.posture),
         "bin_s": request.bin_s,
+        "rotation_deg": request.rotation_deg,
     }
     if request.models:
         parameters["models_sha256"] = [recording_sha256(path) for path in request.models]

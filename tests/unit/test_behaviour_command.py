@@ -14,8 +14,13 @@ from adibas.data.coding import LONGEST_MS
 from adibas.data.events import TimedEvent
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
+from adibas.geometry.quarter_turns import QuarterTurn
+from adibas.gestures.descriptor import DescriptorParams
+from adibas.gestures.model_file import write_model
+from adibas.gestures.training import TrainingParams, train
 from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour, gesture_occurrences
 from adibas.pipeline.behaviour_agreement import icc_of
+from adibas.pipeline.gesture_examples import examples_of
 from adibas.pipeline.joined_access import joined_name
 from adibas.recordings.boris_writing import write_boris
 from adibas.recordings.coding_csv import coding_csv_text, write_coding_csv
@@ -23,6 +28,7 @@ from adibas.recordings.codings import read_codings
 from adibas.recordings.joints_csv import write_joints_csv
 from adibas.resources import resource_path
 from tests.unit.coding_samples import coding
+from tests.unit.gesture_examples import recording, streams
 from tests.unit.test_activity import FOOT, HAND, circling, still
 
 
@@ -125,7 +131,7 @@ def test_joints_of_a_recording_are_found_without_markers(tmp_path, monkeypatch):
     track = track_of(*still(100, 15.0))
     monkeypatch.setattr(
         "adibas.pipeline.behaviour.pose_recording",
-        lambda *_told: SimpleNamespace(tracks=(track,), notices=()),
+        lambda *_told: SimpleNamespace(tracks=(track,), notices=(), turn=QuarterTurn()),
     )
     (tmp_path / "a.mcap").write_bytes(b"recording")
     found = analyse_behaviour(BehaviourRequest(tmp_path / "a.mcap"), lambda _done, _total: None)
@@ -166,6 +172,29 @@ def test_gestures_that_overlap_with_themselves_follow_each_other():
 def test_a_bin_lasts_a_millisecond_at_least_and_no_longer_than_anything(joints, bin_s, bin_ms):
     request = BehaviourRequest(joints, bin_s=bin_s)
     assert analyse_behaviour(request, lambda _done, _total: None).bin_ms == bin_ms
+
+
+def test_gestures_are_seen_by_a_sensor_on_its_side_whose_rotation_is_told(tmp_path, capsys):
+    tracks, events = streams(2, ("wave", "bend", "wave"))
+    descriptor = DescriptorParams()
+    examples = examples_of(tracks, events, descriptor)[0]
+    model = tmp_path / "model.json"
+    write_model(model, train(examples, descriptor, TrainingParams(method="dtw")))
+    track, done = recording(9, ("wave", "bend"))
+    lying = dataclasses.replace(track, joints_m=QuarterTurn(1).points(track.joints_m))
+    write_joints_csv(tmp_path / "upright.csv", [track])
+    write_joints_csv(tmp_path / "lying.csv", [lying])
+
+    def seen(name, *options):
+        argv = ["behaviour", tmp_path / name, "--model", model, *options]
+        code, document = told(capsys, *argv, "--out", tmp_path / "r.xlsx")
+        assert code == 0
+        found = document["codings"][0]["events"]
+        return [one for one in found if one["behaviour"] in ("wave", "bend")]
+
+    upright = seen("upright.csv")
+    assert [one["behaviour"] for one in upright] == [label for label, *_span in done]
+    assert seen("lying.csv", "--rotation", "270") == upright
 
 
 def test_gestures_of_a_model_are_in_the_timeline(joints):
@@ -373,7 +402,7 @@ def recordings(tmp_path, monkeypatch):
     track = track_of(*still(100, 15.0))
     monkeypatch.setattr(
         "adibas.pipeline.behaviour.pose_recording",
-        lambda *_told: SimpleNamespace(tracks=(track,), notices=()),
+        lambda *_told: SimpleNamespace(tracks=(track,), notices=(), turn=QuarterTurn()),
     )
     paths = [tmp_path / name for name in ("morning.mcap", "noon.mcap", "evening.mcap")]
     for path in paths:

@@ -15,6 +15,7 @@ from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.geometry.rigid import RigidTransform
 from adibas.limbs.training_set import LimbFolder
 from adibas.measures.sight_plane import up_of_picture
+from adibas.pipeline.behaviour import BehaviourRequest, find_joints
 from adibas.pipeline.limb_labelling import LabellingDesk
 from adibas.pipeline.limb_proposing import ProposingRequest, propose_recording
 from adibas.pipeline.limb_segmenting import SegmentingRequest, segment_recording
@@ -187,6 +188,21 @@ def test_a_table_of_joints_of_a_sensor_on_its_side_is_exported_upright(told_pose
     write_joints_csv(table, told_pose.tracks)
     request = MovementRequest(table, posture=PostureParams(rotation_deg=90))
     np.testing.assert_allclose(measure_moving(request, lambda *_done: None).up, [-1.0, 0.0, 0.0])
+
+
+def test_behaviour_is_watched_with_the_body_upright(video, blind_video, told_pose, tmp_path):
+    table = tmp_path / "joints.csv"
+    write_joints_csv(table, told_pose.tracks)
+    for request in (
+        BehaviourRequest(video),
+        BehaviourRequest(blind_video, rotation_deg=90),
+        BehaviourRequest(table, rotation_deg=90),
+    ):
+        (track,) = find_joints(request, lambda *_done: None).tracks
+        head, foot = (JOINT_NAMES.index(name) for name in ("head", "left_foot"))
+        down_m = track.joints_m[:, foot] - track.joints_m[:, head]
+        assert np.nanmean(down_m[:, 1]) > 1.2
+        assert abs(np.nanmean(down_m[:, 0])) < 0.3
 
 
 def test_joints_of_a_rotated_recording_are_exported_upright(told_pose):
