@@ -1163,6 +1163,24 @@ def test_a_part_of_another_camera_is_told(scene):
     assert scene.presenter.source is None
 
 
+@pytest.mark.parametrize("n_recordings", [1, 2])
+def test_joints_are_looked_for_as_the_pictures_of_the_session_were_turned(
+    stored_scene, seeing, n_recordings
+):
+    scene, store = stored_scene, stored_scene.workspace.store
+    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    session = store.sessions.start(patient.pseudonym, SessionSetup(rotation_deg=90))
+    for _number in range(n_recordings):
+        with store.recordings.create(session.session_id, INFO) as writer:
+            for frame in make_frames(9):
+                writer.write(frame)
+    asked = seeing(analysis())
+    scene.workspace.choose_session(session)
+    scene.presenter.open_stored(writer.recording_id if n_recordings == 1 else ALL)
+    scene.presenter.finding.find(())
+    assert [request.rotation_deg for request in asked] == [90]
+
+
 def test_all_recordings_of_a_session_are_one_observation(stored_scene):
     scene, store = stored_scene, stored_scene.workspace.store
     patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))

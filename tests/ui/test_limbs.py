@@ -25,7 +25,7 @@ from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError, LimbError
 from adibas.limbs.training_set import LimbFolder
-from adibas.pipeline import limb_label_files
+from adibas.pipeline import limb_label_files, limb_labelling
 from adibas.pipeline.limb_labelling import LabellingDesk
 from adibas.recordings import RecordingOptions, create_recording, open_recording
 from adibas.sessions.sealed_recordings import SealedRecordings
@@ -323,6 +323,24 @@ def test_a_recording_of_the_store_is_labelled_where_the_reader_says_and_that_is_
     assert "Monday" not in (tmp_path / "labels" / "progress.json").read_text()
     presenter.choose_folder(tmp_path / "again")
     assert not (tmp_path / "again").exists(), "a question is answered once"
+
+
+def test_limbs_of_the_store_are_labelled_as_the_pictures_of_the_session_were_turned(
+    view, workspace, stored, tmp_path, monkeypatch
+):
+    setups = []
+    desk = limb_labelling.LabellingDesk
+
+    def laid(recording, name, folder, setup):
+        setups.append(setup)
+        return desk(recording, name, folder, setup)
+
+    monkeypatch.setattr(limb_labelling, "LabellingDesk", laid)
+    presenter = LimbsPresenter(view, workspace)
+    presenter.open_stored(replace(stored[0], rotation_deg=270))
+    presenter.choose_folder(tmp_path / "labels")
+    presenter.close()
+    assert [setup.rotation_deg for setup in setups] == [270]
 
 
 def test_a_recording_of_the_store_is_not_opened_where_that_cannot_be_logged(

@@ -79,6 +79,7 @@ class FindingPresenter:
             request = BehaviourRequest(
                 *(source.path, models),
                 access=source.access, joints=joints, name=source.name, parts=source.parts,
+                rotation_deg=source.rotation_deg,
             )  # fmt: skip
             return analyse_behaviour(request, control.progress)
 

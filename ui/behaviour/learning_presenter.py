@@ -113,7 +113,9 @@ class LearningPresenter:
             from adibas.pipeline.behaviour import BehaviourRequest, find_joints
             from adibas.pipeline.gesture_learning import learn, marked_lesson
 
-            request = BehaviourRequest(source.path, access=source.access)
+            request = BehaviourRequest(
+                source.path, access=source.access, rotation_deg=source.rotation_deg
+            )
             joints = known or find_joints(request, control.progress)
             lesson = marked_lesson(name, examples, joints.tracks, source.name)
             return joints, learn(lesson, TrainingParams(), control.progress, is_tested=True)

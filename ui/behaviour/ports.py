@@ -39,6 +39,8 @@ class Source:
         Of the session whose recording it is; empty for a file.
     parts : tuple of str
         Names of the recordings that are watched one after another; empty for a single one.
+    rotation_deg : int
+        How far the pictures of its session are turned clockwise to be upright.
     """
 
     title: str
@@ -48,6 +50,7 @@ class Source:
     place_for: "Callable[[str], DraftPlace]"
     session_id: str = ""
     parts: tuple[str, ...] = ()
+    rotation_deg: int = 0
 
 
 class FrameFeed(Protocol):

@@ -66,5 +66,6 @@ def _to_label(workspace: Workspace, presenter: BehaviourPresenter) -> Path | Sto
         workspace.store.note_export("limb labels", source.session_id)
 
     return StoredRecording(
-        source.title, source.name, lambda: source.access.open(source.path), note_export
+        *(source.title, source.name, lambda: source.access.open(source.path), note_export),
+        source.rotation_deg,
     )

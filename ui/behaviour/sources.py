@@ -29,13 +29,17 @@ ALL = "all"
 
 @dataclass(frozen=True, slots=True)
 class StoredChoice:
-    """A recording of the session that is looked at; `view` is that of its capture, if any."""
+    """A recording of the session that is looked at; `view` is that of its capture, if any.
+
+    `rotation_deg` is how far the pictures of the session are turned clockwise to be upright.
+    """
 
     recording_id: str
     session_id: str
     created_utc: datetime
     duration_s: float
     view: str = ""
+    rotation_deg: int = 0
 
 
 def file_source(path: Path) -> Source:
@@ -95,6 +99,7 @@ def stored_choices(workspace: Workspace) -> tuple[StoredChoice, ...]:
         StoredChoice(
             *(one.recording_id, one.session_id, one.created_utc, one.duration_ns / NS_PER_S),
             views.get(one.recording_id, ""),
+            session.setup.rotation_deg,
         )
         for one in store.recordings.of_session(session_id)
     )
@@ -121,7 +126,9 @@ def stored_sources(store: "SessionStore", choices: Sequence[StoredChoice], title
         f"{first.recording_id[:8]}+{len(ids) - 1}-{key}",
         *(paths[0], joined_access(paths, _sealed_access(store))),
         lambda observer: InStore(store.recordings, first.recording_id, observer, key),
-        *(first.session_id, tuple(one[:8] for one in ids)),
+        first.session_id,
+        tuple(one[:8] for one in ids),
+        first.rotation_deg,
     )
 
 
@@ -143,4 +150,5 @@ def stored_source(store: "SessionStore", choice: StoredChoice, title: str) -> So
         _sealed_access(store),
         lambda observer: InStore(recordings, choice.recording_id, observer),
         choice.session_id,
+        rotation_deg=choice.rotation_deg,
     )

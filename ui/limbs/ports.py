@@ -28,12 +28,15 @@ class StoredRecording:
         Opens it.
     note_export : callable
         Logs that images leave the store; raises where that cannot be logged.
+    rotation_deg : int
+        How far the pictures of its session are turned clockwise to be upright.
     """
 
     title: str
     name: str
     open: "Callable[[], RecordingReader]"
     note_export: Callable[[], None]
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True)

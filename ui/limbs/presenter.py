@@ -59,7 +59,8 @@ class LimbsPresenter:
         recording, self._asked = self._asked, None
         if recording is None or not self._workspace.attempt(recording.note_export):
             return
-        self._open(recording.open, (recording.name, recording.title), folder)
+        names = recording.name, recording.title
+        self._open(recording.open, names, folder, recording.rotation_deg)
         self._workspace.tell(
             "warning",
             _("Depth images that are labelled lie in {folder}, outside of the store: they are not "
@@ -67,7 +68,11 @@ class LimbsPresenter:
         )  # fmt: skip
 
     def _open(
-        self, reader_of: "Callable[[], RecordingReader]", names: tuple[str, str], folder: Path
+        self,
+        reader_of: "Callable[[], RecordingReader]",
+        names: tuple[str, str],
+        folder: Path,
+        rotation_deg: int = 0,
     ) -> None:
         """Open a recording: what the folder calls it, and what the reader does."""
         if self._job.is_running or not self.leave():
@@ -80,7 +85,7 @@ class LimbsPresenter:
 
         self._job.start(
             _("Opening {file}").format(file=title),
-            lambda _control: open_desk(reader_of, name, folder),
+            lambda _control: open_desk(reader_of, name, folder, rotation_deg),
             done,
             lambda found: found.desk.close(),
         )

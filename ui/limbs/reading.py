@@ -30,12 +30,18 @@ class Carried(NamedTuple):
     carried: UInt8Array
 
 
-def open_desk(reader_of: "Callable[[], RecordingReader]", name: str, folder: Path) -> Opened:
-    """Open a recording and its folder at the first frame that is not done."""
-    from adibas.pipeline.limb_labelling import LabellingDesk
+def open_desk(
+    reader_of: "Callable[[], RecordingReader]", name: str, folder: Path, rotation_deg: int = 0
+) -> Opened:
+    """Open a recording and its folder at the first frame that is not done.
+
+    `rotation_deg` is how far its picture is turned clockwise to be upright.
+    """
+    from adibas.pipeline.limb_labelling import DeskSetup, LabellingDesk
 
     with ExitStack() as undo:
-        desk = LabellingDesk(undo.enter_context(reader_of()), name, folder)
+        setup = DeskSetup(rotation_deg=rotation_deg)
+        desk = LabellingDesk(undo.enter_context(reader_of()), name, folder, setup)
         frame, labels = read_frame(desk, desk.files.progress.next_open(-1) or 0)
         undo.pop_all()
     return Opened(desk, frame, labels)
