@@ -206,12 +206,20 @@ def _point_set(path: Path, name: str, rows: _Rows) -> PointSet:
             shape=name,
             label=twice[0],
         )
+    views = sorted({view for view in rows.views if view})
+    if len(views) > 1:
+        raise FileError(
+            "{file}: shape {shape} is said to be seen from two sides: {views}. Give one view.",
+            file=path.name,
+            shape=name,
+            views=", ".join(views),
+        )
     diameters_m = np.array(rows.diameters_m)
     return PointSet(
         name,
         tuple(rows.points),
         tuple(rows.labels),
         np.array(rows.positions_m),
-        rows.views[0],
+        "".join(views),
         None if np.isnan(diameters_m).all() else diameters_m,
     )

@@ -292,6 +292,12 @@ def test_the_frames_of_a_movement_are_followed(tmp_path, capsys):
     assert capsys.readouterr().err
 
 
+def test_a_view_that_only_some_points_of_a_shape_tell_counts_for_all(tmp_path):
+    path = tmp_path / "p.csv"
+    path.write_text("shape,point,label,x_m,y_m,view\n1,1,a,1,2,\n1,2,b,1,3,posterior\n")
+    assert [one.view for one in read_points(path)] == ["posterior"]
+
+
 def test_the_view_that_the_frames_tell_comes_before_that_of_the_command(tmp_path):
     shapes = write_csv(tmp_path / "shapes.csv", people(20), labelled=True)
     model, out = tmp_path / "model.json", tmp_path / "labelled.csv"
@@ -363,6 +369,10 @@ def test_what_is_said_of_points_in_the_plane_keeps_its_column_beside_shapes_of_s
         ("shape,point,label,x_m,y_m,z_m\n1,1,,1,2,3\n1,2,,1,2,\n", "with and without"),
         ("shape,point,label,x_m,y_m\n1,1,a,1,2\n1,2,a,1,2\n", "two points named a"),
         ("shape,point,label,x_m,y_m,view\n1,1,a,1,2,top\n", "no view"),
+        (
+            "shape,point,label,x_m,y_m,view\nk7,1,a,1,2,anterior\nk7,2,b,1,3,posterior\n",
+            "k7 is said to be seen from two sides: anterior, posterior",
+        ),
         ("shape,point,label,x_m,y_m,diameter_m\n1,1,a,1,2,0\n", "more than 0 metres, not 0"),
         ("shape,point,label,x_m,y_m,diameter_m\n1,1,a,1,2,large\n", "line 2: large"),
         ("shape,point,label,x_m,y_m\n", "holds no point"),
