@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from adibas.alignment.registration import register_pixels
 from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.body.absence import why_nobody
-from adibas.body.floor import find_floor
 from adibas.calibration.files import check_fits
 from adibas.calibration.finder import as_gray, search_board
 from adibas.data.board import Board
@@ -27,6 +26,7 @@ from adibas.pipeline.posture import (
     Sight,
     check_selective,
     find_markers,
+    floor_below,
     see_person,
 )
 from adibas.recordings.decoding import decode_color
@@ -99,7 +99,7 @@ def _seen(
     calibration: RgbdCalibration,
     look: Look,
 ) -> LiveFrame:
-    floor = _floor(depth_m, calibration, look.params)
+    floor = floor_below(depth_m, calibration, look.params)
     sight = see_person(depth_m, floor, calibration, look.params)
     registration = register_pixels(depth_m, calibration) if sight is None else sight.registration
     detections, told = _markers(color_rgb, sight, calibration, look)
@@ -159,14 +159,6 @@ def _joints(
     return joints_among(
         found.blobs, depth_in_color_m, calibration, look.naming, look.params.rotation_deg
     )
-
-
-def _floor(
-    depth_m: Float32Array, calibration: RgbdCalibration, params: PostureParams
-) -> Plane | None:
-    if calibration.floor is not None or calibration.depth is None:
-        return calibration.floor
-    return find_floor(depth_m, calibration.depth, params.up)
 
 
 def _up(floor: Plane | None, calibration: RgbdCalibration) -> FloatArray | None:

@@ -219,10 +219,26 @@ def look_for_person(
     frame: RgbdFrame, calibration: RgbdCalibration, params: PostureParams
 ) -> Sight | None:
     """Return the person in one frame; None where nobody is seen."""
-    _, depth = cameras_of(calibration)
     depth_m = calibration.corrected_depth(frame.depth_m)
-    floor = calibration.floor or find_floor(depth_m, depth, params.up)
-    return see_person(depth_m, floor, calibration, params)
+    return see_person(depth_m, floor_below(depth_m, calibration, params), calibration, params)
+
+
+def up_in(calibration: RgbdCalibration, rotation_deg: int) -> FloatArray:
+    """Return up without a floor, in the depth camera's axes.
+
+    Against gravity where the sensor measured it, else to the upper side of the picture as it is
+    shown, turned clockwise by `rotation_deg`.
+    """
+    return up_of_picture(rotation_deg) if calibration.gravity is None else -calibration.gravity
+
+
+def floor_below(
+    depth_m: Float32Array, calibration: RgbdCalibration, params: PostureParams
+) -> Plane | None:
+    """Return the floor that the calibration knows, else the one in an (H, W) depth image."""
+    if calibration.floor is not None or calibration.depth is None:
+        return calibration.floor
+    return find_floor(depth_m, calibration.depth, up_in(calibration, params.rotation_deg))
 
 
 def see_person(

@@ -5,12 +5,11 @@ import numpy as np
 
 from adibas.alignment.registration import register_pixels
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
-from adibas.body.floor import find_floor
 from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import ReportError
-from adibas.pipeline.posture import PostureParams, Sight, see_person
+from adibas.pipeline.posture import PostureParams, Sight, floor_below, see_person, up_in
 from adibas.reports.head import head_in_color
 
 CELL_M = 0.05
@@ -42,10 +41,9 @@ def see_patient(analysis: PostureAnalysis, rotation_deg: int) -> Sight | None:
         No depth was kept with the capture.
     """
     calibration, depth_m = analysis.calibration, _depth_m(analysis)
-    depth_camera, _color_camera = _cameras(calibration)
+    _cameras(calibration)
     params = PostureParams(rotation_deg=rotation_deg)
-    floor = calibration.floor or find_floor(depth_m, depth_camera, params.up)
-    return see_person(depth_m, floor, calibration, params)
+    return see_person(depth_m, floor_below(depth_m, calibration, params), calibration, params)
 
 
 def blurred(analysis: PostureAnalysis, rotation_deg: int) -> UInt8Array:
@@ -61,7 +59,7 @@ def blurred(analysis: PostureAnalysis, rotation_deg: int) -> UInt8Array:
         No depth was kept, or no head is found: then there is no such picture.
     """
     sight = see_patient(analysis, rotation_deg)
-    up = PostureParams(rotation_deg=rotation_deg).up
+    up = up_in(analysis.calibration, rotation_deg)
     head = None if sight is None else head_in_color(sight, analysis.calibration, up)
     if sight is None or head is None:
         raise ReportError(

@@ -14,7 +14,7 @@ from adibas.data.report import PictureChoice
 from adibas.errors import ReportError
 from adibas.geometry.distortion import project_distorted
 from adibas.markers.disparity import fuse_depth
-from adibas.pipeline.posture import PostureParams
+from adibas.pipeline.posture import PostureParams, up_in
 from adibas.reports.head import head_in_color
 from adibas.reports.pictures import Picture, Spot, draw_markers, picture_of
 from adibas.reports.privacy import blurred, depth_picture, see_patient
@@ -104,6 +104,17 @@ def test_a_sensor_on_its_side_shows_an_upright_patient_with_the_head_covered():
     assert share_covered(region, head_vertices_px(scene)) == 1.0
     picture = picture_of(analysis, PictureChoice.DEPTH, 90)
     assert picture.pixels_rgb.shape == (640, 480, 3)
+
+
+def test_gravity_says_where_the_head_is_where_no_floor_is_known():
+    scene = open_scene("anterior", seed=4, mounting="portrait", **SMALL)
+    analysis = capture(scene, np.random.default_rng(1))
+    calibration = replace(analysis.calibration, floor=None)
+    analysis = replace(analysis, calibration=calibration)
+    is_hidden = (blurred(analysis, 0) != analysis.picture_rgb).any(axis=2)
+    assert share_covered(is_hidden, head_vertices_px(scene)) > 0.99
+    region = head_in_color(see_patient(analysis, 0), calibration, up_in(calibration, 0))
+    assert share_covered(region, head_vertices_px(scene)) == 1.0
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ from adibas.pipeline.live_gestures import LiveGestures
 from adibas.pipeline.live_people import LivePeople
 from adibas.pipeline.movement import MovementRequest, measure_moving
 from adibas.pipeline.pose import PoseRequest, movement_of, pose_recording
-from adibas.pipeline.posture import PostureParams
+from adibas.pipeline.posture import PostureParams, floor_below, see_person
 from adibas.pipeline.upright import (
     turn_to_upright,
     turned_camera,
@@ -143,6 +143,24 @@ def test_a_movement_without_markers_is_measured_by_a_sensor_on_its_side(video):
     assert movement.is_up_measured
     np.testing.assert_allclose(movement.up, [-1.0, 0.0, 0.0], atol=1e-6)
     assert np.isfinite(movement.joints_m).mean() > 0.9
+
+
+@pytest.mark.parametrize(("known", "rotation_deg"), [("floor", 0), ("gravity", 0), ("neither", 90)])
+def test_who_stands_before_a_sensor_on_its_side_is_seen_for_markers(
+    on_its_side, known, rotation_deg
+):
+    whole = replace(on_its_side.info.calibration, depth_bias=DepthBias())
+    calibration = {
+        "floor": replace(whole, gravity=None),
+        "gravity": replace(whole, floor=None),
+        "neither": replace(whole, gravity=None, floor=None),
+    }[known]
+    depth_m = watched(on_its_side)[0][0]
+    params = PostureParams(rotation_deg=rotation_deg)
+    sight = see_person(depth_m, floor_below(depth_m, calibration, params), calibration, params)
+    truth = on_its_side.frame(0).truth.labels > 0
+    assert sight is not None
+    assert (sight.body.pixels & truth).sum() > 0.9 * truth.sum()
 
 
 @pytest.fixture(scope="module")
