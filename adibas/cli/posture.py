@@ -14,6 +14,7 @@ from adibas.cli.recording_options import (
     add_markers,
     add_oldest_calibration,
     add_recording,
+    add_rotation,
 )
 from adibas.cli.report_options import add_patient, add_report_options, check_report
 from adibas.data.posture import VIEWS
@@ -37,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_markers(parser)
     add_calibration(parser)
     add_oldest_calibration(parser)
+    add_rotation(parser)
     add_protocol(parser)
     parser.add_argument(
         "--labels",
@@ -55,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Analyse the burst and write the report."""
+    from adibas.pipeline.posture import PostureParams
     from adibas.pipeline.posture_checks import NOT_COUNTED
     from adibas.pipeline.session import PostureRequest, analyse_recording
     from adibas.pipeline.session_report import report_of_analysis
@@ -69,6 +72,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         frames=arguments.frames,
         view=arguments.view,
         patient=arguments.patient,
+        params=PostureParams(rotation_deg=arguments.rotation),
         protocol=protocol,
         labels=arguments.labels,
         oldest_calibration_days=arguments.oldest_calibration,
@@ -76,7 +80,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     with console.progress(_("Analysing")) as progress:
         analysis = analyse_recording(request, progress)
     pictures = PictureChoice(arguments.pictures)
-    write_report(report_of_analysis(analysis, arguments.language, pictures), arguments.out)
+    report = report_of_analysis(analysis, arguments.language, pictures, arguments.rotation)
+    write_report(report, arguments.out)
     for notice in analysis.notices:
         console.warn(_(notice))
     for reason, count in Counter(one.reason for one in analysis.rejected).most_common():

@@ -4,7 +4,9 @@ import csv
 import itertools
 import json
 from dataclasses import replace
+from zipfile import ZipFile
 
+import cv2
 import numpy as np
 import openpyxl
 import pytest
@@ -14,7 +16,7 @@ from adibas.calibration.files import write_calibration
 from adibas.cli import main
 from adibas.data.calibration import DepthBias
 from adibas.pipeline import demo as demo_session
-from adibas.recordings import open_recording
+from adibas.recordings import create_recording, open_recording
 from adibas.simulation.scenes import open_scene
 
 SHEETS = ["Summary", "Markers", "Distances", "Angles", "Provenance"]
@@ -176,3 +178,26 @@ def test_another_calibration_takes_the_place_of_the_recordings_own(demo, posture
         for found in (said, document)
     )
     assert moved_m - depth_m == pytest.approx(0.1, abs=0.02)
+
+
+def test_a_rotation_says_where_up_is_for_a_sensor_on_its_side_that_does_not(demo, tmp_path, capsys):
+    scene = open_scene("anterior", mounting="portrait")
+    calibration = replace(scene.info.calibration, gravity=None, floor=None)
+    recording, report = tmp_path / "portrait.mcap", tmp_path / "report.xlsx"
+    with create_recording(recording, replace(scene.info, calibration=calibration)) as writer:
+        for number in range(2):
+            writer.write(scene.frame(number).sensor_frame)
+    command = ["posture", str(recording), "--markers", str(demo.colors), "--view", "anterior"]
+    command += ["--protocol", "joints-15", "--out", str(report), "--json"]
+    assert main(command) == 1
+    assert "Nobody is seen" in capsys.readouterr().err
+    assert main([*command, "--rotation", "90"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    right_m = {one["label"]: one["position_m"] for one in document["markers"]}
+    # The camera's x points down and its y to the left of who looks.
+    assert right_m["head"][0] < right_m["neck"][0] < right_m["left_hip"][0]
+    assert right_m["right_shoulder"][1] > right_m["left_shoulder"][1]
+    with ZipFile(report) as parts:
+        (name,) = (one for one in parts.namelist() if one.startswith("xl/media/"))
+        height, width = cv2.imdecode(np.frombuffer(parts.read(name), np.uint8), 1).shape[:2]
+    assert height > width
