@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from adibas.cli.console import Console
 from adibas.cli.options import add_json
 from adibas.cli.protocol_options import add_protocol, wished_protocol
-from adibas.cli.recording_options import add_calibration, add_frames
+from adibas.cli.recording_options import add_calibration, add_frames, add_rotation
 from adibas.cli.report_options import add_language, add_patient, check_report, check_surface
 from adibas.data.posture import VIEWS
 from adibas.errors import BodyError
@@ -45,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("the view with which a turn begins; posterior if not given"),
     )
     add_calibration(parser)
+    add_rotation(parser)
     add_frames(parser, _("frames of each burst, B not included; all of them if not given"))
     parser.add_argument(
         "--markers",
@@ -86,7 +87,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.report is not None:
         check_report(arguments.report, BODY_KINDS)
     views = [
-        ViewRequest(view, path, arguments.calibration, arguments.frames)
+        ViewRequest(view, path, arguments.calibration, arguments.frames, arguments.rotation)
         for view, path in arguments.views
     ]
     turn = _only_turn([one for one in views if one.view == TURN])

@@ -76,6 +76,14 @@ def up_of_picture(rotation_deg: int) -> FloatArray:
     return np.array([-round(math.sin(angle_rad)), -round(math.cos(angle_rad)), 0.0])
 
 
+def up_without_floor(calibration: RgbdCalibration, rotation_deg: int = 0) -> FloatArray:
+    """Return up in the depth camera's axes, as it is known before a floor is seen.
+
+    Against gravity where the sensor measured it, else to the upper side of the turned picture.
+    """
+    return up_of_picture(rotation_deg) if calibration.gravity is None else -calibration.gravity
+
+
 def vertical_of(calibration: RgbdCalibration, rotation_deg: int = 0) -> Vertical:
     """Return the vertical that a calibration holds; else the upper side of the turned picture."""
     rotation = calibration.color_from_depth.rotation

@@ -16,6 +16,7 @@ from adibas.data.surface import BurstDisparity
 from adibas.errors import BodyError, CalibrationError, RecordingError
 from adibas.geometry.planes import Plane
 from adibas.markers.disparity import DisparitySum
+from adibas.measures.sight_plane import up_without_floor
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
 from adibas.recordings import open_recording
@@ -38,12 +39,16 @@ class ViewRequest:
     calibration : Path or None
         In place of the recording's own.
     frames : (first, one past the last or None)
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright: where the floor is looked for, if
+        neither it nor gravity is known.
     """
 
     view: str
     recording: Path
     calibration: Path | None = None
     frames: tuple[int, int | None] = (0, None)
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +132,7 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
         calibration,
         notice,
         name=request.recording.name,
+        rotation_deg=request.rotation_deg,
     )
     return replace(view, picture_rgb=picture_rgb)
 
@@ -137,8 +143,11 @@ def person_in(
     calibration: RgbdCalibration,
     notice: str | None = None,
     name: str = "",
+    rotation_deg: int = 0,
 ) -> BodyView:
     """Find the person in the mean depth of a burst.
+
+    `rotation_deg` is how far the picture is turned clockwise to be upright.
 
     Raises
     ------
@@ -150,7 +159,7 @@ def person_in(
         raise ValueError("a surface takes the calibration of a depth camera")
     with np.errstate(divide="ignore"):
         depth_m = np.asarray(1.0 / surface.mean_per_m, np.float32)
-    floor = floor_in(depth_m, calibration, name)
+    floor = floor_in(depth_m, calibration, name, rotation_deg)
     mask = find_body(depth_m, camera, floor)
     if mask is None:
         raise nobody(name)
@@ -183,7 +192,9 @@ def depth_camera_of(calibration: RgbdCalibration) -> CameraCalibration:
     return calibration.depth
 
 
-def floor_in(depth_m: Float32Array, calibration: RgbdCalibration, name: str) -> Plane:
+def floor_in(
+    depth_m: Float32Array, calibration: RgbdCalibration, name: str, rotation_deg: int = 0
+) -> Plane:
     """Return the floor that the calibration knows, else the one in an (H, W) depth image.
 
     Raises
@@ -193,7 +204,7 @@ def floor_in(depth_m: Float32Array, calibration: RgbdCalibration, name: str) -> 
     """
     if calibration.floor is not None:
         return calibration.floor
-    up = None if calibration.gravity is None else -calibration.gravity
+    up = up_without_floor(calibration, rotation_deg)
     floor = find_floor(depth_m, depth_camera_of(calibration), up)
     if floor is None:
         raise BodyError(

@@ -13,6 +13,7 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, depth_in_metres
 from adibas.errors import CalibrationError
 from adibas.geometry.planes import Plane
+from adibas.measures.sight_plane import up_without_floor
 from adibas.recordings.decoding import decode_color
 from adibas.recordings.ports import RecordingReader
 from adibas.texts import Message, message
@@ -141,13 +142,12 @@ class MapFrames:
         depth_m = depth_in_metres(raw, self._recording.info.depth_unit_m)
         check_fits(calibration, None, depth_m.shape)
         depth_m = np.ascontiguousarray(calibration.corrected_depth(depth_m), np.float32)
-        up = None if calibration.gravity is None else -calibration.gravity
-        self.floor = find_floor(depth_m, self.depth_camera, up)
+        self.floor = find_floor(depth_m, self.depth_camera, up_without_floor(calibration))
 
     @property
     def level(self) -> Plane:
-        """The floor; where none is known, a plane through an upright camera."""
-        return self.floor or Plane(np.array([0.0, -1.0, 0.0]), 0.0)
+        """The floor; where none is known, a level plane through the camera."""
+        return self.floor or Plane(up_without_floor(self.calibration), 0.0)
 
     def _person(self, depth_m: Float32Array) -> BoolArray | None:
         mask = find_body(depth_m, self.depth_camera, self.floor)

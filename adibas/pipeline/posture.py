@@ -24,7 +24,7 @@ from adibas.markers.detection import DetectionParams, Detections, find_color_mar
 from adibas.markers.disparity import DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
 from adibas.markers.position import PositionFinder, PositionParams
-from adibas.measures.sight_plane import up_of_picture
+from adibas.measures.sight_plane import up_of_picture, up_without_floor
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
 from adibas.pipeline.posture_checks import apart_from_merged, count_people, refuse_beside
@@ -223,22 +223,15 @@ def look_for_person(
     return see_person(depth_m, floor_below(depth_m, calibration, params), calibration, params)
 
 
-def up_in(calibration: RgbdCalibration, rotation_deg: int) -> FloatArray:
-    """Return up without a floor, in the depth camera's axes.
-
-    Against gravity where the sensor measured it, else to the upper side of the picture as it is
-    shown, turned clockwise by `rotation_deg`.
-    """
-    return up_of_picture(rotation_deg) if calibration.gravity is None else -calibration.gravity
-
-
 def floor_below(
     depth_m: Float32Array, calibration: RgbdCalibration, params: PostureParams
 ) -> Plane | None:
     """Return the floor that the calibration knows, else the one in an (H, W) depth image."""
     if calibration.floor is not None or calibration.depth is None:
         return calibration.floor
-    return find_floor(depth_m, calibration.depth, up_in(calibration, params.rotation_deg))
+    return find_floor(
+        depth_m, calibration.depth, up_without_floor(calibration, params.rotation_deg)
+    )
 
 
 def see_person(

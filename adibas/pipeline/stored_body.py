@@ -26,8 +26,10 @@ FROM_TURN = message(
 )
 
 
-def stored_view(store: SessionStore, capture: Capture) -> BodyView | None:
+def stored_view(store: SessionStore, capture: Capture, rotation_deg: int = 0) -> BodyView | None:
     """Return the person in a capture's surface, with the picture; None where no depth was kept.
+
+    `rotation_deg` is how far the pictures of its session are turned clockwise to be upright.
 
     Raises
     ------
@@ -39,7 +41,9 @@ def stored_view(store: SessionStore, capture: Capture) -> BodyView | None:
     surface = store.captures.surface(capture.capture_id)
     if surface is None or capture.calibration.depth is None:
         return None
-    view = person_in(capture.view, surface, capture.calibration, name=capture.view)
+    view = person_in(
+        *(capture.view, surface, capture.calibration), name=capture.view, rotation_deg=rotation_deg
+    )
     return replace(view, picture_rgb=store.captures.picture(capture.capture_id))
 
 
@@ -67,7 +71,7 @@ def stored_back(
         raise BodyError(
             "The session has no posterior view, and the back is measured in it. Capture one."
         )
-    view = stored_view(store, capture)
+    view = stored_view(store, capture, session.setup.rotation_deg)
     if view is None:
         raise BodyError(
             "No depth was kept with the posterior view, and a surface takes depth. Capture it "
@@ -93,7 +97,8 @@ def stored_body(
         A file is missing or damaged.
     """
     captures = store.captures.latest(session.session_id)
-    seen = {view: stored_view(store, one) for view, one in captures.items()}
+    rotation_deg = session.setup.rotation_deg
+    seen = {view: stored_view(store, one, rotation_deg) for view, one in captures.items()}
     views = {name: view for name, view in seen.items() if view is not None}
     if len(views) < VIEWS_ALL_AROUND and session.setup.turn:
         return _turned_body(store, session, progress, clock)
@@ -124,13 +129,16 @@ def _turned_body(
     with store.recordings.open(recording_id) as recording:
         frames = range(len(recording.timestamps_ns))
         calibration = calibration_of(recording, None)
-        turn = follow_turn(RecordedTurn(recording, calibration, frames, TURN), progress)
+        turn = RecordedTurn(
+            recording, calibration, frames, TURN, rotation_deg=session.setup.rotation_deg
+        )
+        seen = follow_turn(turn, progress)
     where_from = provenance_of(
         *(store.recordings.facts(recording_id).sha256, calibration, None, PostureParams(), clock())
     )
     body = measure_views(
-        [MarkedView(view) for view in turn.views],
-        dict.fromkeys(turn.frames, where_from),
+        [MarkedView(view) for view in seen.views],
+        dict.fromkeys(seen.frames, where_from),
         session.patient,
     )
-    return replace(body, notices=(Sentence(FROM_TURN), *turn.notices, *body.notices))
+    return replace(body, notices=(Sentence(FROM_TURN), *seen.notices, *body.notices))

@@ -144,7 +144,10 @@ def see_turn(request: ViewRequest, progress: Progress, params: CutParams | None 
     with open_recording(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)
-        turn = RecordedTurn(recording, calibration, wanted, request.recording.name, request.view)
+        turn = RecordedTurn(
+            *(recording, calibration, wanted, request.recording.name, request.view),
+            request.rotation_deg,
+        )
         return follow_turn(turn, progress, params)
 
 
@@ -162,6 +165,8 @@ class RecordedTurn:
         What the recording is called in errors.
     begins : str
         The view with which the turn begins.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
     """
 
     recording: RecordingReader
@@ -169,6 +174,7 @@ class RecordedTurn:
     wanted: range
     name: str
     begins: str = TO_THE_LEFT[0]
+    rotation_deg: int = 0
 
 
 def follow_turn(
@@ -234,7 +240,7 @@ class _Moments:
     def __init__(self, turn: RecordedTurn) -> None:
         self._recording, self._calibration = turn.recording, turn.calibration
         self._camera = depth_camera_of(turn.calibration)
-        self.name = turn.name
+        self.name, self._rotation_deg = turn.name, turn.rotation_deg
         self._floor: Plane | None = turn.calibration.floor
         self.has_depth = False
 
@@ -255,7 +261,7 @@ class _Moments:
         check_fits(self._calibration, None, depth_m.shape)
         depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
         if self._floor is None:
-            self._floor = floor_in(depth_m, self._calibration, self.name)
+            self._floor = floor_in(depth_m, self._calibration, self.name, self._rotation_deg)
         mask = find_body(depth_m, self._camera, self._floor)
         return None if mask is None else np.where(mask.pixels, depth_m, np.float32(np.nan))
 

@@ -9,7 +9,8 @@ from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import ReportError
-from adibas.pipeline.posture import PostureParams, Sight, floor_below, see_person, up_in
+from adibas.measures.sight_plane import up_without_floor
+from adibas.pipeline.posture import PostureParams, Sight, floor_below, see_person
 from adibas.reports.head import head_in_color
 
 CELL_M = 0.05
@@ -59,7 +60,7 @@ def blurred(analysis: PostureAnalysis, rotation_deg: int) -> UInt8Array:
         No depth was kept, or no head is found: then there is no such picture.
     """
     sight = see_patient(analysis, rotation_deg)
-    up = up_in(analysis.calibration, rotation_deg)
+    up = up_without_floor(analysis.calibration, rotation_deg)
     head = None if sight is None else head_in_color(sight, analysis.calibration, up)
     if sight is None or head is None:
         raise ReportError(

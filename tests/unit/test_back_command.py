@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -196,6 +197,27 @@ def test_a_recording_without_depth_or_calibration_is_told(folder, scene):
     code, _, err = run("body", told, "--frames", "7:9", "--out", folder / "c.ply")
     assert code == 1
     assert "no such frames" in err
+
+
+@pytest.mark.parametrize("rotation_deg", [0, 90])
+def test_the_floor_before_a_sensor_on_its_side_is_found_as_its_picture_is_turned(rotation_deg):
+    lying = open_scene("posterior", 3, **SETTINGS, mounting="portrait")
+    calibration = replace(lying.info.calibration, floor=None, gravity=None)
+    depth_m = np.asarray(lying.frame(0).truth.depth_m, np.float32)
+    surface = BurstDisparity(1.0 / depth_m, np.ones(depth_m.shape, np.int64), 1)
+    told = ("posterior", surface, calibration)
+    if rotation_deg == 0:
+        with pytest.raises(BodyError, match="No floor"):
+            person_in(*told)
+        return
+    found = person_in(*told, rotation_deg=rotation_deg)
+    truth = lying.info.calibration.floor
+    assert found.floor.normal @ truth.normal > math.cos(math.radians(0.5))
+    assert found.floor.offset_m == pytest.approx(truth.offset_m, abs=0.01)
+    wanted = measure_back(person_in("posterior", surface, lying.info.calibration), ())
+    for one, other in zip(measure_back(found, ()).measures, wanted.measures, strict=True):
+        if other.value is not None:
+            assert one.value == pytest.approx(other.value, abs=2.0)
 
 
 def test_heights_need_a_floor(view, scene):

@@ -1,6 +1,8 @@
 """A person who is mapped alone: nothing else takes part, and it is told how rigid they were."""
 
 import json
+from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from adibas.cli.command_line import main
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform, fit_rigid, rotation_vector
 from adibas.pipeline.map_body import body_motion
+from adibas.pipeline.map_frames import MapFrames
 from adibas.pipeline.mapping import MapRequest, map_recording
 from adibas.recordings import create_recording
 from adibas.reports.map_files import ROW
@@ -110,3 +113,10 @@ def test_bare_skin_is_followed_through_a_turn_by_its_shape(tmp_path):
         turn_rad = np.linalg.norm(rotation_vector((pose @ true.inverse()).rotation))
         assert np.degrees(turn_rad) < 4.0
         assert np.linalg.norm(pose.apply(body_m) - bodies_m[0], axis=1).mean() < 0.03
+
+
+def test_level_is_against_gravity_where_no_floor_is_seen():
+    scene = open_scene("empty", mounting="portrait")
+    calibration = replace(scene.info.calibration, floor=None)
+    frames = MapFrames(Mock(), range(1), calibration, is_body=True)
+    np.testing.assert_allclose(frames.level.normal, [-1.0, 0.0, 0.0], atol=1e-9)

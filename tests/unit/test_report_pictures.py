@@ -14,7 +14,7 @@ from adibas.data.report import PictureChoice
 from adibas.errors import ReportError
 from adibas.geometry.distortion import project_distorted
 from adibas.markers.disparity import fuse_depth
-from adibas.pipeline.posture import PostureParams, up_in
+from adibas.pipeline.posture import PostureParams
 from adibas.reports.head import head_in_color
 from adibas.reports.pictures import Picture, Spot, draw_markers, picture_of
 from adibas.reports.privacy import blurred, depth_picture, see_patient
@@ -113,7 +113,7 @@ def test_gravity_says_where_the_head_is_where_no_floor_is_known():
     analysis = replace(analysis, calibration=calibration)
     is_hidden = (blurred(analysis, 0) != analysis.picture_rgb).any(axis=2)
     assert share_covered(is_hidden, head_vertices_px(scene)) > 0.99
-    region = head_in_color(see_patient(analysis, 0), calibration, up_in(calibration, 0))
+    region = head_in_color(see_patient(analysis, 0), calibration, -calibration.gravity)
     assert share_covered(region, head_vertices_px(scene)) == 1.0
 
 

@@ -1,5 +1,7 @@
 """The back and the body out of a store: what the same depth gives that never was in one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,23 @@ def test_the_back_of_a_stored_capture_is_that_of_its_burst(store, patient):
     assert [one.value for one in found.measures] == [one.value for one in wanted.measures]
     assert any(one.value is not None for one in found.measures)
     np.testing.assert_array_equal(found.grid.back_m, wanted.grid.back_m)
+
+
+def test_the_body_is_looked_for_as_the_pictures_of_the_session_were_turned(
+    store, patient, monkeypatch
+):
+    asked = []
+
+    def look(*told, rotation_deg, **more):
+        asked.append(rotation_deg)
+        return person_in(*told, **more)
+
+    monkeypatch.setattr("adibas.pipeline.stored_body.person_in", look)
+    session = add_body_session(store, patient)
+    turned = replace(session, setup=replace(session.setup, rotation_deg=270))
+    stored_back(store, turned, unheard)
+    stored_body(store, turned, unheard)
+    assert asked == [270, 270]
 
 
 def test_the_last_capture_of_a_view_counts(store, patient):
