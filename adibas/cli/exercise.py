@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, seconds_range
-from adibas.cli.recording_options import add_person
+from adibas.cli.recording_options import add_person, add_rotation
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
@@ -33,6 +33,7 @@ def add_check_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help=_("seconds of the therapist's recording that are one repetition; all if not given"),
     )
+    add_rotation(parser)
     add_person(parser, _("of the patient's table; the one who was seen longest if not given"))
     add_patient(parser)
     add_language(parser)
@@ -54,6 +55,7 @@ def run_check(arguments: argparse.Namespace, console: Console) -> int:
             arguments.repetition,
             arguments.person,
             arguments.patient,
+            rotation_deg=arguments.rotation,
         )
     )
     for notice in check.notices:

@@ -8,6 +8,7 @@ from adibas.cli.console import Console
 from adibas.cli.exercise import add_check_arguments
 from adibas.cli.gestures_evaluation import evaluation_lines
 from adibas.cli.options import add_json, add_out, sentence
+from adibas.cli.recording_options import add_rotation
 from adibas.texts import decimal_text, message, translate_plural
 from adibas.texts import translate as _
 
@@ -45,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="model.json",
         help=_("what `adibas gestures train` wrote"),
     )
+    add_rotation(detect)
     add_out(detect, "events.csv", _("file to write"))
     detect.set_defaults(action=_detect)
     evaluate = actions.add_parser("evaluate", help=_(EVALUATE), description=sentence(_(EVALUATE)))
@@ -157,7 +159,7 @@ def _detect(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.recordings.events_csv import write_events_csv
 
     check_place(arguments.out)
-    found = detect_in_file(arguments.joints, arguments.model)
+    found = detect_in_file(arguments.joints, arguments.model, arguments.rotation)
     for notice in found.notices:
         console.warn(notice.text)
     write_events_csv(arguments.out, found.events)

@@ -34,7 +34,7 @@ from adibas.pipeline.behaviour_activity import (
 )
 from adibas.pipeline.behaviour_times import check_still, in_ms, sections_of, session_of
 from adibas.pipeline.gesture_examples import unseen_joints
-from adibas.pipeline.gesture_work import detected_events
+from adibas.pipeline.gesture_work import detected_events, upright_tracks
 from adibas.pipeline.movement import JOINT_FILE
 from adibas.pipeline.pose import PoseRequest, pose_recording
 from adibas.pipeline.recording_access import FILES, RecordingAccess
@@ -247,17 +247,12 @@ def find_joints(
     if request.source.suffix.lower() == JOINT_FILE:
         read = read_joints_csv(request.source)
         turn = QuarterTurn(request.rotation_deg // 90)
-        return FoundJoints(_upright(read.tracks, turn), tuple(read.notices))
+        return FoundJoints(upright_tracks(read.tracks, turn), tuple(read.notices))
     asked = PoseRequest(request.source, access=request.access, rotation_deg=request.rotation_deg)
     posed = pose_recording(asked, progress, clock)
-    return FoundJoints(_upright(posed.tracks, posed.turn), (Sentence(ESTIMATED), *posed.notices))
-
-
-def _upright(tracks: Sequence[SkeletonTrack], turn: QuarterTurn) -> tuple[SkeletonTrack, ...]:
-    """Return tracks as gestures are learned: of people who stand upright in the picture."""
-    if turn.n_quarters == 0:
-        return tuple(tracks)
-    return tuple(replace(track, joints_m=turn.points(track.joints_m)) for track in tracks)
+    return FoundJoints(
+        upright_tracks(posed.tracks, posed.turn), (Sentence(ESTIMATED), *posed.notices)
+    )
 
 
 def _of_joints(joints: FoundJoints, params: ActivityParams) -> list[Sentence]:

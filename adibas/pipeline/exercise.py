@@ -21,6 +21,7 @@ from adibas.gestures.exercise import (
 )
 from adibas.movement.measuring import MovementParams
 from adibas.pipeline.movement import MovementRequest, measure_moving
+from adibas.pipeline.posture import PostureParams
 from adibas.recordings.checksum import recording_sha256
 from adibas.texts import message
 from adibas.timeseries.lowpass import resample
@@ -47,6 +48,8 @@ class ExerciseRequest:
         Of the patient's table; the one who was seen longest if not given.
     pseudonym : str
     params : ExerciseParams
+    rotation_deg : int
+        How far the picture of the camera is turned clockwise to be upright; both are before one.
     """
 
     patient: Path
@@ -55,6 +58,7 @@ class ExerciseRequest:
     person: int | None = None
     pseudonym: str = ""
     params: ExerciseParams = field(default_factory=ExerciseParams)
+    rotation_deg: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,9 +94,12 @@ def check_exercise(request: ExerciseRequest, clock: Clock = utc_now) -> Exercise
         A table cannot be used, or the therapist's has no movement.
     """
     beside = MovementParams(takes_upright=True)
-    shown = measure_moving(MovementRequest(request.therapist, movement=beside), _say_nothing, clock)
+    mounted = PostureParams(rotation_deg=request.rotation_deg)
+    shown = measure_moving(
+        MovementRequest(request.therapist, posture=mounted, movement=beside), _say_nothing, clock
+    )
     done = measure_moving(
-        MovementRequest(request.patient, person=request.person, movement=beside),
+        MovementRequest(request.patient, person=request.person, posture=mounted, movement=beside),
         _say_nothing,
         clock,
     )
@@ -105,7 +112,11 @@ def check_exercise(request: ExerciseRequest, clock: Clock = utc_now) -> Exercise
         "",
         __version__,
         to_text(clock()),
-        {**asdict(request.params), "therapist_sha256": recording_sha256(request.therapist)},
+        {
+            **asdict(request.params),
+            "rotation_deg": request.rotation_deg,
+            "therapist_sha256": recording_sha256(request.therapist),
+        },
     )
     notices = [*shown.notices, *done.notices]
     if not found:

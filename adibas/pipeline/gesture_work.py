@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from adibas.data.events import TimedEvent
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import GestureError
+from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.evaluation import Evaluation, compare, leave_one_out
 from adibas.gestures.model import GestureModel, described_for
@@ -67,8 +68,10 @@ def train_on_folder(
     return learn(lesson, params, progress, is_tested=is_tested)
 
 
-def detect_in_file(path: Path, model_path: Path) -> Detected:
+def detect_in_file(path: Path, model_path: Path, rotation_deg: int = 0) -> Detected:
     """Find the gestures of a model in a table of joints.
+
+    `rotation_deg` is how far the picture of the camera is turned clockwise to be upright.
 
     Raises
     ------
@@ -79,10 +82,17 @@ def detect_in_file(path: Path, model_path: Path) -> Detected:
     read = read_joints_csv(path)
     notices = [*read.notices, *unseen_joints(path.name, read.tracks)]
     events: list[TimedEvent] = []
-    for track in read.tracks:
+    for track in upright_tracks(read.tracks, QuarterTurn(rotation_deg // 90)):
         notices += _gaps(path, track, model.descriptor)
         events += detected_events(recording_name(path), track, [model])
     return Detected(tuple(sorted(events, key=lambda event: event.begin_s)), tuple(notices))
+
+
+def upright_tracks(tracks: Sequence[SkeletonTrack], turn: QuarterTurn) -> tuple[SkeletonTrack, ...]:
+    """Return tracks as gestures are learned: of people who stand upright in the turned picture."""
+    if turn.n_quarters == 0:
+        return tuple(tracks)
+    return tuple(replace(track, joints_m=turn.points(track.joints_m)) for track in tracks)
 
 
 def detected_events(

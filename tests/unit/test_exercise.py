@@ -10,13 +10,14 @@ from openpyxl import load_workbook
 from adibas.cli.command_line import main
 from adibas.data.skeleton_track import track_of
 from adibas.errors import GestureError
+from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.gestures.exercise import (
     AngleTrack,
     ExerciseParams,
     exercise_model,
     repetitions,
 )
-from adibas.recordings.joints_csv import write_joints_csv
+from adibas.recordings.joints_csv import read_joints_csv, write_joints_csv
 from tests.unit.test_joint_angles import RIGHT, standing, turned
 
 RATE_HZ = 15.0
@@ -138,6 +139,33 @@ def test_an_exercise_is_checked_from_the_command_line(files, capsys):
     assert book.sheetnames == ["Summary", "Repetitions", "Ranges", "Symmetry", "Deviation"]
     assert len(list(book["Repetitions"].iter_rows(min_row=2))) == 3
     book.close()
+
+
+def test_an_exercise_before_a_camera_on_its_side_is_the_same_where_its_rotation_is_told(
+    files, tmp_path, capsys
+):
+    def checked(folder, *options):
+        patient, therapist = (str(folder / f"{who}.csv") for who in ("patient", "therapist"))
+        argv = ["gestures", "check", patient, "--therapist", therapist, "--json", *options]
+        assert main(argv) == 0
+        document = json.loads(capsys.readouterr().out)
+        return document["angles"], document["repetitions"]
+
+    lying = tmp_path / "lying"
+    lying.mkdir()
+    rng = np.random.default_rng(1)
+    for who in ("patient", "therapist"):
+        (track,) = read_joints_csv(files / f"{who}.csv").tracks
+        noisy_m = track.joints_m + rng.normal(0.0, 0.002, track.joints_m.shape)
+        write_joints_csv(files / f"{who}.csv", [track_of(track.times_s, noisy_m)])
+        turned_m = QuarterTurn(1).points(noisy_m)
+        write_joints_csv(lying / f"{who}.csv", [track_of(track.times_s, turned_m)])
+    angles, done = checked(files)
+    assert set(angles) == set(NAMES[:2])
+    angles_lying, done_lying = checked(lying, "--rotation", "270")
+    assert angles_lying == angles
+    for one, other in zip(done_lying, done, strict=True):
+        assert one["tempo"] == pytest.approx(other["tempo"], abs=0.02)
 
 
 def test_readers_get_lines_and_mistakes_are_told(files, capsys):

@@ -11,6 +11,7 @@ from adibas.data.events import TimedEvent
 from adibas.data.joints import JOINT_NAMES, mirror_order
 from adibas.data.skeleton_track import track_of
 from adibas.errors import GestureError
+from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.gestures.described_track import describe
 from adibas.gestures.descriptor import (
     DESCRIBED_JOINTS,
@@ -283,7 +284,12 @@ def test_the_command_trains_detects_and_evaluates(tmp_path, capsys):
     write_joints_csv(joints, [track])
     detect = ["gestures", "detect", str(joints), "--model", str(model), "--out", str(found)]
     assert main(detect) == 0
-    assert [event.label for event in read_events_csv(found)] == [label for label, _, _ in done]
+    upright = read_events_csv(found)
+    assert [event.label for event in upright] == [label for label, _, _ in done]
+    lying_m = QuarterTurn(1).points(track.joints_m)  # what the camera on its side would have seen
+    write_joints_csv(joints, [track_of(track.times_s, lying_m)])
+    assert main([*detect, "--rotation", "270"]) == 0
+    assert [event.label for event in read_events_csv(found)] == [one.label for one in upright]
     capsys.readouterr()
     assert main(["gestures", "evaluate", str(folder), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
