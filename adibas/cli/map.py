@@ -9,6 +9,7 @@ from adibas.cli.interrupts import kept_when_stopped
 from adibas.cli.options import add_json
 from adibas.cli.recording_options import add_calibration, add_frames, add_recording
 from adibas.cli.report_options import check_surface
+from adibas.errors import FileError
 from adibas.files import check_place
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -53,6 +54,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     check_surface(arguments.out)
     if arguments.trajectory is not None:
         check_place(arguments.trajectory)
+        if arguments.trajectory.resolve() == arguments.out.resolve():
+            raise FileError(
+                "{file} cannot hold both the surface and the path. Choose another name for one.",
+                file=arguments.out.name,
+            )
     with kept_when_stopped(unfinished_path(arguments.out)):
         mapped = _map_and_write(arguments, console)
     for notice in mapped.notices:

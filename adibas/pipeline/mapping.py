@@ -30,6 +30,7 @@ from adibas.texts import Message, message
 FULL = message("The surface is too large: parts of it were left out. Choose fewer frames.")
 WRONG_LOOPS = message("Loops that did not fit the rest and count nothing: {n}.")
 NO_FLOOR = message("No floor is seen in the first frame: the camera is taken to stand upright.")
+ONE_FRAME = message("It is a single frame. Give more of them, of a camera that moves.")
 JUMPS = message("The recording jumps: places where more than a second is missing: {n}.")
 MOVING = message(
     "Something moved before the camera, which a map takes to stand still. What was seen through "
@@ -272,7 +273,7 @@ def _reasons(followed: Followed) -> Counter[Message]:
     return said
 
 
-def _first_reason(followed: Followed) -> Message | str:
+def _first_reason(followed: Followed) -> Message:
     """Return why frames were not placed, the most frequent reason."""
     reasons = _reasons(followed)
-    return reasons.most_common(1)[0][0] if reasons else ""
+    return reasons.most_common(1)[0][0] if reasons else ONE_FRAME

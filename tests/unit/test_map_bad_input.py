@@ -8,6 +8,7 @@ import pytest
 from adibas.alignment.joint_fit import moved
 from adibas.alignment.key_frames import Tracker
 from adibas.alignment.pose_graph import Edge
+from adibas.cli.command_line import main
 from adibas.clock import NS_PER_S
 from adibas.errors import RecordingError
 from adibas.pipeline.mapping import MapRequest, map_recording
@@ -48,6 +49,20 @@ def test_a_bare_wall_is_no_map(tmp_path):
         RecordingError, match=r"No two frames could be put together.*(bare wall|recog)"
     ):
         mapped(written(tmp_path / "wall.mcap", frames))
+
+
+def test_a_single_frame_is_no_map(scene, tmp_path):
+    path = written(tmp_path / "still.mcap", scene[0][:1])
+    with pytest.raises(RecordingError, match=r"still\.mcap\. It is a single frame\."):
+        mapped(path)
+
+
+def test_surface_and_path_have_files_of_their_own(scene, tmp_path, capsys):
+    path, out = written(tmp_path / "room.mcap", scene[0][:2]), tmp_path / "map.ply"
+    other = tmp_path / "." / "map.ply"
+    assert main(["map", str(path), "--out", str(out), "--trajectory", str(other)]) == 1
+    assert "map.ply cannot hold both" in capsys.readouterr().err
+    assert not out.exists()
 
 
 def passed_by(path, radius_m):
