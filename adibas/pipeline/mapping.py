@@ -259,7 +259,7 @@ def _notices(
         notices.append(Sentence(JUMPS, {"n": followed.n_jumps}))
     if track.n_moving and not frames.is_body:
         notices += counted([(MOVING, track.n_moving)], len(frames))
-    if frames.is_body and frames.floor is None:
+    if frames.is_body and frames.floor is None and frames.calibration.gravity is None:
         notices.append(Sentence(NO_FLOOR))
     if track.n_wrong_loops:
         notices.append(Sentence(WRONG_LOOPS, {"n": track.n_wrong_loops}))

@@ -120,3 +120,23 @@ def test_level_is_against_gravity_where_no_floor_is_seen():
     calibration = replace(scene.info.calibration, floor=None)
     frames = MapFrames(Mock(), range(1), calibration, is_body=True)
     np.testing.assert_allclose(frames.level.normal, [-1.0, 0.0, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("is_gravity_known", [True, False])
+def test_a_camera_is_said_to_be_taken_as_upright_only_where_nothing_tells_up(
+    tmp_path, is_gravity_known
+):
+    scene = open_scene("anterior", seed=3, color_size=(480, 640))
+    known = scene.info.calibration
+    gravity = known.gravity if is_gravity_known else None
+    info = replace(scene.info, calibration=replace(known, floor=None, gravity=gravity))
+    path = tmp_path / "knees.mcap"
+    with create_recording(path, info) as recording:
+        for number in range(2):
+            frame = scene.frame(number).sensor_frame
+            depth_raw = frame.depth_raw.copy()
+            depth_raw[2 * len(depth_raw) // 3 :] = 0
+            recording.write(replace(frame, depth_raw=depth_raw))
+    mapped = map_recording(MapRequest(path, is_body=True), lambda _done, _total: None)
+    told = any("No floor is seen" in notice.text for notice in mapped.notices)
+    assert told == (not is_gravity_known)
