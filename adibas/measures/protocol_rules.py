@@ -121,17 +121,17 @@ class Rules:
         unit = part.get("unit")
         quantity = KINDS[kind].quantity
         units = [name for name, (measured, _size) in UNITS.items() if measured == quantity]
-        if unit is not None and unit.value not in units:
+        if unit is not None and isinstance(unit.value, str) and unit.value not in units:
             self._findings.mistake(
                 unit,
                 "{file}, line {line}: {name} is no unit of {kind}. Give one of: {names}.",
-                name=str(unit.value)[:LONGEST_SHOWN],
+                name=unit.value[:LONGEST_SHOWN],
                 kind=kind,
                 names=", ".join(units),
             )
 
     def _check_axis(self, axis: Node | None, kind: str, views: tuple[str, ...]) -> None:
-        if axis is None or not views:
+        if axis is None or not isinstance(axis.value, str) or not views:
             return
         shown = set.intersection(*(set(axes_of(kind, view)) for view in views))
         if axis.value not in shown:
@@ -139,7 +139,7 @@ class Rules:
                 axis,
                 "{file}, line {line}: {name} is no direction that these views show. Give one of: "
                 "{names}.",
-                name=str(axis.value)[:LONGEST_SHOWN],
+                name=axis.value[:LONGEST_SHOWN],
                 names=", ".join(sorted(shown)) or "-",
             )
 
