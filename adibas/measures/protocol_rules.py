@@ -22,6 +22,8 @@ from adibas.measures.protocol_places import Places
 
 MOST_FOR_EVERY_TRIPLET = 40
 LONGEST_SHOWN = 40
+LINES = {2: ((0, 1),), 3: ((0, 1), (1, 2)), 4: ((0, 1), (2, 3))}
+"""Which of the points of a measure are the ends of its lines, by how many points it has."""
 
 
 class Rules:
@@ -108,6 +110,8 @@ class Rules:
                 wanted=rule.n_points,
                 n=len(points),
             )
+        elif node is not None:
+            self._check_lines(node, points)
         self._check_unit(part, kind)
         if rule.has_axis:
             part.need("positive")
@@ -116,6 +120,16 @@ class Rules:
             self._findings.mistake(
                 axis, "{file}, line {line}: {kind} has no axis. Remove it.", kind=kind
             )
+
+    def _check_lines(self, node: Node, points: tuple[str, ...]) -> None:
+        for first, last in LINES[len(points)]:
+            if points[first] and points[first] == points[last]:
+                self._findings.mistake(
+                    node,
+                    "{file}, line {line}: a line from {name} to itself has neither length nor "
+                    "direction. Name two points.",
+                    name=points[first][:LONGEST_SHOWN],
+                )
 
     def _check_unit(self, part: Group, kind: str) -> None:
         unit = part.get("unit")
@@ -149,6 +163,11 @@ class Rules:
             reference.allow_only("kind", "mean", "sd", "who", "source", "note")
             kind, mean = reference.text("kind"), reference.number("mean")
             sd = reference.number("sd", is_needed=False)
+            if sd is not None and sd < 0:
+                self._findings.mistake(
+                    reference.need("sd") or node,
+                    "{file}, line {line}: a standard deviation cannot be negative. Correct it.",
+                )
             who, note = reference.text("who"), reference.text("note", is_needed=False)
             source = reference.text("source", is_needed=False)
             if not source:
