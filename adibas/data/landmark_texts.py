@@ -1,5 +1,7 @@
 """What markers are called for a reader: names that the program knows follow the language."""
 
+from dataclasses import dataclass
+
 from adibas.data.joints import SIDES
 from adibas.texts import Message, message
 from adibas.texts import translate as _
@@ -76,6 +78,16 @@ def landmark_text(label: str) -> str:
         if paired is not None:
             return _(words).format(landmark=_(paired))
     return label
+
+
+@dataclass(frozen=True, slots=True)
+class LandmarkNames:
+    """Markers that a sentence tells of: by their names in the language in use when it is read."""
+
+    labels: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "; ".join(map(landmark_text, self.labels))  # names of a side have a comma inside
 
 
 def landmark_label(text: str) -> str:

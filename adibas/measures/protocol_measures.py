@@ -5,6 +5,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from adibas.data.landmark_texts import LandmarkNames
 from adibas.data.markers import Marker, is_numbered
 from adibas.data.protocol_measures import (
     Estimate,
@@ -19,7 +20,7 @@ from adibas.measures.marker_errors import placed_markers
 from adibas.measures.protocol_sides import SidesSeen, patient_axis, see_sides
 from adibas.measures.protocol_values import Measurer, PlacedLandmarks, Sightline
 from adibas.measures.sight_plane import Vertical
-from adibas.texts import message
+from adibas.texts import Message, message
 
 _PLANE_MARKS: dict[PlaneChoice, tuple[tuple[str, str, bool], ...]] = {
     PlaneChoice.SENSOR: (),
@@ -142,8 +143,8 @@ class _Labelled:
         twice = [name for name, count in counts.items() if count > 1]
         others = [one.label for name, one in known if name is None and not is_numbered(one.label)]
         self.notices = [
-            *(Sentence(TWICE, {"names": name}) for name in twice),
-            *([Sentence(UNKNOWN_LABEL, {"names": ", ".join(others)})] if others else []),
+            *(_of_landmarks(TWICE, [name]) for name in twice),
+            *([_of_landmarks(UNKNOWN_LABEL, others)] if others else []),
         ]
         self.sides = see_sides(
             {
@@ -169,7 +170,11 @@ def _said_of_sides(sides: SidesSeen) -> list[Sentence]:
     if sides.are_exchanged:
         return [Sentence(SWAPPED)]
     told = ((LEFT_OUT_EXCHANGED, sides.exchanged), (CROSSED, sides.crossed))
-    return [Sentence(text, {"names": ", ".join(sorted(names))}) for text, names in told if names]
+    return [_of_landmarks(text, sorted(names)) for text, names in told if names]
+
+
+def _of_landmarks(text: Message, names: Sequence[str]) -> Sentence:
+    return Sentence(text, {"names": LandmarkNames(tuple(names))})
 
 
 class _Results:
@@ -182,7 +187,7 @@ class _Results:
         self._placed = labelled.placed()
         marks = _PLANE_MARKS[capturing.plane]
         seen = [mark for mark in marks if set(mark[:2]) <= set(self._placed.names)]
-        self._plane_names = ", ".join((seen or marks)[0][:2]) if marks else ""
+        self._plane_names = (seen or marks)[0][:2] if marks else ()
         self._is_plane_seen = not marks or bool(seen)
         self._is_plane_turned = bool(seen) and not self._points_as_seen(seen[0], capturing)
         across, is_sideways = (seen[0][:2], seen[0][2]) if seen else ((), True)
@@ -234,21 +239,21 @@ class _Results:
         needed = self._protocol.marked_for(definition.points)
         exchanged = [name for name in needed if name in self._labelled.sides.exchanged]
         if exchanged:
-            return Sentence(EXCHANGED, {"names": ", ".join(exchanged)})
+            return _of_landmarks(EXCHANGED, exchanged)
         unmarked = [name for name in needed if name not in self._labelled.markers]
         if unmarked:
-            return Sentence(NOT_MARKED, {"names": ", ".join(unmarked)})
+            return _of_landmarks(NOT_MARKED, unmarked)
         nowhere = [name for name in needed if name not in self._placed.names]
-        return Sentence(NO_DEPTH, {"names": ", ".join(nowhere)}) if nowhere else None
+        return _of_landmarks(NO_DEPTH, nowhere) if nowhere else None
 
     def _flat_reason(self) -> Sentence | None:
         """Return why nothing can be projected."""
         if self._vertical.origin is VerticalOrigin.UNKNOWN:
             return Sentence(NO_VERTICAL)
         if not self._is_plane_seen:
-            return Sentence(NO_PLANE, {"names": self._plane_names})
+            return _of_landmarks(NO_PLANE, self._plane_names)
         if self._is_plane_turned:
-            return Sentence(EXCHANGED, {"names": self._plane_names})
+            return _of_landmarks(EXCHANGED, self._plane_names)
         return None
 
     def _points_as_seen(self, mark: tuple[str, str, bool], capturing: Capturing) -> bool:

@@ -7,6 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from adibas.arrays import FloatArray
+from adibas.data.landmark_texts import LandmarkNames
 from adibas.data.markers import Marker, is_numbered
 from adibas.data.sentence import Sentence
 from adibas.pipeline.body_views import BodyView
@@ -107,7 +108,7 @@ def as_markers(landmarks: Sequence[Landmark]) -> tuple[Marker, ...]:
 def doubts_about_landmarks(landmarks: Sequence[Landmark]) -> tuple[Sentence, ...]:
     """Return a sentence on each landmark whose views contradict one another."""
     return tuple(
-        Sentence(APART, {"name": mark.name, "mm": 1e3 * mark.apart_m})
+        Sentence(APART, {"name": LandmarkNames((mark.name,)), "mm": 1e3 * mark.apart_m})
         for mark in landmarks
         if mark.apart_m is not None and mark.fused.apart_sds > MOST_APART_SDS
     )

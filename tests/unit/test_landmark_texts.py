@@ -7,9 +7,12 @@ from adibas.data.landmark_texts import (
     JOINTS,
     KNOWN,
     LANDMARKS,
+    LandmarkNames,
     landmark_label,
     landmark_text,
 )
+from adibas.data.sentence import Sentence
+from adibas.measures.protocol_measures import NOT_MARKED
 from adibas.measures.protocol_store import find_protocol, protocol_files
 from adibas.texts import LANGUAGES, speaking
 
@@ -24,6 +27,13 @@ NAMES = {
 def test_names_are_told_in_the_language_in_use():
     with speaking("es"):
         assert {label: landmark_text(label) for label in NAMES} == NAMES
+
+
+def test_a_sentence_names_landmarks_in_the_language_in_which_it_is_read():
+    lacking = Sentence(NOT_MARKED, {"names": LandmarkNames(("right_acromion", "c7", "m07"))})
+    assert lacking.text == "not marked: Acromion, right; C7; m07"
+    with speaking("es"):
+        assert lacking.text == "sin marcar: Acromion (der.); C7; m07"
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

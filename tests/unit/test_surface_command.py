@@ -161,7 +161,7 @@ def test_landmarks_seen_twice_tell_how_far_they_are_apart(views):
     assert not doubts_about_landmarks([found])
     far = replace(found, fused=replace(found.fused, apart_sds=4.0))
     (doubt,) = doubts_about_landmarks([far])
-    assert "c7 lies 2.0 mm apart" in doubt.text
+    assert "C7 lies 2.0 mm apart" in doubt.text
 
 
 def test_landmarks_of_all_views_are_measured_between_and_written(views, scene, tmp_path):
