@@ -294,7 +294,12 @@ class ShutterPanel(QWidget):
         self._enable()
 
     def _enable(self) -> None:
-        self._capture.setEnabled(self._is_ready or self._can_stop)
+        is_usable = self._is_ready or self._can_stop
+        if not is_usable and self._capture.hasFocus():
+            self.setFocus()  # Qt would give it to the next button, for the next Space to press
+        self._capture.setEnabled(is_usable)
+        if is_usable and self.hasFocus():
+            self._capture.setFocus()
         for button in (self._learn, self._wand):
             button.setEnabled(not self._can_stop)
 
