@@ -29,6 +29,7 @@ from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
 from ui.comparison.screen import build_comparison_screen
 from ui.theme import DRAWN
+from ui.widgets.scrolled import Scrolled
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
 
@@ -239,3 +240,18 @@ def test_where_there_is_no_back_there_is_no_report(screen, store, patient):
     screen.entered()
     buttons = page(screen, BACK).findChildren(QPushButton)
     assert not any(one.isEnabled() for one in buttons if one.isVisible())
+
+
+def test_in_a_narrow_window_the_mouse_reaches_every_part_of_the_back(screen, store, patient):
+    add_body_session(store, patient)
+    screen.resize(680, 740)
+    screen.entered()
+    back = page(screen, BACK)
+    (report,) = back.findChildren(QPushButton)
+    above = next(one for one in back.findChildren(Scrolled) if one.isAncestorOf(report))
+    across = above.horizontalScrollBar()
+    assert across.isVisible()
+    above.verticalScrollBar().setValue(above.verticalScrollBar().maximum())
+    across.setValue(across.maximum())
+    QApplication.processEvents()
+    assert report.visibleRegion().boundingRect() == report.rect()

@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
 
 
 class Scrolled(QScrollArea):
-    """A column that is never squeezed: up and down it scrolls, sideways it fits.
+    """A column that is never squeezed: up and down it scrolls, and sideways where it must.
 
     What `keep_lines` was told of is at least so many lines of letters high.
     """
@@ -18,7 +18,6 @@ class Scrolled(QScrollArea):
         self._kept: dict[QWidget, int] = {}
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setWidget(content)
         for part in (self.viewport(), content):
