@@ -7,6 +7,7 @@ from pypdf import PdfReader
 from pyqtgraph import PlotWidget
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
@@ -255,3 +256,27 @@ def test_in_a_narrow_window_the_mouse_reaches_every_part_of_the_back(screen, sto
     across.setValue(across.maximum())
     QApplication.processEvents()
     assert report.visibleRegion().boundingRect() == report.rect()
+
+
+def test_many_notes_leave_the_bodies_their_room_and_are_scrolled(screen, store, patient):
+    add_body_session(store, patient)
+    screen.entered()
+    body = page(screen, BODY)
+    rooms = [one.height() for one in body.findChildren(Scrolled)]
+    notes = tuple(f"Before: The landmark {number} is strange. Look at it." for number in range(30))
+    body.show_sentences(notes)
+    QApplication.processEvents()
+    told = next(one for one in body.findChildren(QLabel) if notes[-1] in one.text())
+    area = next(one for one in body.findChildren(Scrolled) if one.isAncestorOf(told))
+    assert area.height() < screen.height() / 4
+    assert told.height() >= told.heightForWidth(told.width()), "nothing of it is cut"
+    area.setFocus()
+    QTest.keyClick(area, Qt.Key.Key_PageDown)
+    assert area.verticalScrollBar().value() > 0
+    body.show_sentences(notes[:1])
+    QApplication.processEvents()
+    assert told.visibleRegion().boundingRect() == told.rect()
+    assert area.focusPolicy() == Qt.FocusPolicy.NoFocus, "Tab stops where there is more to read"
+    body.show_sentences(())
+    QApplication.processEvents()
+    assert [one.height() for one in body.findChildren(Scrolled) if one.isVisible()] == rooms[-2:]

@@ -11,6 +11,7 @@ from adibas.texts import translate as _
 from ui.comparison.empty_or import EmptyOr
 from ui.comparison.measure_pairs import measure_pairs, pair_headers, pair_row
 from ui.comparison.row_table import RowTable
+from ui.widgets.notes import Notes
 from ui.widgets.scrolled import Scrolled
 
 PICTURE_LINES, TABLE_LINES = 16, 6
@@ -27,11 +28,10 @@ class SurfacePage(QWidget):
         super().__init__(parent)
         self._dates = ("", "")
         self.titles = (QLabel(self), QLabel(self))
-        self._notes = QLabel(self)
+        self._notes = Notes(self)
         self.table = RowTable(range(1, 5), 0, self, is_plain=True)
-        for label in (*self.titles, self._notes):
+        for label in self.titles:
             label.setWordWrap(True)
-        self._notes.setProperty("kind", "warning")
 
     def lay_out(self, pictures: QWidget) -> None:
         """Put the pictures above the table; each part scrolls where it must."""
@@ -65,10 +65,8 @@ class SurfacePage(QWidget):
 
     def show_sentences(self, sentences: tuple[str, ...], nothing: str = "") -> None:
         """Say these above the pictures, or in their place where there is `nothing` to show."""
-        told = " ".join(sentences)
-        self._notes.setText(told)
-        self._notes.setVisible(bool(told) and not nothing)
-        self._empty.say((told or nothing) if nothing else "")
+        self._notes.say(() if nothing else sentences)
+        self._empty.say(" ".join(sentences) or nothing if nothing else "")
 
     def show_measures(self, earlier: Iterable[BodyMeasure], later: Iterable[BodyMeasure]) -> None:
         """Show these in the table."""
