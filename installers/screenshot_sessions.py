@@ -92,7 +92,9 @@ def _add(
     lower_m: float,
     rng: np.random.Generator,
 ) -> None:
-    session = store.sessions.start(patient, SessionSetup(protocol=PROTOCOL, is_repeat=True))
+    session = store.sessions.start(patient, SessionSetup(protocol=PROTOCOL))
+    repeated = replace(session.setup, is_repeat=True)
+    store.sessions.change(session.session_id, setup=repeated, seen=session)
     for sample in samples:
         capture = sample.capture
         new = NewCapture(
