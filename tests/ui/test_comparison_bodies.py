@@ -6,7 +6,6 @@ from openpyxl import load_workbook
 from pypdf import PdfReader
 from pyqtgraph import PlotWidget
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
@@ -29,12 +28,13 @@ from tests.unit.turning_bodies import add_turn, turn_images
 from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
 from ui.comparison.screen import build_comparison_screen
-from ui.theme import DRAWN
 from ui.widgets.scrolled import Scrolled
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
 
 BACK, BODY = 4, 5
+YELLOWISH = 80
+"""By how much more red than blue are landmarks and the edges of their names."""
 
 
 @pytest.fixture
@@ -194,21 +194,42 @@ def test_other_sessions_are_measured_when_they_are_chosen(screen, store, patient
     assert sum(one.isVisible() for one in body.findChildren(SpaceView)) == 2
 
 
-def test_a_landmark_on_the_far_side_is_not_shown(qtbot):
+@pytest.fixture
+def yellow_pixels(qtbot):
+    """Return what shows landmarks on a wall, and gives the pixels of their dots and names."""
     wall_m = np.stack([*np.meshgrid(np.linspace(-1, 1, 80), np.linspace(-1, 1, 80))], axis=-1)
     points_m = np.concatenate([wall_m.reshape(-1, 2), np.full((6400, 1), 2.0)], axis=1)
     view = SpaceView()
     qtbot.addWidget(view)
     view.resize(400, 400)
-    yellow = QColor(DRAWN["selected"])
 
-    def n_yellow(landmark_m):
-        view.show_space(Space(points_m, np.full((6400, 3), 90, np.uint8), {"c7": landmark_m}))
+    def is_yellow(color):
+        return color.red() - color.blue() > YELLOWISH
+
+    def found(**landmarks_m):
+        places = {name: np.array(place) for name, place in landmarks_m.items()}
+        view.show_space(Space(points_m, np.full((6400, 3), 90, np.uint8), places))
         image = view.grab().toImage()
-        return sum(image.pixelColor(x, y) == yellow for x in range(400) for y in range(400))
+        every = ((x, y) for x in range(400) for y in range(400))
+        return {(x, y) for x, y in every if is_yellow(image.pixelColor(x, y))}
 
-    assert n_yellow(np.array([0.2, 0.1, 2.0])) > 20
-    assert n_yellow(np.array([0.2, 0.1, 2.3])) == 0
+    return found
+
+
+def test_a_landmark_on_the_far_side_is_not_shown(yellow_pixels):
+    assert len(yellow_pixels(c7=(0.2, 0.1, 2.0))) > 20
+    assert len(yellow_pixels(c7=(0.2, 0.1, 2.3))) == 0
+
+
+def test_names_of_landmarks_are_whole_beside_the_edges_and_beside_one_another(yellow_pixels):
+    left, right = (-0.6, 0.0, 2.0), (0.6, 0.1, 2.0)
+    at_edges = yellow_pixels(left_inferior_scapula=left, right_inferior_scapula=right)
+    columns = [x for x, _y in at_edges]
+    assert min(columns) > 1
+    assert max(columns) < 398
+    near, next_to_it = (0.2, 0.1, 2.0), (0.28, 0.1, 2.0)
+    alone = len(yellow_pixels(c7=near)) + len(yellow_pixels(l4=next_to_it))
+    assert len(yellow_pixels(c7=near, l4=next_to_it)) >= alone
 
 
 @pytest.mark.parametrize("ending", ["pdf", "xlsx"])

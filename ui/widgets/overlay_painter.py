@@ -1,6 +1,6 @@
 """Paints overlays so that they are seen on any picture: light lines on a dark border."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
@@ -17,7 +17,7 @@ from PySide6.QtGui import (
 
 from ui.theme import DRAWN, PICTURE_GROUND
 from ui.widgets.image_geometry import ImagePlacement
-from ui.widgets.label_places import Box, Label, Named, Ring, place_labels
+from ui.widgets.label_places import Box, Label, Named, Ring, Size, place_labels
 from ui.widgets.overlays import Curve, Dot, Line, Overlay, Region, Role, Text
 from ui.widgets.region_image import region_image
 
@@ -125,6 +125,30 @@ def _paint_names(
     others = [one for one in overlays if not isinstance(one, Dot | Region) and one.text]
     named = [(one.label, one.role, _ring(placement, one)) for one in dots if one.label]
     named += [(one.text, one.role, _value_ring(placement, one, value_radius)) for one in others]
+    nameless = tuple(_ring(placement, one) for one in dots if not one.label)
+    return paint_names(painter, placement.widget, named, nameless)
+
+
+def paint_names(
+    painter: QPainter,
+    window: Size,
+    named: Sequence[tuple[str, Role, Ring]],
+    nameless: tuple[Ring, ...] = (),
+) -> list[Box]:
+    """Paint texts beside their rings, each whole and off the others; see `place_labels`.
+
+    Parameters
+    ----------
+    named : sequence of (str, Role, Ring)
+        Each text, and what it names.
+    nameless : tuple of Ring
+        Rings without a text, which no text may cover.
+
+    Returns
+    -------
+    boxes : list of Box
+        Where they stand.
+    """
     if not named:
         return []
     words, ratio = painter.font().toString(), painter.device().devicePixelRatioF()
@@ -134,8 +158,7 @@ def _paint_names(
         Named(ring, size.width(), size.height())
         for (_text, _role, ring), size in zip(named, sizes, strict=True)
     )
-    nameless = tuple(_ring(placement, one) for one in dots if not one.label)
-    labels = place_labels(things, placement.widget, nameless)
+    labels = place_labels(things, window, nameless)
     for (_text, role, _place), image, label in zip(named, images, labels, strict=True):
         if label is not None:  # else the tip and the list tell it; nearer by there is room
             _paint_label(painter, label, image, role)

@@ -13,7 +13,6 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPainterPath,
     QPaintEvent,
     QPen,
     QWheelEvent,
@@ -24,6 +23,8 @@ from adibas.arrays import Float32Array, FloatArray, Int32Array
 from adibas.data.landmark_texts import landmark_text
 from adibas.texts import translate as _
 from ui.theme import DRAWN, PICTURE_GROUND
+from ui.widgets.label_places import Ring
+from ui.widgets.overlay_painter import paint_names
 from ui.widgets.space import Space
 
 GROUND = QColor(PICTURE_GROUND).rgb()
@@ -33,7 +34,6 @@ TURN_PER_KEY = 0.1
 STEEPEST_RAD = 1.4
 LEAST_ZOOM, MOST_ZOOM = 0.3, 8.0
 DOT_PX = 4.0
-BESIDE_PX = 7.0
 LEAST_SIZE_M = 0.3
 LARGEST_SQUARE_PX = 6
 CELL_PX, BEHIND_M = 8, 0.05
@@ -186,21 +186,14 @@ class SpaceView(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         places, depths = self.project(np.array(list(space.landmarks_m.values()), float))
         placed = zip(space.landmarks_m, places.tolist(), depths.tolist(), strict=True)
-        for name, (x, y), depth in placed:
-            if not self._is_before(x, y, depth):
-                continue
-            painter.setPen(QPen(QColor(0, 0, 0), 1.5))
-            painter.setBrush(QColor(DRAWN["selected"]))
+        seen = [(name, x, y) for name, (x, y), depth in placed if self._is_before(x, y, depth)]
+        painter.setPen(QPen(QColor(0, 0, 0), 1.5))
+        painter.setBrush(QColor(DRAWN["selected"]))
+        for _name, x, y in seen:
             painter.drawEllipse(QPointF(x, y), DOT_PX, DOT_PX)
-            path = QPainterPath()
-            text = landmark_text(name)
-            # Names of the left half end at their dots: those of both sides do not meet.
-            is_left = x < self.width() / 2
-            length_px = self.fontMetrics().horizontalAdvance(text)
-            begin = x - BESIDE_PX - length_px if is_left else x + BESIDE_PX
-            path.addText(QPointF(begin, y - 5), painter.font(), text)
-            painter.strokePath(path, QPen(QColor(0, 0, 0, 190), 3.0))
-            painter.fillPath(path, QColor(DRAWN["selected"]))
+        rings = [(name, Ring(x, y, DOT_PX, name)) for name, x, y in seen]
+        window = float(self.width()), float(self.height())
+        paint_names(painter, window, [(landmark_text(name), "selected", at) for name, at in rings])
 
     def _turn(self, right_rad: float, down_rad: float) -> None:
         self._yaw_rad += right_rad
