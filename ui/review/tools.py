@@ -12,6 +12,8 @@ from ui.theme import Theme
 ICON_PX = 22
 MORE_BUTTON = "qt_toolbar_ext_button"
 """What Qt calls the button that shows what does not fit."""
+ROOM_FOR_MORE_PX = 9
+"""By so much the style sheet makes it wider than Qt leaves room for at the end."""
 MODE_ICONS = {
     Mode.CHOOSE: "move",
     Mode.ADD: "add-marker",
@@ -78,6 +80,7 @@ class ReviewTools(QToolBar):
         if isinstance(more, QToolButton):
             more.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMovable(False)
+        self.setContentsMargins(0, 0, ROOM_FOR_MORE_PX, 0)
 
     def _action(self, name: str, screen: QWidget) -> QAction:
         action = QAction(self)
