@@ -14,7 +14,8 @@ Collected = tuple[str, str, str]
 
 EXCLUDED = (
     *("benchmarks", "tests", "anny", "dask", "distributed", "torch"),
-    *("IPython", "PySide6.QtNetwork", "PySide6.QtOpenGL", "PySide6.QtTest", "tkinter"),
+    *("IPython", "PySide6.QtDBus", "PySide6.QtNetwork", "PySide6.QtOpenGL", "PySide6.QtTest"),
+    *("tkinter", "tornado"),
     *("_pytest", "babel", "coverage", "dtaidistance", "hypothesis", "mcap", "mypy", "pip"),
     *("pygments", "pypdf", "pytest", "rich", "setuptools", "lz4", "charset_normalizer"),
     *("jinja2", "markdown", "mkdocs", "watchdog"),
@@ -22,6 +23,8 @@ EXCLUDED = (
     *(f"sqlalchemy.dialects.{database}" for database in ("mssql", "mysql", "oracle")),
     *("matplotlib.tests", "numba.cuda", "numba.tests", "pydoc_data"),
     *("cffi", "pycparser", "zstandard.backend_cffi"),  # compilers of C; for other Pythons
+    *(f"narwhals.{tables}" for tables in ("_arrow", "_dask", "_duckdb", "_ibis", "_pandas_like")),
+    *("narwhals._polars", "narwhals._spark_like", "narwhals._sql"),
 )
 """Modules that a library would use if they were there, and those that only developers have."""
 
@@ -66,12 +69,18 @@ UNNEEDED = (
     "pillow.libs/libavif*",
     "pillow.libs/libsharpyuv*",
     "pillow.libs/libwebp*",
+    "pyqtgraph/icons/peegee/*",  # its own mark, for programs that make no QApplication
+    *(f"sklearn/*.{ending}" for ending in ("build", "c", "cpp", "h", "pxd", "pyi", "pyx", "tp")),
+    "sklearn/datasets/data/*",
+    "sklearn/datasets/descr/*",
+    "sklearn/datasets/images/*",
     "zstandard/_cffi.*",
     "resources/translations/*.po",  # what translators write; .mo is what is read
+    "*.dist-info/RECORD",  # what pip is to remove
     "*/tests/*",
 )
 """Files of no use here: screens without a window system, the network, pictures of kinds that are
-neither read nor written, letters that no report has, tests."""
+neither read nor written, letters that no report has, sources of machine code, examples, tests."""
 
 SYSTEM_FOLDERS = ("/lib/", "/lib64/", "/usr/lib/")
 

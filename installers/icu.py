@@ -23,6 +23,10 @@ UNASKED = ("brkitr", "curr", "lang", "rbnf", "region", "translit", "unit")
 """Folders that Qt never asks for: words in scripts without spaces, currencies, names of languages,
 numbers in words, countries, other scripts, units."""
 
+UNASKED_KINDS = (".cfu", ".spp")
+UNASKED_TABLE = "unames.icu"
+"""Letters that look alike, names in networks (Qt has its own rules), names of letters."""
+
 LANGUAGE = re.compile(r"[a-z]{2,3}(_\w+)?")
 KEPT = ("root", *(name.partition("_")[0] for name in QT_LANGUAGES))
 LARGEST_CODE = 16_000
@@ -83,7 +87,7 @@ def _tables(body: bytes) -> list[tuple[str, bytes]]:
 def is_needed(name: str, n_bytes: int) -> bool:
     """Say whether a table stays, such as ``icudt73l/coll/es.res``."""
     path = PurePosixPath(name)
-    if path.parent.name in UNASKED:
+    if path.parent.name in UNASKED or path.suffix in UNASKED_KINDS or path.name == UNASKED_TABLE:
         return False
     if path.suffix == ".cnv":
         return n_bytes <= LARGEST_CODE

@@ -39,11 +39,12 @@ def lighten(internal: Path, work: Path) -> None:
 
 def shorten_tables(folder: Path) -> None:
     """Keep of DICOM's tables of modules what belongs to the kinds of files that are written."""
-    modules = json.loads((folder / "iod_module_map.json").read_text(encoding="utf-8"))
-    path = folder / "module_attribute_map.json"
-    attributes = json.loads(path.read_text(encoding="utf-8"))
+    paths = [folder / f"{name}_map.json" for name in ("iod_module", "module_attribute")]
+    modules, attributes = (json.loads(path.read_text(encoding="utf-8")) for path in paths)
     kept = attributes_of(KINDS_OF_FILES, modules, attributes)
-    path.write_text(json.dumps(kept, separators=(",", ":")), encoding="utf-8")
+    of_kinds = {kind: modules[kind] for kind in KINDS_OF_FILES}
+    for path, table in zip(paths, (of_kinds, kept), strict=True):
+        path.write_text(json.dumps(table, separators=(",", ":")), encoding="utf-8")
 
 
 def attributes_of(

@@ -1,9 +1,11 @@
 """What the built program is made of, and what it tells the desktop; nothing is built here."""
 
+import os
 import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import xml.etree.ElementTree as ET
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,6 +21,7 @@ from installers.icon_files import FOLDER, drawn, write_icon
 from ui import main
 
 LINUX = bundle.ROOT / "installers" / "linux"
+LIBRARIES = Path(sysconfig.get_path("purelib"))
 MIME = {"mime": "http://www.freedesktop.org/standards/shared-mime-info"}
 RULE = re.compile(r'(ATTR\{id\w+\}=="[0-9a-f]{4}", ){1,2}MODE="0660", GROUP="plugdev", ')
 
@@ -38,24 +41,60 @@ def test_nothing_is_left_out_that_is_asked_for():
 IMPORTED = """
 import importlib, pkgutil, sys
 import adibas, ui
+from installers.start import leave_out_open_gl
+
+def tell_file(event, details):
+    if event == "open" and isinstance(details[0], str):
+        print("opened", details[0])
 
 class LeftOut:
     def find_spec(self, name, path=None, target=None):
         if any(f"{name}.".startswith(f"{one}.") for one in sys.argv[1:]):
             raise ModuleNotFoundError(f"{name} is left out", name=name)
 
+sys.addaudithook(tell_file)
 sys.meta_path.insert(0, LeftOut())
 for package in (adibas, ui):
     for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
         if ".migrations." not in module.name:  # these run inside Alembic alone
             importlib.import_module(module.name)
+
+sys.frozen = True
+leave_out_open_gl()
+import numpy, pyqtgraph  # what is imported when it is needed
+from hmmlearn.hmm import GaussianHMM
+from PySide6.QtWidgets import QApplication
+from adibas.reports.fonts import picture_font
+
+application = QApplication(["adibas"])
+widget = pyqtgraph.PlotWidget()
+widget.plot([1.0, 2.0])
+values = numpy.r_[numpy.linspace(0, 1, 20), numpy.linspace(9, 10, 20)][:, None]
+states = GaussianHMM(2, random_state=1).fit(values).predict(values)
+assert numpy.unique(states[:20]).size == numpy.unique(states[20:]).size == 1
+assert picture_font(12).getlength("knee") > 0
 """
 
 
-def test_every_module_of_the_program_is_imported_without_what_is_left_out():
+@pytest.fixture(scope="module")
+def without_left_out():
+    """What Python says that has the whole program and not what is left out."""
     command = [sys.executable, "-c", IMPORTED, *bundle.EXCLUDED]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=bundle.ROOT, check=False)
-    assert done.returncode == 0, done.stderr[-2000:]
+    how = {"env": {**os.environ, "QT_QPA_PLATFORM": "offscreen"}, "cwd": bundle.ROOT}
+    return subprocess.run(command, capture_output=True, text=True, check=False, **how)
+
+
+def test_every_module_of_the_program_is_imported_without_what_is_left_out(without_left_out):
+    assert without_left_out.returncode == 0, without_left_out.stderr[-2000:]
+
+
+def test_no_file_that_is_left_out_is_opened(without_left_out):
+    lines = without_left_out.stdout.splitlines()
+    paths = [Path(line.removeprefix("opened ")) for line in lines if line.startswith("opened ")]
+    names = [str(path.relative_to(LIBRARIES)) for path in paths if LIBRARIES in path.parents]
+    files = [(name, str(LIBRARIES / name), "DATA") for name in names]
+    assert "matplotlib/mpl-data/matplotlibrc" in names
+    assert bundle.without_unneeded(files) == files
 
 
 @pytest.mark.parametrize(
@@ -69,6 +108,16 @@ def test_every_module_of_the_program_is_imported_without_what_is_left_out():
         (("PySide6/Qt/translations/qtbase_ca.qm", "x", "DATA"), True),
         (("PySide6/Qt/translations/qtbase_pt_BR.qm", "x", "DATA"), True),
         (("PySide6/Qt/translations/qtbase_fr.qm", "x", "DATA"), False),
+        (("sklearn/svm/_libsvm.cpython-311-x86_64-linux-gnu.so", "x", "EXTENSION"), True),
+        (("sklearn/svm/_libsvm.pyx", "x", "DATA"), False),
+        (("sklearn/svm/src/liblinear/linear.cpp", "x", "DATA"), False),
+        (("sklearn/svm/src/liblinear/COPYRIGHT", "x", "DATA"), True),
+        (("sklearn/datasets/images/china.jpg", "x", "DATA"), False),
+        (("sklearn/utils/_repr_html/estimator.css", "x", "DATA"), True),
+        (("pyqtgraph/icons/peegee/peegee_512px.png", "x", "DATA"), False),
+        (("pyqtgraph/icons/lock.svg", "x", "DATA"), True),
+        (("numba-0.68.1.dist-info/RECORD", "x", "DATA"), False),
+        (("numba-0.68.1.dist-info/METADATA", "x", "DATA"), True),
         (("libavif-1.so", "pillow.libs/libavif-1.so", "SYMLINK"), False),
         (("libtiff-1.so", "pillow.libs/libtiff-1.so", "SYMLINK"), True),
     ],

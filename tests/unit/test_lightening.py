@@ -73,6 +73,11 @@ def test_qt_orders_words_and_reads_codes_with_the_short_data_as_with_the_whole(
         ("icudt73l/coll/res_index.res", True),
         ("icudt73l/zone/pool.res", True),
         ("icudt73l/brkitr/root.res", False),
+        ("icudt73l/unames.icu", False),
+        ("icudt73l/rfc3491.spp", False),
+        ("icudt73l/confusables.cfu", False),
+        ("icudt73l/uts46.nrm", True),
+        ("icudt73l/coll/ucadata.icu", True),
         ("icudt73l/ibm-5348_P100-1997.cnv", True),
     ],
 )
@@ -148,6 +153,18 @@ def test_attributes_of_other_kinds_of_files_go():
     attributes = {"patient": [1], "text": [2], "dose": [3]}
     kept = lightening.attributes_of(["report"], modules, attributes)
     assert kept == {"patient": [1], "text": [2]}
+
+
+def test_the_tables_that_stay_say_of_the_files_written_what_the_whole_ones_say(tmp_path):
+    names = ("iod_module_map.json", "module_attribute_map.json")
+    for name in names:
+        shutil.copy(Path(find_spec("highdicom").origin).parent / "_standard" / name, tmp_path)
+    whole = [json.loads((tmp_path / name).read_text()) for name in names]
+    lightening.shorten_tables(tmp_path)
+    modules, attributes = (json.loads((tmp_path / name).read_text()) for name in names)
+    assert modules == {kind: whole[0][kind] for kind in lightening.KINDS_OF_FILES}
+    used = {module["key"] for kind in modules.values() for module in kind}
+    assert attributes == {name: found for name, found in whole[1].items() if name in used}
 
 
 def test_a_file_that_is_there_twice_is_a_link_that_survives_moving_the_folder(tmp_path):
