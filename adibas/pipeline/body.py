@@ -5,6 +5,8 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
 from adibas.clock import Clock, utc_now
 from adibas.data.body_measures import BodyMeasure
 from adibas.data.measures import AngleMeasure, DistanceMeasure
@@ -30,7 +32,8 @@ from adibas.pipeline.turning import see_turn
 from adibas.pipeline.whole_body import WholeBody, WholeBodyParams, join_body
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
-from adibas.surface.girths import slice_measures
+from adibas.surface.crown import crown_height_m
+from adibas.surface.girths import no_measures, slice_measures
 from adibas.texts import message
 
 POSTERIOR = "posterior"
@@ -38,6 +41,7 @@ ORDER = (POSTERIOR, "anterior", "right_lateral", "left_lateral")
 """The first of the views gives the axes."""
 VIEWS_ALL_AROUND = 3
 NO_BACK = message("Without a posterior view the back is not measured.")
+NO_CROWN = message("Every view cuts the head off, and heights are shares of the stature.")
 NOTICE = message("{notice}")
 
 
@@ -230,12 +234,15 @@ def girths_of(whole: WholeBody, views: Sequence[BodyView]) -> tuple[BodyMeasure,
     """Return girths and volumes of joined views; none of fewer than three."""
     if len(views) < VIEWS_ALL_AROUND:
         return ()
-    # The joined surface lacks the crown, which every view sees at a slant.
-    stature_m = max(
-        float(whole.patient_from_camera[view.view].apply(view.points_m())[:, 1].max())
-        for view in views
-    )
-    return slice_measures(whole.surface, stature_m)
+    crowns_m = []
+    for view in views:
+        if not view.is_cut_above:
+            axes = whole.patient_from_camera[view.view]
+            focal_px = view.camera.intrinsics.fx
+            crowns_m.append(crown_height_m(axes.apply(view.points_m()), axes, focal_px))
+    if not crowns_m:
+        return no_measures(NO_CROWN)
+    return slice_measures(whole.surface, float(np.median(crowns_m)))
 
 
 def _check_views(request: BodyRequest) -> None:

@@ -18,7 +18,7 @@ from adibas.errors import BodyError
 from adibas.geometry.rigid import IDENTITY, RigidTransform
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline.back import measure_back
-from adibas.pipeline.body import measure_views
+from adibas.pipeline.body import NO_CROWN, girths_of, measure_views
 from adibas.pipeline.body_landmarks import MarkedView, doubts_about_landmarks, landmarks_of
 from adibas.pipeline.body_views import person_in
 from adibas.pipeline.protocol_measuring import ProtocolWish
@@ -27,6 +27,7 @@ from adibas.recordings import create_recording
 from adibas.reports.body import write_body
 from adibas.reports.body_files import body_to_json
 from adibas.simulation.depth_noise import EXACT
+from adibas.surface.girths import slice_measures
 from benchmarks.body_scenes import burst, draw_back_scene
 from tests.unit.test_back_command import run
 
@@ -114,6 +115,25 @@ def test_a_front_is_not_measured_as_a_back(views):
     with pytest.raises(BodyError, match="toes"):
         measure_back(replace(views[1], view="posterior"))
     assert measure_back(views[0]).shape is not None
+
+
+def test_heights_of_girths_are_shares_of_the_stature_of_views_that_show_the_crown(views):
+    whole = join_body(views)
+    of_all = {one.definition.measure_id: one.value for one in girths_of(whole, views)}
+    cut = [replace(view, is_cut_above=view.view != "anterior") for view in views]
+    of_one = {one.definition.measure_id: one.value for one in girths_of(whole, cut)}
+    known = [name for name, value in of_all.items() if value is not None]
+    assert len(known) >= 8
+    for name in known:
+        assert of_one[name] == pytest.approx(of_all[name], rel=0.03)
+
+
+def test_where_every_view_cuts_the_head_off_no_girth_is_told_but_why(views):
+    cut = [replace(view, is_cut_above=True) for view in views]
+    measures = girths_of(join_body(views), cut)
+    assert len(measures) == len(slice_measures(join_body(views).surface, 1.7))
+    assert {one.value for one in measures} == {None}
+    assert {one.reason for one in measures} == {NO_CROWN}
 
 
 def test_the_command_writes_surface_girths_and_report(tmp_path, scene, depths):
