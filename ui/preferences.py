@@ -19,7 +19,6 @@ logger = logging.getLogger(__name__)
 FILE = "preferences.json"
 THEMES = ("system", "light", "dark")
 FONT_SCALES = (1.0, 1.25, 1.5, 1.75, 2.0)
-MOST_RECENT = 8
 MOST_BACKUP_DAYS, MOST_BACKUPS = 365, 100
 MOST_RETENTION_YEARS = 100
 
@@ -50,8 +49,6 @@ class Preferences:
         Of the wand that was measured last.
     protocol : str
         Of sessions that begin; empty = none.
-    recent_recordings : tuple of str
-        Paths, newest first.
     store : str
         Folder of the store; empty = the usual one.
     report_folder : str
@@ -79,7 +76,6 @@ class Preferences:
     calibration_days: int = 180
     wand_length_mm: float = 500.0
     protocol: str = ""
-    recent_recordings: tuple[str, ...] = ()
     store: str = ""
     report_folder: str = ""
     backup_folder: str = ""
@@ -115,11 +111,6 @@ class PreferencesFile:
         self.changed.emit(wanted)
         self._write()
 
-    def add_recent(self, path: Path) -> None:
-        """Put a recording first among the recent ones."""
-        others = [one for one in self.now.recent_recordings if one != str(path)]
-        self.change(recent_recordings=(str(path), *others)[:MOST_RECENT])
-
     def _write(self) -> None:
         try:
             with written_whole(self._path) as unfinished:
@@ -146,8 +137,6 @@ def _read(path: Path) -> Preferences:
 
 def _understood(value: Any) -> Any:
     """Return a value of the file as the preferences hold it."""
-    if isinstance(value, list):
-        return tuple(str(part) for part in value)
     if isinstance(value, dict):
         return {name: str(part) for name, part in value.items()}
     return value

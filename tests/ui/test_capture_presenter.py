@@ -27,6 +27,7 @@ from ui.capture import disk_watch, presenter, sources
 from ui.capture.live_overlays import overlays_of
 from ui.capture.ports import CaptureView
 from ui.capture.presenter import CapturePresenter
+from ui.capture.source_presenter import MOST_RECENT
 from ui.capture.sources import SIZES, SourceChoice, find_sources, usual_sources
 from ui.ports import CancelledError
 from ui.widgets.overlays import Line
@@ -528,14 +529,26 @@ def test_a_taken_view_is_looked_at_in_the_review(seen, workspace, store, ana):
     assert workspace.capture_id == capture.capture_id
 
 
-def test_a_recording_is_replayed_and_remembered(seen, workspace, preferences, view, tmp_path):
+def test_a_recording_is_replayed_and_offered_until_the_end_but_on_no_disk(
+    seen, workspace, preferences, view, tmp_path
+):
     path = tmp_path / "walk.mcap"
     seen.sources.open_recording(path)
     assert workspace.live.opened[0] == str(path)
-    assert preferences.now.recent_recordings == (str(path),)
+    assert "walk" not in str(preferences.now)
     choices, chosen = view.show_sources.call_args.args
     assert chosen == str(path)
     assert SourceChoice("walk.mcap", str(path), ()) in choices
+
+
+def test_recent_recordings_are_few_and_the_newest_comes_first(seen, view, tmp_path):
+    for number in range(MOST_RECENT + 3):
+        seen.sources.open_recording(tmp_path / f"{number}.mcap")
+    seen.sources.open_recording(tmp_path / "5.mcap")
+    choices, _chosen = view.show_sources.call_args.args
+    offered = [choice.title for choice in choices if choice.title.endswith(".mcap")]
+    assert len(offered) == len(set(offered)) == MOST_RECENT
+    assert offered[0] == "5.mcap"
 
 
 def test_an_ended_or_closed_source_is_opened_anew(seen, workspace):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from ui.preferences import FONT_SCALES, MOST_RECENT, Preferences, PreferencesFile
+from ui.preferences import FONT_SCALES, Preferences, PreferencesFile
 
 
 @pytest.fixture
@@ -52,7 +52,6 @@ def test_a_broken_file_means_the_usual_preferences(path, text):
         ({"countdown_s": 999}, "countdown_s", 60),
         ({"burst_frames": 0}, "burst_frames", 1),
         ({"calibration_days": 0}, "calibration_days", 1),
-        ({"recent_recordings": [1, "a"]}, "recent_recordings", ("1", "a")),
         ({"splitters": {"a": 1}}, "splitters", {"a": "1"}),
         ({"unknown": 1}, "operator", ""),
     ],
@@ -60,16 +59,6 @@ def test_a_broken_file_means_the_usual_preferences(path, text):
 def test_what_makes_no_sense_is_put_right(path, wrong, name, put_right, monkeypatch):
     monkeypatch.setenv("LANGUAGE", "en")
     assert getattr(read(path, json.dumps(wrong)), name) == put_right
-
-
-def test_recent_recordings_are_few_and_the_newest_comes_first(path, tmp_path):
-    file = PreferencesFile(path)
-    for number in range(MOST_RECENT + 3):
-        file.add_recent(tmp_path / f"{number}.mcap")
-    file.add_recent(tmp_path / "5.mcap")
-    recent = file.now.recent_recordings
-    assert len(recent) == len(set(recent)) == MOST_RECENT
-    assert recent[0].endswith("5.mcap")
 
 
 def test_a_folder_that_cannot_be_written_keeps_them_until_the_end(tmp_path, caplog):

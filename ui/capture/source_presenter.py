@@ -22,6 +22,8 @@ from ui.ports import JobControl
 from ui.view_names import TURN
 from ui.workspace import Workspace
 
+MOST_RECENT = 8
+
 Look = Callable[[tuple[str, ...]], tuple[SourceChoice, ...]]
 
 
@@ -59,7 +61,8 @@ class SourcePresenter:
         self._has_looked = False
         self._view_name = VIEWS[0]
         self.setup = SessionSetup()
-        self._show(usual_sources(workspace.preferences.now.recent_recordings))
+        self._recent: tuple[str, ...] = ()  # on no disk: a name of a file can be a patient's
+        self._show(usual_sources(self._recent))
 
     def look_once(self) -> None:
         """Look which sensors are plugged in, unless that was done."""
@@ -78,9 +81,10 @@ class SourcePresenter:
     def open_recording(self, path: Path) -> None:
         """Replay a recording as if it were a sensor."""
         if self._may_change():
-            self._workspace.preferences.add_recent(path)
+            others = (one for one in self._recent if one != str(path))
+            self._recent = (str(path), *others)[:MOST_RECENT]
             self._change(replace(self.setup, source=str(path), wand=None))
-            self._show(usual_sources(self._workspace.preferences.now.recent_recordings))
+            self._show(usual_sources(self._recent))
 
     def choose_size(self, color_size: tuple[int, int]) -> None:
         """Ask the sensor for another size of its colour image."""
@@ -135,7 +139,7 @@ class SourcePresenter:
 
     def _start_looking(self, show: Callable[[tuple[SourceChoice, ...]], None]) -> None:
         self._has_looked = True
-        recent = self._workspace.preferences.now.recent_recordings
+        recent = self._recent
 
         def work(_control: JobControl) -> tuple[SourceChoice, ...]:
             return self._look(recent)
