@@ -6,6 +6,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from adibas.clock import day_here
 from adibas.data.report import SessionReport
 from adibas.files import written_whole
 from adibas.progress import Progress
@@ -89,7 +90,7 @@ def write_pictures(report: SessionReport, folder: Path) -> tuple[Path, ...]:
 def report_stem(report: SessionReport) -> str:
     """Return the pseudonym and the session's date as the name of a file, without ending."""
     begun = report.started_utc
-    parts = [report.patient or "report", "" if begun is None else begun.strftime("%Y-%m-%d")]
+    parts = [report.patient or "report", "" if begun is None else day_here(begun).isoformat()]
     return "_".join(_safe(part) for part in parts if part)
 
 

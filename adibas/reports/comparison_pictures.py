@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import UInt8Array
+from adibas.clock import day_here
 from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
 from adibas.data.report import CaptureReport, PictureChoice, SessionComparison, SessionReport
@@ -81,8 +82,8 @@ def picture_pairs(report: SessionReport, height_px: int) -> tuple[PicturePair, .
             view_name(view),
             drawn(before[view], compared.earlier_rotation_deg),
             drawn(now[view], report.rotation_deg),
-            compared.since_utc.date().isoformat(),
-            report.started_utc.date().isoformat(),
+            day_here(compared.since_utc).isoformat(),
+            day_here(report.started_utc).isoformat(),
             *_overlaid(report, compared, (before[view], now[view]), height_px),
         )
         for view in ("", *VIEWS)

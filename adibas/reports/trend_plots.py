@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adibas.arrays import UInt8Array
+from adibas.clock import day_here
 from adibas.data.trends import Trend
 from adibas.reports.facts import view_name
 from adibas.texts import decimal_text
@@ -114,7 +115,7 @@ def _draw(axes: "Axes", trend: Trend) -> None:
 
 
 def _dress(axes: "Axes", trend: Trend, times: list[float]) -> None:
-    days = [point.taken_utc.date().isoformat() for point in trend.points]
+    days = [day_here(point.taken_utc).isoformat() for point in trend.points]
     axes.set_xticks([times[0], times[-1]], [days[0], days[-1]])
     first, last = axes.get_xticklabels()
     first.set_horizontalalignment("left")

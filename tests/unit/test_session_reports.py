@@ -385,6 +385,12 @@ def test_a_report_without_patient_and_date_has_a_name_too(report):
     assert report_stem(replace(report, patient="...", started_utc=None)) == "report"
 
 
+@pytest.mark.usefixtures("three_hours_behind_utc")
+def test_a_file_has_the_day_of_the_clinics_clock(report):
+    late = datetime(2026, 3, 6, 1, 30, tzinfo=UTC)
+    assert report_stem(replace(report, patient="P-7F3KQ2", started_utc=late)).endswith("2026-03-05")
+
+
 def test_a_session_of_the_store_becomes_a_report_of_its_corrected_markers(report):
     analysis = report.captures[0].analysis
     m01, m02, _m03, m04 = analysis.markers

@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from adibas.clock import day_here
 from adibas.data.report import PictureChoice
 from adibas.errors import AdibasError
 from adibas.texts import describe, message, translate_plural
@@ -175,7 +176,7 @@ class ExportPresenter:
         patient = store.patients.get(session.patient)
         self._session_id = session_id
         self._identity = patient.identity
-        self._stem = f"{session.patient}_{session.started_utc:%Y-%m-%d}"
+        self._stem = f"{session.patient}_{day_here(session.started_utc)}"
         self._has_consent = any(one.withdrawn_utc is None for one in patient.consents)
         self._view.show_session(
             patient.identity.name, session.started_utc, len(session.capture_ids)
