@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
+from adibas.cli.recording_options import add_rotation
 from adibas.recordings import is_named_like_recording
 from adibas.texts import translate as _
 
@@ -38,6 +39,7 @@ def add_depth_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=_("FILE"),
         help=_("of the colour camera; it is calibrated by the recordings if not given"),
     )
+    add_rotation(parser)
 
 
 def are_recordings(paths: Sequence[Path]) -> bool:
@@ -176,6 +178,7 @@ def _depth(
         board_of(arguments),
         has_wall=arguments.wall,
         more_recordings=tuple(more),
+        rotation_deg=arguments.rotation,
     )
     with console.progress(_("Calibrating the depth camera")) as progress:
         outcome = calibrate_depth(request, progress, DepthCalibratingParams(finder=params.finder))

@@ -209,7 +209,7 @@ def _calibrated(
     if start.covariance is not None:
         covariance = camera_covariance(fit, start.parameter_names, start.covariance)
     plain = with_depth(replace(start, created_utc=to_text(clock())), fit)
-    vertical = vertical_of(seen, plain)
+    vertical = vertical_of(seen, plain, request.rotation_deg)
     registration, drift = registration_of(seen, plain), drift_of(fit)
     outliers = {shot.name for shot in fit.shots if shot.is_outlier}
     used = [shot for shot in boards if shot.name not in outliers]

@@ -21,6 +21,7 @@ from adibas.calibration.vertical_uncertainty import with_depth_error
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.sentence import Sentence
+from adibas.measures.sight_plane import up_without_floor
 from adibas.pipeline.calibrating_depth_moments import Seen
 from adibas.pipeline.calibrating_depth_types import DepthCalibratingParams
 from adibas.texts import message
@@ -45,15 +46,20 @@ FEW_BOARDS = message(
 )
 
 
-def vertical_of(seen: Sequence[Seen], calibration: RgbdCalibration) -> Vertical | None:
-    """Return the vertical of the burst whose floor is known best; None where no floor is seen."""
+def vertical_of(
+    seen: Sequence[Seen], calibration: RgbdCalibration, rotation_deg: int = 0
+) -> Vertical | None:
+    """Return the vertical of the burst whose floor is known best; None where no floor is seen.
+
+    `rotation_deg` is how far the pictures are turned clockwise to be upright.
+    """
     depth = calibration.depth
     if depth is None:
         raise ValueError("the depth camera is needed")
     best: Vertical | None = None
     for moment in _spread(seen):
         depth_m = _corrected_m(moment, calibration)
-        floor = find_floor(depth_m, depth)
+        floor = find_floor(depth_m, depth, up_without_floor(calibration, rotation_deg))
         if floor is None:
             continue
         blocks_m = cells_near_plane(depth_m, depth, floor)

@@ -37,6 +37,9 @@ class DepthRequest:
         Still moments without a board may show a flat wall that fills the depth image.
     more_recordings : tuple of Path
         Of the same sensor, taken right after: a board in one and a wall in another.
+    rotation_deg : int
+        How far pictures are turned clockwise to be upright: where the floor is looked for, if
+        gravity is not known.
     """
 
     recording: Path
@@ -44,6 +47,7 @@ class DepthRequest:
     board: Board | None = None
     has_wall: bool = False
     more_recordings: tuple[Path, ...] = ()
+    rotation_deg: int = 0
 
     def __post_init__(self) -> None:
         if self.board is None and not self.has_wall:

@@ -6,6 +6,7 @@ import json
 import math
 import threading
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,8 +15,9 @@ from openpyxl import load_workbook
 from adibas.calibration.files import read_calibration, write_calibration
 from adibas.cli import main
 from adibas.data.board import BoardCorners
-from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.calibration_verdict import Grade
+from adibas.data.surface import BurstDisparity
 from adibas.errors import CalibrationError, RecordingError
 from adibas.geometry.rigid import rotation_vector
 from adibas.pipeline.calibrating_depth import (
@@ -23,10 +25,12 @@ from adibas.pipeline.calibrating_depth import (
     calibrate_depth,
     starting_point,
 )
+from adibas.pipeline.calibrating_depth_checks import vertical_of
 from adibas.pipeline.calibrating_depth_moments import mean_corners, spread_over
 from adibas.pipeline.calibrating_recording import calibrate_color_of
 from adibas.pipeline.still_moments import Moment
 from adibas.simulation.boards_device import factory_info
+from adibas.simulation.scenes import open_scene
 from adibas.texts import use_language
 from tests.unit.board_recordings import (
     BOARD,
@@ -355,3 +359,27 @@ def test_a_missing_recording_writes_nothing(tmp_path, capsys):
     assert main(arguments) == 1
     assert "none.mcap" in capsys.readouterr().err
     assert not (tmp_path / "o.json").exists()
+
+
+@pytest.mark.parametrize("rotation_deg", [0, 90])
+def test_the_floor_tells_the_vertical_of_a_sensor_on_its_side_whose_rotation_is_told(rotation_deg):
+    scene = open_scene("empty", mounting="portrait", has_color=False)
+    truth = scene.info.calibration
+    depth_m = np.asarray(scene.frame(0).truth.depth_m, np.float32)
+    disparity = BurstDisparity(1.0 / depth_m, np.ones(depth_m.shape, np.int64), 1)
+    bare = replace(truth, gravity=None, floor=None, depth_bias=DepthBias())
+    found = vertical_of([SimpleNamespace(disparity=disparity)], bare, rotation_deg)
+    if rotation_deg == 0:
+        assert found is None
+    else:
+        assert found.gravity @ truth.gravity > math.cos(math.radians(0.3))
+
+
+def test_gravity_tells_where_the_floor_of_a_sensor_on_its_side_is():
+    scene = open_scene("empty", mounting="portrait", has_color=False)
+    truth = scene.info.calibration
+    depth_m = np.asarray(scene.frame(0).truth.depth_m, np.float32)
+    disparity = BurstDisparity(1.0 / depth_m, np.ones(depth_m.shape, np.int64), 1)
+    known = replace(truth, floor=None, depth_bias=DepthBias())
+    found = vertical_of([SimpleNamespace(disparity=disparity)], known)
+    assert found.floor.offset_m == pytest.approx(truth.floor.offset_m, abs=0.01)
