@@ -113,6 +113,7 @@ def calibrate_seen(
     info: SourceInfo,
     board: Board,
     *,
+    rotation_deg: int = 0,
     clock: Clock = utc_now,
 ) -> DepthOutcome:
     """Calibrate the depth camera from still moments that are at hand already.
@@ -127,6 +128,8 @@ def calibrate_seen(
         Of the sensor, which knows its depth camera roughly.
     board : Board
         That is seen.
+    rotation_deg : int
+        How far pictures are turned clockwise to be upright.
 
     Raises
     ------
@@ -136,7 +139,8 @@ def calibrate_seen(
     params = DepthCalibratingParams()
     start = starting_point(color, info)
     params = replace(params, fit=_fit_params(color, start, params))
-    return _calibrated(seen, start, DepthRequest(Path(), color, board), params, clock)
+    request = DepthRequest(Path(), color, board, rotation_deg=rotation_deg)
+    return _calibrated(seen, start, request, params, clock)
 
 
 def starting_point(calibration: RgbdCalibration, info: SourceInfo) -> RgbdCalibration:

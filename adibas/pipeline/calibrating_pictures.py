@@ -51,6 +51,7 @@ def calibrate_depth_of(
     color: RgbdCalibration,
     info: SourceInfo,
     clock: Clock = utc_now,
+    rotation_deg: int = 0,
 ) -> DepthOutcome | Verdict:
     """Calibrate the depth camera from pictures of a board.
 
@@ -64,6 +65,8 @@ def calibrate_depth_of(
         Of the colour camera alone, by the same pictures.
     info : SourceInfo
         Of the sensor, which knows its depth camera roughly.
+    rotation_deg : int
+        How far pictures are turned clockwise to be upright.
 
     Returns
     -------
@@ -79,7 +82,7 @@ def calibrate_depth_of(
     if not seen:
         return _failed(Sentence(NO_DEPTH))
     try:
-        return calibrate_seen(seen, color, info, board, clock=clock)
+        return calibrate_seen(seen, color, info, board, rotation_deg=rotation_deg, clock=clock)
     except CalibrationError as error:
         return _failed(Sentence(Message(error.message_id), error.fields))
 

@@ -65,7 +65,9 @@ class CalibrationSession:
     def is_of(self, sensor: CalibratedSensor) -> bool:
         """Say whether pictures of a sensor belong here."""
         mine = self.sensor
-        return (mine.key, mine.color_size) == (sensor.key, sensor.color_size)
+        return (mine.key, mine.color_size, mine.rotation_deg) == (
+            *(sensor.key, sensor.color_size, sensor.rotation_deg),
+        )
 
     def see(self, frame: LiveFrame) -> Moment:
         """Say of the next live frame whether it is a new picture; none of a board is kept yet."""

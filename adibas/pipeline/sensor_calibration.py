@@ -37,11 +37,14 @@ class CalibratedSensor:
         Of its colour image.
     info : SourceInfo
         As it was opened.
+    rotation_deg : int
+        How far its picture is turned clockwise to be upright: where the floor is looked for.
     """
 
     key: str
     color_size: tuple[int, int]
     info: SourceInfo
+    rotation_deg: int = 0
 
     @property
     def intrinsics(self) -> Intrinsics | None:
@@ -58,7 +61,7 @@ def sensor_of(frame: LiveFrame, info: SourceInfo) -> CalibratedSensor | None:
     if frame.color_rgb is None:
         return None
     height, width = frame.color_rgb.shape[:2]
-    return CalibratedSensor(sensor_key(info), (width, height), info)
+    return CalibratedSensor(sensor_key(info), (width, height), info, frame.rotation_deg)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +120,7 @@ def calibrate_sensor(
     color = color_calibration(fit, sensor.key, clock, camera.method)
     depth: DepthOutcome | Verdict | None = None
     if has_depth_camera(info) and not _is_of_wrong_scale(camera):
-        depth = calibrate_depth_of(pictures, board, color, info, clock)
+        depth = calibrate_depth_of(pictures, board, color, info, clock, sensor.rotation_deg)
         verdict = depth if isinstance(depth, Verdict) else depth.verdict
         camera = replace(camera, verdict=joined(camera.verdict, verdict))
     depth = None if isinstance(depth, Verdict) else depth

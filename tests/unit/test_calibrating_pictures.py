@@ -9,7 +9,7 @@ from adibas.data.board import Board
 from adibas.data.calibration_verdict import Finding, Grade, Reason, Verdict
 from adibas.data.frames import SourceInfo
 from adibas.geometry.planes import Plane
-from adibas.pipeline import sensor_calibration
+from adibas.pipeline import calibrating_depth, sensor_calibration
 from adibas.pipeline.calibrating_depth import DepthOutcome
 from adibas.pipeline.calibrating_pictures import NO_DEPTH, calibrate_depth_of, check_scales, joined
 from tests.unit.board_pictures import (
@@ -95,6 +95,18 @@ def test_the_vertical_by_a_floor_in_view_stands_in_the_calibration(session, outc
     np.testing.assert_array_equal(found.gravity, down)
     assert found.floor.offset_m == 1.1
     assert (found.gravity_sd_rad, found.floor_flatness_m) == (0.002, 0.003)
+
+
+def test_the_floor_is_looked_for_as_the_picture_of_the_sensor_is_turned(session, monkeypatch):
+    asked = []
+
+    def vertical(_seen, _calibration, rotation_deg):
+        asked.append(rotation_deg)
+
+    monkeypatch.setattr(calibrating_depth, "vertical_of", vertical)
+    monkeypatch.setattr(session, "sensor", replace(session.sensor, rotation_deg=270))
+    session.outcome()
+    assert asked == [270]
 
 
 @pytest.mark.parametrize("factor", [0.75, 0.94, 1.06])

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -274,6 +275,13 @@ def test_the_sensor_of_a_frame_is_known_by_number_and_size():
     assert found.intrinsics == INFO.calibration.color.intrinsics
     assert CalibratedSensor("SN1", (320, 240), INFO).intrinsics is None
     assert sensor_of(LiveFrame(1, 1, None, None), INFO) is None
+
+
+def test_a_sensor_whose_picture_is_turned_is_looked_at_anew(kept):
+    turned = sensor_of(replace(live_frame(0), rotation_deg=90), INFO)
+    assert turned.rotation_deg == 90
+    assert not opened(kept).is_of(turned)
+    assert opened(kept, turned).is_of(turned)
 
 
 def test_a_picture_that_is_removed_stays_away(kept):
