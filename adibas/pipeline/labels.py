@@ -8,6 +8,7 @@ import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 from adibas.data.corrections import LONGEST_LABEL
@@ -49,10 +50,9 @@ def read_labels(path: Path) -> tuple[LabelLine, ...]:
                     "{file} names no markers. Its first line must be marker,label or u,v,label.",
                     file=path.name,
                 )
-            rows = [row for row, _count in zip(reader, range(MOST_LINES), strict=False)]
             return tuple(
-                _line(path, key, row, line)
-                for line, row in enumerate(rows, 2)
+                _line(path, key, row, reader.line_num)
+                for row in islice(reader, MOST_LINES)
                 if (row["label"] or "").strip()
             )
     except OSError as error:

@@ -175,11 +175,12 @@ def _read(path: Path, file: TextIO) -> tuple[dict[float, _Rows], Origin]:
     found: dict[float, _Rows] = {}
     origins: set[str] = set()
     while rows := list(islice(reader, ROWS_A_BLOCK)):
-        line = reader.line_num - len(rows) + 1
+        begin = reader.line_num - len(rows) + 1
+        lines = [line for line, row in enumerate(rows, begin) if row]
         rows = [row for row in rows if row]
         block = np.full((len(rows), len(wanted)), np.nan)
         for into, column in places:
-            block[:, into] = _numbers(path, rows, column, line)
+            block[:, into] = _numbers(path, rows, column, lines)
         if ORIGIN in header:
             at = header.index(ORIGIN)
             origins |= {row[at].strip() if at < len(row) else "" for row in rows}
@@ -197,7 +198,7 @@ def _origin_of(found: set[str]) -> Origin:
     return "markerless" if found == {"markerless"} else "unknown"
 
 
-def _numbers(path: Path, rows: list[list[str]], column: int, line: int) -> list[float]:
+def _numbers(path: Path, rows: list[list[str]], column: int, lines: list[int]) -> list[float]:
     try:
         return [float(row[column] or "nan") for row in rows]
     except (ValueError, IndexError) as error:
@@ -206,7 +207,7 @@ def _numbers(path: Path, rows: list[list[str]], column: int, line: int) -> list[
             "{file}, line {line}: a cell is missing or no number. Leave a cell empty where a "
             "joint was not seen.",
             file=path.name,
-            line=line + at,
+            line=lines[at],
         ) from error
 
 

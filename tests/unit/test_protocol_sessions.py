@@ -185,6 +185,7 @@ def test_markers_get_their_names_by_name_or_by_pixel(tmp_path, text):
     [
         ("marker,label\nm09,c7\n", "Line 2 of the labels, c7, means no marker"),
         ("u,v,label\n100,50,a\n101,50,b\n", "Line 3 of the labels, b, means no marker"),
+        ("marker,label\n\nm01,a\n\nm09,c7\n", "Line 5 of the labels, c7, means no marker"),
         ("u,v,label\n150,50,a\n", "means no marker"),
         ("marker,label\nm01,a\nm02,a\n", "same name"),
         ("marker,label\nm01,m02\n", "same name"),

@@ -120,6 +120,7 @@ def test_joints_without_a_column_were_never_seen(tmp_path):
         ("timestamp_s,head_x_m\n", "no frames"),
         ("timestamp_s,head_x_m\n1,2\n2,x\n", "line 3"),
         ("timestamp_s,head_x_m\n1,2\n2\n", "line 3"),
+        ("timestamp_s,head_x_m\n\n1,2\n\n2,x\n", "line 5"),
         ("timestamp_s,head_x_m\n,2\n", "without a time"),
         ("timestamp_s,head_x_m\n1,inf\n", "infinite"),
         ("timestamp_s,head_x_m\n1700000000000,1\n", "is in seconds, not in milliseconds"),
