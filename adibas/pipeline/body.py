@@ -276,6 +276,7 @@ def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedVie
             calibration=one.calibration,
             frames=one.frames,
             view=one.view,
+            params=PostureParams(rotation_deg=one.rotation_deg),
             labels=request.labels.get(one.view),
         ),
         lambda _done, _total: None,
@@ -284,9 +285,8 @@ def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedVie
 
 
 def _provenance(one: ViewRequest, view: BodyView, clock: Clock) -> Provenance:
-    return provenance_of(
-        recording_sha256(one.recording), view.calibration, None, PostureParams(), clock()
-    )
+    params = PostureParams(rotation_deg=one.rotation_deg)
+    return provenance_of(recording_sha256(one.recording), view.calibration, None, params, clock())
 
 
 def _notices(views: Sequence[BodyView], back: Back | None) -> tuple[Sentence, ...]:

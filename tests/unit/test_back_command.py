@@ -5,6 +5,7 @@ import io
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import openpyxl
@@ -218,6 +219,21 @@ def test_the_floor_before_a_sensor_on_its_side_is_found_as_its_picture_is_turned
     for one, other in zip(measure_back(found, ()).measures, wanted.measures, strict=True):
         if other.value is not None:
             assert one.value == pytest.approx(other.value, abs=2.0)
+
+
+def test_markers_are_looked_for_as_the_picture_is_turned(folder, tmp_path, monkeypatch):
+    asked = []
+
+    def look(request, _progress):
+        asked.append(request.params.rotation_deg)
+        return SimpleNamespace(markers=())
+
+    monkeypatch.setattr("adibas.pipeline.body.analyse_recording", look)
+    told = f"posterior={folder / 'behind.mcap'}"
+    out = tmp_path / "back.ply"
+    code, _, _ = run("body", told, "--markers", "led", "--rotation", "180", "--out", out)
+    assert code == 0
+    assert asked == [180]
 
 
 def test_heights_need_a_floor(view, scene):
