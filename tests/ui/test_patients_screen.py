@@ -14,9 +14,9 @@ from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.sessions import NewCapture
-from adibas.texts import use_language
+from adibas.texts import LANGUAGES, speaking, use_language
 from ui.jobs import JobRunner
-from ui.patients.list_panel import PatientTable
+from ui.patients.list_panel import PatientListPanel, PatientTable
 from ui.patients.patients_model import PatientsModel
 from ui.patients.screen import build_patients_screen
 from ui.widgets.typed_consent import TypedConsent
@@ -448,3 +448,14 @@ def test_two_sessions_with_pictures_can_be_compared(screen, store, workspace, an
     protocol.activated.emit(protocol.currentIndex())
     assert workspace.preferences.now.protocol == "sapo-1"
     assert protocol.currentText() == "SAPO-1"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_what_patients_are_found_by_is_in_the_tip_where_the_field_is_narrow(qtbot, language):
+    with speaking(language):
+        panel = PatientListPanel()
+        qtbot.addWidget(panel)
+        panel.retranslate()
+    hint = panel.search.placeholderText()
+    assert hint in panel.search.toolTip()
+    assert "Ctrl+F" in panel.search.toolTip()

@@ -196,8 +196,9 @@ class PatientListPanel(QWidget):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._title.setText(_("Patients"))
-        self.search.setPlaceholderText(_("Search by name, record number or birth date"))
-        self.search.setToolTip(_("Search patients (Ctrl+F)"))
+        hint = _("Search by name, record number or birth date")
+        self.search.setPlaceholderText(hint)
+        self.search.setToolTip(f"{hint}\n{_('Search patients (Ctrl+F)')}")  # a narrow field cuts it
         self.search.setAccessibleName(_("Search patients"))
         self.table.setAccessibleName(_("Patients"))
         self._add.setText(_("&New patient"))
