@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.data.landmark_texts import landmark_text
+from adibas.data.landmark_texts import LandmarkNames, landmark_text
 from adibas.data.markers import Marker, is_numbered
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import PostureAnalysis
@@ -129,7 +129,7 @@ def measure_row(result: MeasureResult) -> MeasureRow:
     )
     remarks = [result.reason.text] if result.reason is not None else []
     if result.by_hand:
-        remarks.append(_("placed by hand: {names}").format(names=", ".join(result.by_hand)))
+        remarks.append(_("placed by hand: {names}").format(names=LandmarkNames(result.by_hand)))
     return MeasureRow(
         definition.measure_id,
         definition.name.text,

@@ -91,7 +91,7 @@ def test_the_same_measures_stand_in_excel_csv_and_json(analysis, tmp_path):
     assert table["ANT.ACR.H"]["Value"] == pytest.approx(ACROMIA_DEG)
     assert table["ANT.ACR.H"]["Positive means"] == "left acromion higher"
     assert "SAPO 0.68" in table["ANT.ACR.H"]["Values of others, with their source"]
-    assert table["ANT.ASIS.H"]["Remark"] == "placed by hand: left_asis"
+    assert table["ANT.ASIS.H"]["Remark"] == "placed by hand: ASIS, left"
     for name, row in table.items():
         value = from_json[name]["value"]
         assert from_csv[name]["value"] == ("" if value is None else str(value))
@@ -101,7 +101,7 @@ def test_the_same_measures_stand_in_excel_csv_and_json(analysis, tmp_path):
         )
     head = from_json["ANT.HEAD.H"]
     assert (head["value"], head["ci95"]) == (None, None)
-    assert head["remark"] == "not marked: right_tragus, left_tragus"
+    assert head["remark"] == "not marked: Tragus, right; Tragus, left"
     low, high = from_json["ANT.ACR.H"]["ci95"]
     assert low < ACROMIA_DEG < high
     assert document["protocol"]["plane"] == "sensor"
@@ -134,7 +134,7 @@ def test_the_csv_table_tells_protocol_plane_and_notices_and_whose_intervals(anal
     assert low < float(in_plane["value"]) < high
     assert by_quantity["notice"]["remark"] == "Stood on a slope."
     head = next(row for row in rows if row["a"] == "ANT.HEAD.H")
-    assert (head["value"], head["remark"]) == ("", "not marked: right_tragus, left_tragus")
+    assert (head["value"], head["remark"]) == ("", "not marked: Tragus, right; Tragus, left")
 
 
 def test_a_report_speaks_the_language_of_the_protocol_s_reader(analysis, tmp_path):
