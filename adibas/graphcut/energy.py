@@ -86,8 +86,8 @@ class LabelEnergy:
         return bool((direct <= detour).all())
 
     def arcs(self) -> Int32Array:
-        """Return the (3, N, K) table of `pair_kernels` for one minimisation."""
-        table = np.empty((3, *self.weights.shape), np.int32)
+        """Return the (2, N, K) table of `pair_kernels`."""
+        table = np.empty((2, *self.weights.shape), np.int32)
         table[0] = self.graph.neighbors
         table[1] = self.weights
         return table

@@ -21,7 +21,6 @@ from adibas.graphcut.pair_kernels import (
     FREE,
     IS_ACTIVE,
     IS_LAID,
-    LEFT,
     N_ACTIVE,
     N_ORPHANS,
     ORPHAN,
@@ -40,6 +39,7 @@ NO_DISTANCE = 1 << 30
 @compiled
 def maximise_flow(
     arcs: Int32Array,
+    left: Int32Array,
     nodes: Int32Array,
     marks: AnyArray,
     counters: IntArray,
@@ -61,8 +61,8 @@ def maximise_flow(
         marks[IS_ACTIVE, p] = 0
         if marks[PARENT, p] != FREE:
             if not marks[IS_LAID, p]:
-                lay_arcs(arcs, marks, penalties, p)
-            _grow(arcs, nodes, marks, counters, penalties, p)
+                lay_arcs(arcs, left, marks, penalties, p)
+            _grow(arcs, left, nodes, marks, counters, penalties, p)
 
 
 @compiled
@@ -77,8 +77,9 @@ def activate(nodes: Int32Array, marks: AnyArray, counters: IntArray, p: int) -> 
 
 
 @compiled
-def _grow(
+def _grow(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     arcs: Int32Array,
+    left: Int32Array,
     nodes: Int32Array,
     marks: AnyArray,
     counters: IntArray,
@@ -91,13 +92,13 @@ def _grow(
         if q < 0 or marks[PARENT, q] != FREE:
             continue
         if not marks[IS_LAID, q]:
-            lay_arcs(arcs, marks, penalties, q)
-        while arcs[LEFT, q, k ^ 1] > 0 and nodes[EXCESS, q] > 0:
-            if _drain(arcs, nodes, marks, counters, q, k ^ 1):
-                _mend(arcs, nodes, marks, counters, penalties)
+            lay_arcs(arcs, left, marks, penalties, q)
+        while left[q, k ^ 1] > 0 and nodes[EXCESS, q] > 0:
+            if _drain(arcs, left, nodes, marks, counters, q, k ^ 1):
+                _mend(arcs, left, nodes, marks, counters, penalties)
             if marks[PARENT, p] == FREE:
                 return
-        if arcs[LEFT, q, k ^ 1] > 0 and marks[PARENT, q] == FREE:
+        if left[q, k ^ 1] > 0 and marks[PARENT, q] == FREE:
             marks[PARENT, q] = k ^ 1
             nodes[DISTANCE, q] = nodes[DISTANCE, p] + 1
             nodes[SEEN_AT, q] = nodes[SEEN_AT, p]
@@ -105,29 +106,35 @@ def _grow(
 
 
 @compiled
-def _drain(
-    arcs: Int32Array, nodes: Int32Array, marks: AnyArray, counters: IntArray, q: int, k: int
+def _drain(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
+    arcs: Int32Array,
+    left: Int32Array,
+    nodes: Int32Array,
+    marks: AnyArray,
+    counters: IntArray,
+    q: int,
+    k: int,
 ) -> bool:
     """Send flow from `q` by its arc `k` down the tree to the sink; say whether that cut it."""
-    amount = min(nodes[EXCESS, q], arcs[LEFT, q, k])
+    amount = min(nodes[EXCESS, q], left[q, k])
     first = arcs[TO, q, k]
     p = first
     up = marks[PARENT, p]
     while up != TERMINAL:
-        amount = min(amount, arcs[LEFT, p, up])
+        amount = min(amount, left[p, up])
         p = arcs[TO, p, up]
         up = marks[PARENT, p]
     amount = min(amount, -nodes[EXCESS, p])
     nodes[EXCESS, q] -= amount
-    arcs[LEFT, q, k] -= amount
-    arcs[LEFT, first, k ^ 1] += amount
+    left[q, k] -= amount
+    left[first, k ^ 1] += amount
     p = first
     up = marks[PARENT, p]
     while up != TERMINAL:
         above = arcs[TO, p, up]
-        arcs[LEFT, above, up ^ 1] += amount
-        arcs[LEFT, p, up] -= amount
-        if arcs[LEFT, p, up] == 0:
+        left[above, up ^ 1] += amount
+        left[p, up] -= amount
+        if left[p, up] == 0:
             _orphan(nodes, marks, counters, p)
         p = above
         up = marks[PARENT, p]
@@ -149,6 +156,7 @@ def _orphan(nodes: Int32Array, marks: AnyArray, counters: IntArray, p: int) -> N
 @compiled
 def _mend(
     arcs: Int32Array,
+    left: Int32Array,
     nodes: Int32Array,
     marks: AnyArray,
     counters: IntArray,
@@ -163,18 +171,18 @@ def _mend(
         counters[N_ORPHANS] -= 1
         best, shortest = FREE, NO_DISTANCE
         for k in range(arcs.shape[2]):
-            if arcs[LEFT, p, k] > 0 and marks[PARENT, arcs[TO, p, k]] != FREE:
+            if left[p, k] > 0 and marks[PARENT, arcs[TO, p, k]] != FREE:
                 distance = _distance(arcs, nodes, marks, counters[CLOCK], arcs[TO, p, k])
                 if distance < shortest:
                     best, shortest = k, distance
         marks[PARENT, p] = best
         if best == FREE:
-            _let_go(arcs, nodes, marks, counters, p)
+            _let_go(arcs, left, nodes, marks, counters, p)
             continue
         nodes[DISTANCE, p] = shortest + 1
         nodes[SEEN_AT, p] = counters[CLOCK]
         if not marks[IS_LAID, arcs[TO, p, best]]:
-            lay_arcs(arcs, marks, penalties, arcs[TO, p, best])
+            lay_arcs(arcs, left, marks, penalties, arcs[TO, p, best])
 
 
 @compiled
@@ -204,14 +212,19 @@ def _distance(arcs: Int32Array, nodes: Int32Array, marks: AnyArray, now: int, q:
 
 @compiled
 def _let_go(
-    arcs: Int32Array, nodes: Int32Array, marks: AnyArray, counters: IntArray, p: int
+    arcs: Int32Array,
+    left: Int32Array,
+    nodes: Int32Array,
+    marks: AnyArray,
+    counters: IntArray,
+    p: int,
 ) -> None:
     """Leave `p` out of the tree: its children are orphans, and whom it can reach looks again."""
     for k in range(arcs.shape[2]):
         q = arcs[TO, p, k]
         if q < 0 or marks[PARENT, q] == FREE:
             continue
-        if arcs[LEFT, p, k] > 0:
+        if left[p, k] > 0:
             activate(nodes, marks, counters, q)
         if marks[PARENT, q] == k ^ 1:
             _orphan(nodes, marks, counters, q)

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import AnyArray, check_shape, read_only
+from adibas.arrays import AnyArray, Int32Array, check_shape, read_only
 from adibas.graphcut.energy import LabelEnergy
-from adibas.graphcut.move_kernels import find_borders, make_move
+from adibas.graphcut.move_kernels import begin_expansion, begin_swap, find_borders, make_move
+from adibas.graphcut.pair_kernels import EXCESS, IS_LAID, STAY
 from adibas.graphcut.start_kernels import settle_labels
 
 MAX_CYCLES = 30
 """Through all labels, or pairs of them; real pictures need 2 to 5."""
 START_SWEEPS = 20
-NO_LABEL = -1
 N_COUNTERS = 5
 N_NODE_ROWS = 5
 N_MARK_ROWS = 5
@@ -92,11 +92,11 @@ def expand(
     """
     if not energy.is_metric:
         raise ValueError("alpha-expansion needs a metric table of penalties: use swap")
-    moves = _Moves(energy, start)
+    moves = _Moves(energy, start, keeps=True)
     n_labels = len(energy.penalties)
     n_idle = n_cuts = 0
     while n_idle < n_labels and n_cuts < max_cycles * n_labels:
-        gain = moves.make(n_cuts % n_labels).gain
+        gain = moves.expand(n_cuts % n_labels).gain
         # A label that has just been expanded gains nothing more by itself.
         n_idle = n_idle + 1 if gain == 0 else 1
         n_cuts += 1
@@ -122,7 +122,7 @@ def swap(
         for alpha, beta in itertools.combinations(range(n_labels), 2):
             if swapped_at[alpha, beta] < touched_at[[alpha, beta]].max():
                 n_cuts += 1
-                moves.make(*moves.larger_first(alpha, beta))
+                moves.swap(*moves.larger_first(alpha, beta))
                 touched_at[moves.is_touched > 0] = n_cuts
                 swapped_at[alpha, beta] = n_cuts
         if n_cuts == n_before:
@@ -135,7 +135,7 @@ def move(
 ) -> tuple[AnyArray, Move]:
     """Make one expansion of `alpha`, or one swap with `beta`; return the new (N,) labels."""
     moves = _Moves(energy, labels)
-    made = moves.make(alpha, NO_LABEL if beta is None else beta)
+    made = moves.expand(alpha) if beta is None else moves.swap(alpha, beta)
     return moves.labels, made
 
 
@@ -157,12 +157,22 @@ def start_labels(energy: LabelEnergy) -> AnyArray:
 
 
 class _Moves:
-    """The tables of `pair_kernels` for one energy, and labels that moves change in place."""
+    """The tables of `pair_kernels` for one energy, and labels that moves change in place.
 
-    def __init__(self, energy: LabelEnergy, start: AnyArray | None) -> None:
+    With `keeps` the flow of each expansion is kept, for the next one of that label to go on with:
+    most of what there is to do was done then.
+    """
+
+    def __init__(self, energy: LabelEnergy, start: AnyArray | None, *, keeps: bool = False) -> None:
         n_labels, n_pixels = energy.costs.shape
+        n_kept = n_labels if keeps else 1
         self._energy = energy
         self._arcs = energy.arcs()
+        # Of arcs that are never laid the computer's memory is never taken.
+        self._left = np.empty((n_kept, *energy.weights.shape), np.int32)
+        self._kept_excess = np.empty((n_kept, n_pixels), np.int32)
+        self._kept_marks = np.empty((n_kept, 2, n_pixels), np.int8)
+        self._is_kept, self._keeps = np.zeros(n_labels, np.bool_), keeps
         self._nodes = np.full((N_NODE_ROWS, n_pixels), -1, np.int32)
         self._marks = np.zeros((N_MARK_ROWS, n_pixels), np.int8)
         self._counters = np.zeros(N_COUNTERS, np.int64)
@@ -175,10 +185,31 @@ class _Moves:
         n_alpha, n_beta = (np.count_nonzero(self.labels == label) for label in (alpha, beta))
         return (alpha, beta) if n_alpha >= n_beta else (beta, alpha)
 
-    def make(self, alpha: int, beta: int = NO_LABEL) -> Move:
+    def expand(self, alpha: int) -> Move:
+        """Let every pixel take `alpha`."""
+        begin_expansion(self._marks, self.labels, alpha)
+        if not self._keeps:
+            return self._make(self._left[0], is_renewed=False)
+        is_kept = bool(self._is_kept[alpha])
+        if is_kept:
+            self._nodes[EXCESS] = self._kept_excess[alpha]
+            self._marks[[IS_LAID, STAY]] = self._kept_marks[alpha]
+        made = self._make(self._left[alpha], is_renewed=is_kept)
+        self._kept_excess[alpha] = self._nodes[EXCESS]
+        self._kept_marks[alpha] = self._marks[[IS_LAID, STAY]]
+        self._is_kept[alpha] = True
+        return made
+
+    def swap(self, alpha: int, beta: int) -> Move:
+        """Let every pixel of either label take the other."""
+        begin_swap(self._marks, self.labels, alpha, beta)
+        return self._make(self._left[0], is_renewed=False)
+
+    def _make(self, left: Int32Array, *, is_renewed: bool) -> Move:
         self.is_touched[:] = 0
         value, gain = make_move(
             self._arcs,
+            left,
             self._nodes,
             self._marks,
             self._counters,
@@ -187,8 +218,7 @@ class _Moves:
             self.labels,
             self._is_border,
             self.is_touched,
-            alpha,
-            beta,
+            is_renewed,
         )
         return Move(int(value), int(gain))
 

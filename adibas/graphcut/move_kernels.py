@@ -18,6 +18,7 @@ from adibas.graphcut.pair_kernels import (
     WEIGHT,
     price_of_change,
 )
+from adibas.graphcut.renewal_kernels import renew
 from adibas.graphcut.sweep_kernels import settle
 from adibas.kernels import compiled
 
@@ -45,6 +46,7 @@ def find_borders(arcs: Int32Array, labels: AnyArray, is_border: AnyArray) -> Non
 @compiled
 def make_move(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     arcs: Int32Array,
+    left: Int32Array,
     nodes: Int32Array,
     marks: AnyArray,
     counters: IntArray,
@@ -53,17 +55,16 @@ def make_move(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     labels: AnyArray,
     is_border: AnyArray,
     is_touched: AnyArray,
-    alpha: int,
-    beta: int,
+    is_renewed: bool,
 ) -> tuple[int, int]:
-    """Change `labels` in place: let every pixel take `alpha`, or swap it with `beta`.
+    """Change `labels` in place: each pixel takes what `marks` have for its change, or stays.
 
     Parameters
     ----------
     is_touched : (L,) int8 array
         Becomes 1 for the labels of pixels that change, and of their neighbours.
-    beta : int
-        -1 for an expansion. In a swap every pixel of the two labels has `alpha` (stay) or `beta`.
+    is_renewed : bool
+        The tables are what the same move left, or `begin_expansion` and `begin_swap` prepared them.
 
     Returns
     -------
@@ -72,33 +73,49 @@ def make_move(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     gain : int
         By how much the energy rises: 0 or less.
     """
-    marks[STAY] = labels
-    if beta < 0:
-        marks[CHANGE] = alpha
+    if is_renewed:
+        renew(arcs, left, nodes, marks, penalties, costs, labels)
     else:
-        marks[CHANGE] = labels
-        for p in range(labels.size):
-            if labels[p] == beta:
-                marks[STAY, p] = alpha
-            elif labels[p] == alpha:
-                marks[CHANGE, p] = beta
-    value = _cut(arcs, nodes, marks, counters, penalties, costs, is_border)
+        _begin(arcs, nodes, marks, penalties, costs, is_border)
+    marks[PARENT] = FREE
+    settle(arcs, left, nodes, marks, penalties, N_SWEEPS)
+    maximise_flow(arcs, left, nodes, marks, counters, penalties)
+    value = 0
+    for p in range(nodes.shape[1]):
+        value += min(nodes[EXCESS, p], 0)
     gain = _carry_out(arcs, nodes, marks, penalties, costs, labels, is_border, is_touched)
     return value, gain
 
 
 @compiled
-def _cut(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
+def begin_expansion(marks: AnyArray, labels: AnyArray, alpha: int) -> None:
+    """Let every pixel choose between its label and `alpha`."""
+    marks[STAY] = labels
+    marks[CHANGE] = alpha
+
+
+@compiled
+def begin_swap(marks: AnyArray, labels: AnyArray, alpha: int, beta: int) -> None:
+    """Let pixels of either label choose between `alpha` (stay) and `beta`."""
+    marks[STAY] = labels
+    marks[CHANGE] = labels
+    for p in range(labels.size):
+        if labels[p] == beta:
+            marks[STAY, p] = alpha
+        elif labels[p] == alpha:
+            marks[CHANGE, p] = beta
+
+
+@compiled
+def _begin(
     arcs: Int32Array,
     nodes: Int32Array,
     marks: AnyArray,
-    counters: IntArray,
     penalties: Int32Array,
     costs: Int32Array,
     is_border: AnyArray,
-) -> int:
-    """Find who changes, the fewest of the best; return the energy less that where all stay."""
-    marks[PARENT] = FREE
+) -> None:
+    """Work out what each pixel owes to the sink, or has from the source; no arc is laid yet."""
     marks[IS_LAID] = 0
     for p in range(nodes.shape[1]):
         excess = costs[marks[CHANGE, p], p] - costs[marks[STAY, p], p]
@@ -106,12 +123,6 @@ def _cut(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
         if is_border[p] and marks[STAY, p] != marks[CHANGE, p]:
             excess += price_of_change(arcs, marks, penalties, p)
         nodes[EXCESS, p] = excess
-    settle(arcs, nodes, marks, penalties, N_SWEEPS)
-    maximise_flow(arcs, nodes, marks, counters, penalties)
-    value = 0
-    for p in range(nodes.shape[1]):
-        value += min(nodes[EXCESS, p], 0)
-    return value
 
 
 @compiled

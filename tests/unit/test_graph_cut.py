@@ -74,6 +74,18 @@ def test_expansion_ends_where_a_loop_with_pymaxflow_does():
             assert ours.n_cuts == n_cuts
 
 
+@pytest.mark.parametrize("table", [None, {(0, 1): 2, (2, 3): 2, (0, 3): 2}])
+def test_an_expansion_that_goes_on_from_an_earlier_one_finds_what_one_from_nothing_does(table):
+    for rng, energy in energies(table, n_cases=40, shape=(9, 11)):
+        labels = start = random_labels(rng, energy)
+        for n_cycles in (1, 2, 3):
+            for alpha in range(len(energy.penalties)):
+                labels, _ = move(energy, labels, alpha)
+            ours = expand(energy, start, n_cycles)
+            np.testing.assert_array_equal(ours.labels, labels)
+            assert ours.energy == plain_energy(energy, labels)
+
+
 def test_swap_ends_where_a_loop_with_pymaxflow_does_with_fewer_cuts():
     for rng, energy in energies(OMEGA_2, n_cases=60, shape=(9, 11)):
         for start in (cheapest_labels(energy), random_labels(rng, energy)):
