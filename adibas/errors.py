@@ -83,6 +83,10 @@ class PassphraseError(StoreError):
     """The store needs a passphrase, or another one."""
 
 
+class RecoveryKeyTypedError(PassphraseError):
+    """What was typed is no recovery key: a letter is wrong, missing or too many."""
+
+
 class BackupLockedError(PassphraseError):
     """A backup needs a passphrase, and none was given."""
 

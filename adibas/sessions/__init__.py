@@ -14,8 +14,9 @@ from adibas.sessions.places import default_store_folder
 if TYPE_CHECKING:
     from adibas.sessions.audit import AuditEntry
     from adibas.sessions.captures import NewCapture
+    from adibas.sessions.opening import open_store
     from adibas.sessions.patient_search import PatientRow
-    from adibas.sessions.store import SessionStore, open_store
+    from adibas.sessions.store import SessionStore
     from adibas.sessions.stored_recordings import RecordingFacts, StoredRecordingWriter
     from adibas.sessions.verification import Finding, VerifyReport
 
@@ -28,7 +29,7 @@ _MODULES = {
     "SessionStore": "store",
     "StoredRecordingWriter": "stored_recordings",
     "VerifyReport": "verification",
-    "open_store": "store",
+    "open_store": "opening",
 }
 
 __all__ = [

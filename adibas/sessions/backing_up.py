@@ -27,7 +27,7 @@ from adibas.sessions.database import DATABASE_FILE, Database
 from adibas.sessions.defaults import BACKUP_ENDING
 from adibas.sessions.key_file import KeyFile, fingerprint_of, read_key_file
 from adibas.sessions.key_wrapping import Argon2Params
-from adibas.sessions.keys import behind_passphrase
+from adibas.sessions.keys import moved_behind
 from adibas.sessions.places import ID_LENGTH
 from adibas.sessions.roles import Permission, may
 from adibas.sessions.schema import FILES, RECORDINGS
@@ -262,7 +262,7 @@ class Backups:
         file = self._own_key_file()
         if passphrase is not None:
             params = params or Argon2Params()
-            return behind_passphrase(file.store_id, self._key, passphrase, params)
+            return moved_behind(file, self._key, passphrase, params)
         if file.place == "keyring":
             raise PassphraseError(
                 "The key of this patient store is in the desktop's keyring, which a backup does "

@@ -13,11 +13,24 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Self
 
-from adibas.errors import BackupLockedError, PassphraseError, StoreError
+from adibas.errors import (
+    BackupLockedError,
+    PassphraseError,
+    RecoveryKeyTypedError,
+    StoreError,
+)
 from adibas.files import cannot_read
 from adibas.recordings.seal import SealError
-from adibas.sessions.key_file import ID_LENGTH, KeyFile, KeyPlace, fingerprint_of, version_of
-from adibas.sessions.keys import key_behind
+from adibas.sessions.key_file import (
+    ID_LENGTH,
+    KeyFile,
+    KeyPlace,
+    fingerprint_of,
+    recovery_in,
+    version_of,
+)
+from adibas.sessions.keys import key_behind, key_by_recovery
+from adibas.sessions.recovery_key import read_recovery_key
 from adibas.sessions.sealing import NONCE_SIZE, TAG_SIZE, AesSeal, key_for
 
 MAGIC = b"\x8aADIBAK\x01"
@@ -48,6 +61,8 @@ class BackupHeader:
         Of all files inside.
     wrapped : Mapping
         The store's key behind a passphrase, or behind those of its people; see `KeyFile`.
+    recovery : Mapping or None
+        The same key behind the recovery key of then, if there was one.
     """
 
     store_id: str
@@ -56,19 +71,20 @@ class BackupHeader:
     salt: str
     n_bytes: int
     wrapped: Mapping[str, object]
+    recovery: Mapping[str, object] | None = None
 
     @property
     def key_file(self) -> KeyFile:
         """What `key.json` of the store says, made of this backup."""
         place: KeyPlace = "people" if "slots" in self.wrapped else "passphrase"
-        return KeyFile(self.store_id, place, self.fingerprint, self.wrapped)
+        return KeyFile(self.store_id, place, self.fingerprint, self.wrapped, self.recovery)
 
 
 def header_of(file: KeyFile, created_utc: str, n_bytes: int) -> BackupHeader:
     """Return the header of a backup to be, with a salt of its own."""
     salt = secrets.token_hex(SALT_BYTES)
-    wrapped = dict(file.wrapped)
-    return BackupHeader(file.store_id, file.fingerprint, created_utc, salt, n_bytes, wrapped)
+    told = (file.store_id, file.fingerprint, created_utc, salt, n_bytes)
+    return BackupHeader(*told, dict(file.wrapped), file.recovery)
 
 
 class BackupWriter:
@@ -82,7 +98,8 @@ class BackupWriter:
 
     def __init__(self, file: BinaryIO, header: BackupHeader, key: bytes) -> None:
         version = version_of(header.key_file.place)
-        line = json.dumps({"format": FORMAT, "version": version, **asdict(header)}).encode()
+        told = {name: value for name, value in asdict(header).items() if value is not None}
+        line = json.dumps({"format": FORMAT, "version": version, **told}).encode()
         self._file = file
         self._seal = _seal(line, header, key)
         self._n_pieces = self.n_files = self.n_bytes = 0
@@ -134,6 +151,11 @@ class BackupReader:
     def key(self, passphrase: str | None) -> bytes:
         """Return the key of the store that was backed up.
 
+        Parameters
+        ----------
+        passphrase : str or None
+            One that held when the backup was made, or the recovery key of then.
+
         Raises
         ------
         PassphraseError
@@ -145,9 +167,15 @@ class BackupReader:
                 file=self._path.name,
             )
         try:
-            key = key_behind(self.header.key_file, passphrase)
+            key = _key_behind(self.header.key_file, passphrase)
         except StoreError as error:
             raise self._damaged() from error
+        if key is None and self.header.recovery is not None:
+            raise PassphraseError(
+                "This is neither the passphrase nor the recovery key of {file}. Nothing was "
+                "changed. Give one that held when the backup was made.",
+                file=self._path.name,
+            )
         if key is None:
             raise PassphraseError(
                 "This is not the passphrase of {file}. Nothing was changed. Give the one that held "
@@ -268,7 +296,17 @@ def _header_in(document: Mapping[str, Any]) -> BackupHeader | None:
     if not is_whole:
         return None
     fields = (*texts, "n_bytes", "wrapped")
-    return BackupHeader(**{name: document[name] for name in fields})
+    header = {name: document[name] for name in fields}
+    return BackupHeader(**header, recovery=recovery_in(document))
+
+
+def _key_behind(file: KeyFile, secret: str) -> bytes | None:
+    """Return the key behind a recovery key or a passphrase; the first costs nothing to try."""
+    try:
+        key = key_by_recovery(file, read_recovery_key(secret))
+    except RecoveryKeyTypedError:
+        key = None  # then it is a passphrase
+    return key if key is not None else key_behind(file, secret)
 
 
 def _seal(line: bytes, header: BackupHeader, key: bytes) -> AesSeal:

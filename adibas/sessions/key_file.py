@@ -36,12 +36,15 @@ class KeyFile:
         Of the key; tells another store's key from this one's and gives nothing of it away.
     wrapped : Mapping
         See `wrap_key`, for people `person_keys`; empty for a keyring.
+    recovery : Mapping or None
+        See `seal_for_recovery`; None where there is no recovery key.
     """
 
     store_id: str
     place: KeyPlace
     fingerprint: str
     wrapped: Mapping[str, object]
+    recovery: Mapping[str, object] | None = None
 
 
 def fingerprint_of(key: bytes) -> str:
@@ -79,7 +82,7 @@ def write_key_file(folder: Path, file: KeyFile) -> None:
     FileError
         The disk is full, or the folder cannot be written.
     """
-    document = {
+    document: dict[str, object] = {
         "format": FORMAT,
         "version": version_of(file.place),
         "store_id": file.store_id,
@@ -87,6 +90,8 @@ def write_key_file(folder: Path, file: KeyFile) -> None:
         "fingerprint": file.fingerprint,
         "wrapped": dict(file.wrapped),
     }
+    if file.recovery is not None:
+        document["recovery"] = dict(file.recovery)
     with written_whole(folder / KEY_FILE) as path:
         path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
 
@@ -123,4 +128,10 @@ def _from_document(document: object) -> KeyFile:
         raise ValueError("the number of the store is missing")
     if not isinstance(fingerprint, str):
         raise ValueError("the fingerprint is missing")  # noqa: TRY004  (the file's fault)
-    return KeyFile(store_id, place, fingerprint, wrapped)
+    return KeyFile(store_id, place, fingerprint, wrapped, recovery_in(document))
+
+
+def recovery_in(document: Mapping[str, object]) -> Mapping[str, object] | None:
+    """Return the copy for the recovery key, if there is one; one that is damaged opens nothing."""
+    recovery = document.get("recovery")
+    return recovery if isinstance(recovery, dict) else None

@@ -6,6 +6,7 @@ import enum
 import secrets
 import uuid
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import keyring
@@ -27,6 +28,7 @@ from adibas.sessions.key_wrapping import (
     wrap_key,
 )
 from adibas.sessions.person_keys import Unlocked, check_length, unlock
+from adibas.sessions.recovery_key import open_for_recovery
 
 SERVICE = "ADiBAS patient store"
 
@@ -89,7 +91,8 @@ def make_key(folder: Path, passphrase: str | None, params: Argon2Params) -> byte
         if not _has_keyring():
             raise PassphraseError(
                 "This computer has no keyring for the key of the patient store. Choose a "
-                "passphrase, and keep it safe: without it nobody can read the patients."
+                "passphrase, and keep it safe: without it and without a recovery key nobody can "
+                "read the patients."
             )
         _to_keyring(store_id, key)
         file = KeyFile(store_id, "keyring", fingerprint_of(key), {})
@@ -156,8 +159,36 @@ def change_passphrase(
         raise StoreError("The patient store has lost its key.json. Restore it from a backup.")
     if file.place == "people":
         raise ValueError("each person has a passphrase of their own")
-    write_key_file(folder, behind_passphrase(file.store_id, key, new, params or Argon2Params()))
+    write_key_file(folder, moved_behind(file, key, new, params or Argon2Params()))
     leave_keyring(file)
+
+
+def moved_behind(file: KeyFile, key: bytes, passphrase: str, params: Argon2Params) -> KeyFile:
+    """Return `file` with its key behind a passphrase; the recovery key stays.
+
+    Raises
+    ------
+    PassphraseError
+        It is too short.
+    """
+    moved = behind_passphrase(file.store_id, key, passphrase, params)
+    return replace(moved, recovery=file.recovery)
+
+
+def key_by_recovery(file: KeyFile, recovery_key: str) -> bytes | None:
+    """Return the key that a recovery key opens; None where it is another one.
+
+    Raises
+    ------
+    StoreError
+        The file is damaged.
+    """
+    if file.recovery is None:
+        return None
+    try:
+        return open_for_recovery(file.recovery, recovery_key, file.store_id)
+    except ValueError as error:
+        raise damaged(str(error)) from error
 
 
 def leave_keyring(file: KeyFile) -> None:
@@ -202,7 +233,7 @@ def _unwrapped(file: KeyFile, passphrase: str | None) -> bytes:
         raise _locked()
     key = key_behind(file, passphrase)
     if key is None:
-        raise wrong_passphrase()
+        raise wrong_passphrase(file)
     return key
 
 
@@ -211,7 +242,7 @@ def _of_person(file: KeyFile, passphrase: str | None) -> Unlocked:
         raise _locked()
     found = unlock(file, passphrase)
     if found is None:
-        raise wrong_passphrase()
+        raise wrong_passphrase(file)
     return found
 
 
@@ -219,8 +250,13 @@ def _locked() -> PassphraseError:
     return PassphraseError("The patient store is locked. Give its passphrase.")
 
 
-def wrong_passphrase() -> PassphraseError:
-    """Say that a passphrase opens nothing."""
+def wrong_passphrase(file: KeyFile) -> PassphraseError:
+    """Say that a passphrase opens nothing, and what helps where it is forgotten."""
+    if file.recovery is not None:
+        return PassphraseError(
+            "The passphrase is wrong. Nothing was changed; check Caps Lock and the keyboard's "
+            "language, and try again. Where it is forgotten, the recovery key opens the store."
+        )
     return PassphraseError(
         "The passphrase is wrong. Nothing was changed; check Caps Lock and the keyboard's "
         "language, and try again."
@@ -234,6 +270,11 @@ def _kept(file: KeyFile, passphrase: str | None) -> bytes:
             "passphrase. Open it without a passphrase."
         )
     key = _from_keyring(file)
+    if key is None and file.recovery is not None:
+        raise StoreError(
+            "The desktop's keyring has lost the key of the patient store. The recovery key opens "
+            "the store and gives it a new passphrase."
+        )
     if key is None:
         raise StoreError(
             "The desktop's keyring has lost the key of the patient store. Restore the keyring of "
@@ -267,7 +308,7 @@ def _from_keyring(file: KeyFile) -> bytes | None:
     try:
         text = keyring.get_password(SERVICE, file.store_id)
     except KeyringError as error:
-        raise _closed_keyring() from error
+        raise _closed_keyring(file) from error
     if text is None:
         return None
     try:
@@ -276,7 +317,13 @@ def _from_keyring(file: KeyFile) -> bytes | None:
         return None
 
 
-def _closed_keyring() -> StoreError:
+def _closed_keyring(file: KeyFile | None = None) -> StoreError:
+    if file is not None and file.recovery is not None:
+        return StoreError(
+            "The desktop's keyring does not open. Unlock it, or log in to the desktop on which the "
+            "patient store was made, and try again. Where it is lost, the recovery key opens the "
+            "store."
+        )
     return StoreError(
         "The desktop's keyring does not open. Unlock it, or log in to the desktop on which the "
         "patient store was made, and try again."

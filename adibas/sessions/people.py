@@ -15,7 +15,12 @@ from adibas.sessions.audit import AuditLog
 from adibas.sessions.database import Database
 from adibas.sessions.key_file import KeyFile, read_key_file, write_key_file
 from adibas.sessions.key_wrapping import Argon2Params
-from adibas.sessions.keys import change_passphrase, leave_keyring, wrong_passphrase
+from adibas.sessions.keys import (
+    change_passphrase,
+    leave_keyring,
+    moved_behind,
+    wrong_passphrase,
+)
 from adibas.sessions.people_state import PEOPLE_AS_SUBJECT, state_of
 from adibas.sessions.person_keys import (
     MOST_PEOPLE,
@@ -31,6 +36,8 @@ from adibas.sessions.person_keys import (
 from adibas.sessions.roles import Permission, Role
 
 LONGEST_NAME = 80
+RECOVERED = "recovery key used"
+"""What the audit log says of a passphrase that was replaced because the old one was lost."""
 
 Slot = Mapping[str, object]
 
@@ -193,14 +200,43 @@ class People:
         if person is None:
             self._database.check_writable()
             change_passphrase(self._folder, old, new, params)
-            self._audit.append("change", PEOPLE_AS_SUBJECT, did="passphrase", state="")
+            state_now = state_of(self._state().file)
+            self._audit.append("change", PEOPLE_AS_SUBJECT, did="passphrase", state=state_now)
             return
         check_length(new)
         with self._saving(person.name, "passphrase") as (state, save):
             found = unlock(state.file, old or "")
             if found is None or found.person is None or found.person.person_id != person.person_id:
-                raise wrong_passphrase()
+                raise wrong_passphrase(state.file)
             save(state.people, self._slots_with(state, person, new, params))
+
+    def replace_lost_passphrase(self, new: str, params: Argon2Params | None = None) -> None:
+        """Put a new passphrase in the place of the one that is lost: the store's, or one's own.
+
+        For whoever opened the store with its recovery key; a key in the keyring leaves it.
+
+        Raises
+        ------
+        PassphraseError
+            It is too short, or somebody else's.
+        StoreError
+            The store is read-only.
+        FileError
+            The disk is full. What opened the store before still does.
+        """
+        check_length(new)
+        person = self._audit.person
+        if person is not None:
+            with self._saving(person.name, RECOVERED) as (state, save):
+                save(state.people, self._slots_with(state, person, new, params))
+            return
+        with self._database.changing() as transaction:
+            before = self._state().file
+            file = moved_behind(before, self._key, new, params or Argon2Params())
+            write_key_file(self._folder, file)
+            told = {"did": RECOVERED, "state": state_of(file)}
+            self._audit.write(transaction, "change", PEOPLE_AS_SUBJECT, **told)
+        leave_keyring(before)
 
     @contextmanager
     def _changing(

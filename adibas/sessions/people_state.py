@@ -1,4 +1,7 @@
-"""Which state of the people the audit log knows of, so that a `key.json` put back is noticed."""
+"""Which state of `key.json` the audit log knows of, so that another one put back is noticed.
+
+People and the recovery key make the state; what a passphrase is does not.
+"""
 
 import hashlib
 import json
@@ -35,7 +38,9 @@ def note_other_people(folder: Path, database: Database, audit: AuditLog) -> None
 
 
 def state_of(file: KeyFile) -> str:
-    """Return what tells one state of the people from another; empty where there are none."""
-    if file.place != "people":
+    """Return what tells one state of people and recovery key from another; empty without both."""
+    people = file.wrapped if file.place == "people" else None
+    if people is None and file.recovery is None:
         return ""
-    return hashlib.sha256(json.dumps(file.wrapped, sort_keys=True).encode()).hexdigest()[:STATE]
+    told = people if file.recovery is None else [people, file.recovery]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:STATE]

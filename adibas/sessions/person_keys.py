@@ -10,7 +10,7 @@ import base64
 import binascii
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
 from adibas.errors import PassphraseError
@@ -123,12 +123,12 @@ def slot_for(
 def with_people(
     file: KeyFile, key: bytes, people: Sequence[Person], slots: Sequence[Mapping[str, object]]
 ) -> KeyFile:
-    """Return the file of a store that these people open, and nothing else does."""
+    """Return the file of a store that these people open, and else its recovery key alone."""
     listed = [{**asdict(one), "role": one.role.value} for one in people]
     told = json.dumps(listed, ensure_ascii=False)
     sealed = _seal(key).seal(file.store_id, told.encode())
     wrapped = {"slots": list(slots), "people": base64.b64encode(sealed).decode()}
-    return KeyFile(file.store_id, "people", file.fingerprint, wrapped)
+    return replace(file, place="people", wrapped=wrapped)
 
 
 def slots_of(wrapped: Mapping[str, object]) -> list[Mapping[str, object]]:

@@ -6,37 +6,28 @@ Its parts are imported when they are first used: patients are listed before anyb
 import logging
 import threading
 from collections.abc import Callable
-from contextlib import ExitStack
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from sqlalchemy import select
 
-from adibas.clock import Clock, utc_now
 from adibas.errors import StoreError
-from adibas.files import is_there, unfinished_in
+from adibas.files import unfinished_in
 from adibas.progress import Progress
 from adibas.sessions.audit import AuditLog
-from adibas.sessions.database import DATABASE_FILE, Database
+from adibas.sessions.database import Database
 from adibas.sessions.kept_files import KeptFiles, remove_leftovers
-from adibas.sessions.key_file import KEY_FILE
-from adibas.sessions.key_wrapping import Argon2Params
-from adibas.sessions.keys import make_key, open_key
 from adibas.sessions.left_files import Left, files_at_rest
-from adibas.sessions.lock import StoreLock, cannot_use
+from adibas.sessions.lock import cannot_use
 from adibas.sessions.merged_files import finish_merge
-from adibas.sessions.migrating import bring_up_to_date
 from adibas.sessions.patients import Patients
-from adibas.sessions.people_state import note_other_people
-from adibas.sessions.person_keys import Person, Unlocked
+from adibas.sessions.person_keys import Person
 from adibas.sessions.places import CODINGS_FOLDER, PICTURES_FOLDER, RECORDINGS_FOLDER
 from adibas.sessions.roles import Permission, Role, may
 from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealing import AesSeal, key_for
-from adibas.sessions.server_address import read_server_file
-from adibas.sessions.sqlite_file import SqliteFile
 from adibas.sessions.trial_restore import remove_trial
 
 if TYPE_CHECKING:
@@ -45,9 +36,9 @@ if TYPE_CHECKING:
     from adibas.sessions.disk_use import DiskForecast
     from adibas.sessions.people import People
     from adibas.sessions.purging import Purge
+    from adibas.sessions.recovery import Recovery
     from adibas.sessions.retention import Retention
     from adibas.sessions.sealed_folder import SealedFolder
-    from adibas.sessions.server_address import ServerAddress
     from adibas.sessions.stored_recordings import Recordings
     from adibas.sessions.verification import VerifyReport
     from adibas.sessions.visits import Sessions
@@ -60,7 +51,7 @@ STORE_AS_SUBJECT = "store"
 
 
 class SessionStore:
-    """Everything that is kept of the patients; made by `open_store`.
+    """Everything that is kept of the patients; made by `open_store` in `opening.py`.
 
     Calls are made one after the other, from whatever thread. As a context manager it is closed at
     the end.
@@ -147,6 +138,13 @@ class SessionStore:
         from adibas.sessions.people import People
 
         return People(self.folder, self._database, self.audit, self._key)
+
+    @cached_property
+    def recovery(self) -> "Recovery":
+        """The recovery key: since when there is one, and the making of another."""
+        from adibas.sessions.recovery import Recovery
+
+        return Recovery(self.folder, self._database, self.audit, self._key)
 
     @property
     def person(self) -> Person | None:
@@ -284,113 +282,3 @@ class SessionStore:
 
     def __exit__(self, *_error: object) -> None:
         self.close()
-
-
-def open_store(
-    folder: Path,
-    passphrase: str | None = None,
-    *,
-    operator: str = "",
-    clock: Clock = utc_now,
-    key_params: Argon2Params | None = None,
-    server_password: str | None = None,
-) -> SessionStore:
-    """Open a store; a new one is made where there is none.
-
-    Where `server.json` names a server, the database is there, and several openers may write.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the store.
-    passphrase : str, optional
-        A new store's key is kept behind it; without it, in the desktop's keyring.
-    operator : str
-        Who works.
-    clock : callable
-        Gives the time of day.
-    key_params : Argon2Params, optional
-        Of a new store's passphrase.
-    server_password : str, optional
-        Of the server's user; the one in the keyring, if any, where it is not given.
-
-    Raises
-    ------
-    PassphraseError
-        A passphrase is needed, wrong, too short, or of no use.
-    ServerPasswordError
-        The server needs a password, or another one.
-    StoreError
-        The key is lost; the database is missing, damaged or of a later version; the folder cannot
-        be used. Nothing is changed.
-    FileError
-        The key of a new store cannot be written.
-    """
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        raise cannot_use(folder, error) from error
-    with ExitStack() as if_that_fails:
-        address = read_server_file(folder)
-        if address is None:
-            lock = StoreLock(folder)
-            if_that_fails.callback(lock.release)
-            params = key_params or Argon2Params()
-            key, person = _key(folder, passphrase, params, may_make=lock.is_held)
-            database = Database(SqliteFile(folder, key), is_read_only=not lock.is_held)
-        else:
-            key, person = open_key(folder, passphrase)
-            database = _on_server(folder, key, address, server_password)
-        if_that_fails.callback(database.close)
-        bring_up_to_date(database, key)
-        _mark_as_made(folder)
-        audit = AuditLog(database, clock, operator, person)
-        let_go = (lambda: None) if address is not None else lock.release
-        store = SessionStore(folder, database, let_go, audit, key)
-        told = {} if person is None else {"role": person.role.value}
-        audit.append("open", STORE_AS_SUBJECT, read_only=store.is_read_only, **told)
-        note_other_people(folder, database, audit)
-        with database.alone() as is_alone:
-            if is_alone:
-                store.tidy()
-        if_that_fails.pop_all()
-    return store
-
-
-def _on_server(
-    folder: Path, key: bytes, address: "ServerAddress", password: str | None
-) -> Database:
-    from adibas.sessions.server import ServerDatabase
-    from adibas.sessions.server_password import kept_password
-
-    given = kept_password(address) if password is None else password
-    return Database(ServerDatabase(folder, key, address, given), is_read_only=False)
-
-
-def _mark_as_made(folder: Path) -> None:
-    """Make the folders of the files, so that a database that vanishes later is missed."""
-    try:
-        for name in (PICTURES_FOLDER, RECORDINGS_FOLDER):
-            (folder / name).mkdir(exist_ok=True)
-    except OSError as error:
-        raise cannot_use(folder, error) from error
-
-
-def _key(folder: Path, passphrase: str | None, params: Argon2Params, *, may_make: bool) -> Unlocked:
-    """Return the key and whose it is; one is made only where no trace of an older store is."""
-    has_key = is_there(folder / KEY_FILE)
-    has_data = any(is_there(folder / name) for name in (PICTURES_FOLDER, RECORDINGS_FOLDER))
-    database = folder / DATABASE_FILE
-    has_database = is_there(database) and database.stat().st_size > 0
-    if has_key and has_data and not has_database:
-        raise StoreError(
-            "{file} of the patient store is missing. Restore the store's folder from a backup.",
-            file=DATABASE_FILE,
-        )
-    if has_key or has_data or has_database:
-        return open_key(folder, passphrase)
-    if not may_make:
-        raise StoreError(
-            "Another window is just making this patient store. Wait a moment and open it again."
-        )
-    return Unlocked(make_key(folder, passphrase, params), None)
