@@ -31,6 +31,11 @@ class Console:
         else:
             print(text)  # noqa: T201
 
+    def tell(self, secret: str) -> None:
+        """Print what only the result may carry: nothing where the result is JSON."""
+        if not self._is_json:
+            print(secret)  # noqa: T201
+
     def warn(self, text: str) -> None:
         """Print a sentence on stderr."""
         if sys.stderr is not None:  # closed: print would take stdout

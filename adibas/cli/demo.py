@@ -5,6 +5,7 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, add_out
+from adibas.cli.sessions_recovery import tell_how_to_make_one
 from adibas.errors import AdibasError, FileError
 from adibas.files import check_place
 from adibas.texts import message, spoken_language
@@ -57,6 +58,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             folder=arguments.out / STORE, passphrase=PASSPHRASE
         )
     )
+    tell_how_to_make_one(arguments.out / STORE, console)
     console.give(
         {
             "recording": str(demo.recording),

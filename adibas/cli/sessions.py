@@ -15,6 +15,7 @@ from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
 from adibas.cli.sessions_backup import SOMETHING_FOUND, add_backup_arguments, tell_report
 from adibas.cli.sessions_people import add_people_arguments
+from adibas.cli.sessions_recovery import add_recovery_arguments
 from adibas.cli.sessions_retention import add_retention_arguments, retain
 from adibas.cli.sessions_server import add_server_arguments
 from adibas.cli.store_options import add_store, open_existing
@@ -91,7 +92,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     def add_alone(name: str, summary: str) -> argparse.ArgumentParser:
         return actions.add_parser(name, help=summary, description=summary)
 
-    for add_more in (add_backup_arguments, add_server_arguments, add_people_arguments):
+    for add_more in (
+        add_backup_arguments,
+        add_recovery_arguments,
+        add_server_arguments,
+        add_people_arguments,
+    ):
         add_more(add_alone)
     add_retention_arguments(
         add("retention", _("Patients whose time is over, and when the disk is full."), retain)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive_count
+from adibas.cli.sessions_recovery import tell_how_to_make_one
 from adibas.cli.store_options import (
     PASSPHRASE_VARIABLE,
     add_store,
@@ -21,6 +22,7 @@ from adibas.errors import BackupLockedError, FileError, PassphraseError
 from adibas.files import cannot_write
 from adibas.sessions.defaults import DAYS_BETWEEN_BACKUPS, N_BACKUPS_KEPT
 from adibas.sessions.merge_words import merge_texts
+from adibas.sessions.recovery_key import read_recovery_key
 from adibas.texts import spoken, translate_plural
 from adibas.texts import translate as _
 
@@ -75,6 +77,7 @@ def add_backup_arguments(add: Add) -> None:
         help=_("new or empty folder; without it, what is missing is added to the store in use"),
     )
     _add_backup_passphrase(restoring)
+    _add_recovery_key(restoring)
 
     verifying = add("verify-backup", _("Restore a backup for a moment and check all of it."))
     verifying.set_defaults(alone=_verify_backup)
@@ -86,6 +89,7 @@ def add_backup_arguments(add: Add) -> None:
         metavar=_("FILE"),
         help=_("file whose first line is the passphrase of the backup"),
     )
+    _add_recovery_key(verifying)
     verifying.add_argument(
         "--temporary",
         type=Path,
@@ -105,6 +109,18 @@ def _add_backup_passphrase(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar=_("FILE"),
         help=_("file whose first line is the passphrase of the backup; the store's if not given"),
+    )
+
+
+def _add_recovery_key(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--recovery-key-file",
+        type=Path,
+        metavar=_("FILE"),
+        help=_(
+            "in place of a passphrase: file whose first line is the recovery key that held when "
+            "the backup was made"
+        ),
     )
 
 
@@ -199,6 +215,15 @@ def _new(arguments: argparse.Namespace, console: Console) -> int:
             "The patient store of {time} is in {folder}; it opens with the backup's passphrase."
         ).format(time=header.created_utc[:16].replace("T", " "), folder=arguments.into)
     )
+    if header.recovery is None:
+        tell_how_to_make_one(arguments.into, console)
+    elif arguments.recovery_key_file is not None:
+        console.say(
+            _(
+                "Its recovery key gives it a new passphrase: adibas sessions recover --store "
+                "{folder}"
+            ).format(folder=arguments.into)
+        )
     console.give({"into": str(arguments.into), "created_utc": header.created_utc})
     return 0
 
@@ -278,6 +303,9 @@ def _passphrase_of_backup(arguments: argparse.Namespace) -> str | None:
 
     Where no store was opened before, somebody is asked.
     """
+    if arguments.recovery_key_file is not None:
+        # A mistyped one is told as such, not as a wrong passphrase.
+        return read_recovery_key(read_passphrase(arguments.recovery_key_file) or "")
     for path in (arguments.backup_passphrase_file, getattr(arguments, "passphrase_file", None)):
         if path is not None:
             return read_passphrase(path)

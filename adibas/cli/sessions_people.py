@@ -47,15 +47,20 @@ def add_people_arguments(add: Add) -> None:
     _add_role(adding, "--role", default=None)
     removing.add_argument("--yes", action="store_true", help=_("yes, that person is meant"))
     for action in (adding, anew):
-        action.add_argument(
-            "--new-passphrase-file",
-            type=Path,
-            metavar=_("FILE"),
-            help=_(
-                "file whose first line is that person's passphrase; without it the environment "
-                "variable {variable}, or it is asked for"
-            ).format(variable=NEW_PASSPHRASE_VARIABLE),
-        )
+        add_new_passphrase(action)
+
+
+def add_new_passphrase(parser: argparse.ArgumentParser) -> None:
+    """Offer `--new-passphrase-file`."""
+    parser.add_argument(
+        "--new-passphrase-file",
+        type=Path,
+        metavar=_("FILE"),
+        help=_(
+            "file whose first line is the new passphrase; without it the environment variable "
+            "{variable}, or it is asked for"
+        ).format(variable=NEW_PASSPHRASE_VARIABLE),
+    )
 
 
 def _add_role(parser: argparse.ArgumentParser, name: str, **more: object) -> None:
@@ -96,7 +101,7 @@ def _add(store: "SessionStore", arguments: argparse.Namespace, console: Console)
     # The first one has no choice; of the others the least is taken where nothing is said.
     usual = Role.ADMINISTRATOR if is_first else Role.OPERATOR
     role = usual if arguments.role is None else Role(arguments.role)
-    person = store.people.add(arguments.name, role, _new_passphrase(arguments))
+    person = store.people.add(arguments.name, role, read_new_passphrase(arguments))
     told = _("{name} may open the store as {role}.").format(
         name=person.name, role=_(TITLES[role]).lower()
     )
@@ -144,16 +149,25 @@ def _set_role(store: "SessionStore", arguments: argparse.Namespace, console: Con
 
 def _anew(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> int:
     if arguments.name is None:
-        store.people.change_passphrase(arguments.passphrase, _new_passphrase(arguments))
+        store.people.change_passphrase(arguments.passphrase, read_new_passphrase(arguments))
     else:
         store.require(Permission.MANAGE_PEOPLE, "people")
-        store.people.change(arguments.name, passphrase=_new_passphrase(arguments))
+        store.people.change(arguments.name, passphrase=read_new_passphrase(arguments))
     console.say(_("From now on the new passphrase opens the patient store."))
     console.give({"name": arguments.name})
     return 0
 
 
-def _new_passphrase(arguments: argparse.Namespace) -> str:
+def read_new_passphrase(arguments: argparse.Namespace) -> str:
+    """Return a new passphrase as it is given; in a terminal it is asked for twice.
+
+    Raises
+    ------
+    PassphraseError
+        None is given where nobody can be asked, or the two differ.
+    FileError
+        The file cannot be read.
+    """
     given = read_passphrase(arguments.new_passphrase_file)
     given = os.environ.get(NEW_PASSPHRASE_VARIABLE) if given is None else given
     if given is not None:

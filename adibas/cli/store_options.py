@@ -27,12 +27,7 @@ TOO_LONG = message("its first line is too long")
 
 def add_store(parser: argparse.ArgumentParser) -> None:
     """Offer `--store`, `--passphrase-file` and `--json`."""
-    parser.add_argument(
-        "--store",
-        type=Path,
-        metavar=_("DIR"),
-        help=_("folder of the patient store; this user's if not given"),
-    )
+    add_store_folder(parser)
     parser.add_argument(
         "--passphrase-file",
         type=Path,
@@ -43,6 +38,16 @@ def add_store(parser: argparse.ArgumentParser) -> None:
         ).format(variable=PASSPHRASE_VARIABLE),
     )
     add_json(parser)
+
+
+def add_store_folder(parser: argparse.ArgumentParser) -> None:
+    """Offer `--store`."""
+    parser.add_argument(
+        "--store",
+        type=Path,
+        metavar=_("DIR"),
+        help=_("folder of the patient store; this user's if not given"),
+    )
 
 
 def open_existing(arguments: argparse.Namespace) -> "SessionStore":
@@ -72,7 +77,7 @@ def open_existing(arguments: argparse.Namespace) -> "SessionStore":
     passphrase, server = passphrase_of(arguments, folder), read_server_file(folder)
     arguments.passphrase = passphrase
     password = None if server is None else read_server_password(server)
-    return open_store(folder, passphrase, operator=_user(), server_password=password)
+    return open_store(folder, passphrase, operator=user_name(), server_password=password)
 
 
 def store_folder(arguments: argparse.Namespace) -> Path:
@@ -134,7 +139,9 @@ def read_server_password(address: "ServerAddress") -> str | None:
     given = os.environ.get(SERVER_PASSWORD_VARIABLE) or kept_password(address)
     if given is None and not address.is_socket:
         question = _("Password of {user} on {server}: ")
-        given = ask_passphrase(question.format(user=address.user or _user(), server=address.host))
+        given = ask_passphrase(
+            question.format(user=address.user or user_name(), server=address.host)
+        )
     return given or None
 
 
@@ -166,7 +173,8 @@ def _no_passphrase(path: Path, reason: str) -> FileError:
     )
 
 
-def _user() -> str:
+def user_name() -> str:
+    """Return what the computer calls who works; empty for an account without a name."""
     try:
         name = getpass.getuser()
     except (ImportError, KeyError, OSError):  # an account without a name

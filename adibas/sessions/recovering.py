@@ -52,6 +52,25 @@ def administrators(folder: Path, recovery_key: str) -> tuple[str, ...]:
     return tuple(one.name for one in _administrators(file, key))
 
 
+def chosen_name(names: tuple[str, ...], wished: str) -> str:
+    """Return which administrator is meant; empty in a store without people.
+
+    Raises
+    ------
+    StoreError
+        It has to be said, or nobody of them has that name.
+    """
+    if not names:
+        return ""
+    wished = wished.strip().casefold()
+    found = [name for name in names if wished in ("", name.casefold())]
+    if len(found) != 1:
+        raise StoreError(
+            "Say which administrator gets the new passphrase: {names}.", names=", ".join(names)
+        )
+    return found[0]
+
+
 def recover_store(
     folder: Path,
     wish: RecoveryWish,
@@ -123,13 +142,5 @@ def _administrators(file: KeyFile, key: bytes) -> tuple[Person, ...]:
 
 def _chosen(people: tuple[Person, ...], name: str) -> Person | None:
     """Return whose passphrase is replaced; nobody's in a store without people."""
-    if not people:
-        return None
-    wished = name.strip().casefold()
-    found = [one for one in people if wished in ("", one.name.casefold())]
-    if len(found) != 1:
-        raise StoreError(
-            "Say which administrator gets the new passphrase: {names}.",
-            names=", ".join(one.name for one in people),
-        )
-    return found[0]
+    chosen = chosen_name(tuple(one.name for one in people), name)
+    return next((one for one in people if one.name == chosen), None)

@@ -5,6 +5,7 @@ import itertools
 import json
 import logging
 import secrets
+import tempfile
 
 import pytest
 from hypothesis import given
@@ -465,7 +466,7 @@ def test_a_full_disk_leaves_the_key_of_before(folder, locked, monkeypatch):
 
 def test_the_key_itself_is_in_no_file_log_or_error(folder, tmp_path, monkeypatch, caplog):
     caplog.set_level(logging.DEBUG)
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with open_sample(folder) as store:
         recovery_key = held(store)
         detail = json.dumps([dict(one.detail) for one in store.audit.entries()])
