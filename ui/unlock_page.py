@@ -1,9 +1,12 @@
-"""The page before the screens: a passphrase, or a button. No decisions."""
+"""The page before the screens: a passphrase, a button, or the recovery key. No decisions."""
 
 from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
+    QComboBox,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -32,11 +35,13 @@ class UnlockPage(Screen):
         self._theme = theme
         self._words: Callable[[], tuple[str, str, str]] = _busy_words
         self._send: Callable[[], None] = lambda: None
+        self._turn: Callable[[], None] = lambda: None
         self._bug = ""
         self._logo, self._title = QLabel(self), QLabel(self)
         self._explanation, self._problem = QLabel(self), QLabel(self)
         self._first, self._second = QLineEdit(self), QLineEdit(self)
-        self._button = QPushButton(self)
+        self._button, self._other = QPushButton(self), QPushButton(self)
+        self._key, self._people = QLineEdit(self), QComboBox(self)
         self._title.setProperty("kind", "title")
         self._problem.setProperty("kind", "bad")
         self._button.setProperty("main", "true")
@@ -44,9 +49,12 @@ class UnlockPage(Screen):
             label.setWordWrap(True)
         for field in (self._first, self._second):
             field.setEchoMode(QLineEdit.EchoMode.Password)
+        for field in (self._key, self._first, self._second):
             field.returnPressed.connect(self._button.click)
+        self._other.clicked.connect(self._on_other)
         self._button.clicked.connect(self._on_button)
         self._column = QWidget(self)
+        self._other_words: Callable[[], str] = str
         self._lay_out()
         self.dress()
         self.show_busy()
@@ -58,12 +66,18 @@ class UnlockPage(Screen):
             self._logo,
             self._title,
             self._explanation,
+            self._key,
+            self._people,
             self._first,
             self._second,
             self._problem,
             self._button,
+            self._other,
         ):
             inner.addWidget(widget)
+        order = (self._key, self._people, self._first, self._second, self._button, self._other)
+        for before, after in pairwise(order):
+            self.setTabOrder(before, after)
         area = QScrollArea(self)
         area.setWidget(self._column)
         area.setWidgetResizable(True)
@@ -96,6 +110,10 @@ class UnlockPage(Screen):
         asked = _("Password of the server") if self._words is _server_words else _("Passphrase")
         self._first.setPlaceholderText(asked)
         self._first.setAccessibleName(asked)
+        self._other.setText(self._other_words())
+        self._key.setPlaceholderText(_("Recovery key"))
+        self._key.setAccessibleName(_("Recovery key"))
+        self._people.setAccessibleName(_("Administrator"))
         self._second.setPlaceholderText(_("The same passphrase again"))
         self._second.setAccessibleName(_("The same passphrase again"))
 
@@ -116,10 +134,12 @@ class UnlockPage(Screen):
 
     def ask_passphrase(self) -> None:
         self._show(_passphrase_words, fields=1)
+        self._offer_recovery()
         self._send = lambda: self._presenter.give_passphrase(self._first.text())
 
     def ask_own_passphrase(self) -> None:
         self._show(_own_words, fields=1)
+        self._offer_recovery()
         self._send = lambda: self._presenter.give_passphrase(self._first.text())
 
     def ask_server_password(self) -> None:
@@ -128,7 +148,28 @@ class UnlockPage(Screen):
 
     def ask_unlock(self) -> None:
         self._show(_unlock_words, fields=0)
+        self._offer_recovery()
         self._send = self._presenter.open_from_keyring
+
+    def ask_recovery_key(self) -> None:
+        typed = self._key.text()
+        self._show(_recovery_words, fields=0)
+        self._key.setText(typed)
+        self._key.show()
+        self._key.setFocus()
+        self._offer(_back_word, self._on_back)
+        self._send = lambda: self._presenter.give_recovery_key(self._key.text())
+
+    def ask_replacement(self, names: tuple[str, ...]) -> None:
+        chosen = self._people.currentText()
+        self._show(partial(_replacement_words, names), fields=2)
+        self._people.addItems(names)
+        self._people.setCurrentIndex(max(self._people.findText(chosen), 0))
+        self._people.setVisible(len(names) > 1)
+        self._offer(_back_word, self._on_back)
+        self._send = lambda: self._presenter.give_replacement(
+            self._people.currentText(), self._first.text(), self._second.text()
+        )
 
     def show_problem(self, sentence: str) -> None:
         self._problem.setText(sentence)
@@ -142,8 +183,32 @@ class UnlockPage(Screen):
     def _on_button(self) -> None:
         self._send()
 
+    def _on_other(self) -> None:
+        self._turn()
+
+    def _on_lost(self) -> None:
+        self._presenter.begin_recovery()
+
+    def _on_back(self) -> None:
+        self._presenter.leave_recovery()
+
+    def _offer_recovery(self) -> None:
+        self._offer(_lost_words, self._on_lost)
+
+    def _offer(self, words: Callable[[], str], turn: Callable[[], None]) -> None:
+        """Offer another way than the one that is asked for."""
+        self._other_words, self._turn = words, turn
+        self._other.setText(words())
+        self._other.show()
+
     def _show(self, words: Callable[[], tuple[str, str, str]], fields: int) -> None:
         self._words = words
+        self._other.hide()
+        self._key.hide()
+        if words is not _busy_words:  # what is being tried may have to be mended
+            self._key.clear()
+            self._people.clear()
+        self._people.hide()
         self._problem.setText(self._bug)
         self._problem.setVisible(bool(self._bug))
         for number, field in enumerate((self._first, self._second)):
@@ -166,8 +231,9 @@ def _new_words() -> tuple[str, str, str]:
     return (
         _("Choose a passphrase"),
         _(
-            "It locks the patients' data on this computer. Keep it safe: without it nobody can "
-            "read them, not even the makers of this program."
+            "It locks the patients' data on this computer. Keep it safe: without it, and without "
+            "the recovery key that you get next, nobody can read them, not even the makers of this "
+            "program."
         ),
         _("Make the patient store"),
     )
@@ -195,3 +261,37 @@ def _server_words() -> tuple[str, str, str]:
 
 def _unlock_words() -> tuple[str, str, str]:
     return _("Locked"), _("The desktop's keyring keeps the key of the patient store."), _("Unlock")
+
+
+def _lost_words() -> str:
+    return _("Passphrase or keyring lost?")
+
+
+def _back_word() -> str:
+    return _("Go back")
+
+
+def _recovery_words() -> tuple[str, str, str]:
+    return (
+        _("Recovery key"),
+        _(
+            "Type the recovery key from the page on which it was printed. Spaces, dashes and "
+            "capitals do not matter."
+        ),
+        _("Go on"),
+    )
+
+
+def _replacement_words(names: tuple[str, ...]) -> tuple[str, str, str]:
+    if len(names) > 1:
+        told = _("The recovery key is right. Choose whose passphrase is replaced, and a new one.")
+    elif names:
+        told = _("The recovery key is right. Choose a new passphrase for {name}.").format(
+            name=names[0]
+        )
+    else:
+        told = _(
+            "The recovery key is right. Choose a new passphrase: it alone opens the store then, "
+            "beside the recovery key."
+        )
+    return _("Choose a passphrase"), told, _("Open the patient store")

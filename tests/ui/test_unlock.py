@@ -5,10 +5,14 @@ from unittest.mock import create_autospec
 
 import pytest
 from keyring.backends import fail
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel, QLineEdit, QPushButton
 
-from adibas.errors import ServerPasswordError
+from adibas.errors import PassphraseError, ServerPasswordError
 from adibas.sessions import open_store
 from adibas.sessions.key_file import KEY_FILE
+from adibas.sessions.recovery_key import make_recovery_key
+from adibas.sessions.roles import Role
 from adibas.sessions.server_address import ServerAddress, read_server_file, write_server_file
 from adibas.sessions.server_password import kept_password
 from adibas.sessions.sqlite_file import SqliteFile
@@ -255,3 +259,126 @@ def test_the_page_asks_for_the_servers_password_in_its_own_words(qtbot, theme):
     assert page._first.echoMode() == page._first.EchoMode.Password
     page.ask_passphrase()
     assert page._first.placeholderText() == "Passphrase"
+
+
+# The recovery key
+
+
+@pytest.fixture
+def with_key(folder, behind_passphrase):  # noqa: ARG001  (it is used)
+    """A store behind `PASSPHRASE`; gives its recovery key."""
+    recovery_key = make_recovery_key()
+    with open_store(folder, PASSPHRASE) as store:
+        store.recovery.hold(recovery_key)
+    return recovery_key
+
+
+def test_who_lost_the_passphrase_opens_by_the_recovery_key_and_a_new_one(
+    presenter, view, folder, opened, with_key
+):
+    presenter.begin()
+    presenter.begin_recovery()
+    view.ask_recovery_key.assert_called_once_with()
+    presenter.give_recovery_key(with_key.lower())
+    view.ask_replacement.assert_called_once_with(())
+    presenter.give_replacement("", "another sentence", "another sentenca")
+    assert "differ" in told(view)
+    assert not opened
+    presenter.give_replacement("", "another sentence", "another sentence")
+    ((store, is_new),) = opened
+    assert not is_new
+    assert not store.is_read_only
+    store.close()
+    with pytest.raises(PassphraseError):
+        open_store(folder, PASSPHRASE)
+    open_store(folder, "another sentence").close()
+
+
+def test_a_mistyped_key_another_one_and_none_are_told_apart_and_asked_for_again(
+    presenter, view, folder, opened, with_key
+):
+    before = (folder / KEY_FILE).read_bytes()
+    for typed, said in ((with_key[:-1], "and 27 were given"), (make_recovery_key(), "belongs to")):
+        view.reset_mock()
+        presenter.give_recovery_key(typed)
+        view.ask_recovery_key.assert_called_once_with()
+        view.ask_replacement.assert_not_called()
+        assert said in told(view)
+    assert not opened
+    assert (folder / KEY_FILE).read_bytes() == before
+
+
+@pytest.mark.usefixtures("behind_passphrase")
+def test_a_store_without_a_recovery_key_says_so(presenter, view):
+    presenter.give_recovery_key(make_recovery_key())
+    assert "has no recovery key" in told(view)
+
+
+@pytest.mark.usefixtures("no_keyring")
+def test_of_several_administrators_the_user_says_whose_passphrase_is_lost(
+    presenter, view, folder, opened, with_key
+):
+    with open_store(folder, PASSPHRASE) as store:
+        for name in ("Anna", "Carla"):
+            store.people.add(name, Role.ADMINISTRATOR, f"the words of {name}", CHEAP)
+        store.people.add("Boris", Role.OPERATOR, "the words of Boris", CHEAP)
+    presenter.give_recovery_key(with_key)
+    view.ask_replacement.assert_called_once_with(("Anna", "Carla"))
+    presenter.give_replacement("Carla", "short", "short")
+    assert "characters at least" in told(view)
+    assert view.ask_replacement.call_args.args == (("Anna", "Carla"),)
+    presenter.give_replacement("Carla", "another sentence", "another sentence")
+    ((store, _is_new),) = opened
+    assert store.person.name == "Carla"
+
+
+def test_who_goes_back_is_asked_for_the_passphrase_again(presenter, view, with_key):
+    presenter.begin_recovery()
+    presenter.give_recovery_key(with_key)
+    presenter.leave_recovery()
+    view.ask_passphrase.assert_called_once_with()
+    assert with_key not in repr(vars(presenter))
+
+
+def test_the_page_leads_from_the_lost_passphrase_into_the_store(
+    qtbot, theme, folder, inline_jobs, opened, with_key
+):
+    page = UnlockPage(theme)
+    qtbot.addWidget(page)
+    page.show()
+    presenter = UnlockPresenter(
+        page, folder, "somebody", inline_jobs, lambda *store: opened.append(store)
+    )
+    page.bind(presenter)
+    presenter.begin()
+
+    def press(text):
+        (button,) = [
+            one for one in page.findChildren(QPushButton) if one.isVisible() and one.text() == text
+        ]
+        qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+
+    def fields():
+        return [one for one in page.findChildren(QLineEdit) if one.isVisible()]
+
+    press("Passphrase or keyring lost?")
+    press("Go back")
+    assert [one.accessibleName() for one in fields()] == ["Passphrase"]
+    press("Passphrase or keyring lost?")
+    (key,) = fields()
+    assert key.hasFocus() or page.focusWidget() is key
+    assert key.echoMode() is QLineEdit.EchoMode.Normal
+    qtbot.keyClicks(key, with_key[:-1])
+    press("Go on")
+    assert key.text() == with_key[:-1]  # to be mended
+    assert any("27 were given" in one.text() for one in page.findChildren(QLabel))
+    qtbot.keyClicks(key, with_key[-1])
+    qtbot.keyClick(key, Qt.Key.Key_Return)
+    first, second = sorted(fields(), key=lambda one: one.y())
+    assert not key.isVisible()
+    assert key.text() == ""
+    for field in (first, second):
+        assert field.echoMode() is QLineEdit.EchoMode.Password
+        qtbot.keyClicks(field, "another sentence")
+    press("Open the patient store")
+    assert len(opened) == 1
