@@ -182,6 +182,8 @@ class Application:
         if self.to_open:
             paths, self.to_open = self.to_open, ()
             opened.open_files(paths)
+        if is_new and not store.is_read_only:
+            opened.offer_recovery_key()
 
     def _close_other_windows(self) -> None:
         """Close dialogs, menus and tips: they may show a patient."""

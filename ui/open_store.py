@@ -167,6 +167,12 @@ class OpenStore:
 
         self.workspace.attempt(lambda: _want_nothing(demo_patient(self.store)))
 
+    def offer_recovery_key(self) -> None:
+        """Show the recovery key of a new store; who puts it off finds it in the settings."""
+        from ui.recovery.dialog import open_recovery_key
+
+        open_recovery_key(self.workspace, self._window, None, lambda: None)
+
     def open_files(self, paths: tuple[Path, ...]) -> None:
         """Show files on the screen that takes them; none behind the lock."""
         if self.left is not None:

@@ -37,6 +37,7 @@ from ui.mapping.dialog import MapDialog
 from ui.mapping.presenter import MapPresenter
 from ui.orders.dialog import OrdersDialog
 from ui.orders.presenter import OrderLine, OrdersPresenter
+from ui.recovery.dialog import RecoveryKeyDialog, open_recovery_key
 from ui.settings.protocol_forms import LandmarkForm, MeasureForm
 from ui.theme import Theme
 from ui.widgets.dispute_dialog import DisputeDialog
@@ -73,6 +74,10 @@ def open_wand(user):
     dialog.bind(create_autospec(WandPresenter, instance=True))
     dialog.show_readiness("", is_ready=True)
     return dialog
+
+
+def open_key(user):
+    return open_recovery_key(user.workspace, user.window, NOW, lambda: None)
 
 
 def open_map(user):
@@ -132,6 +137,7 @@ OPENERS = {
     DisputeDialog: open_dispute,
     ExportDialog: open_exporting,
     OrdersDialog: open_orders,
+    RecoveryKeyDialog: open_key,
 }
 
 

@@ -20,6 +20,7 @@ from shiboken6 import isValid
 from adibas.texts import use_language
 from ui.application import Application
 from ui.preferences import PreferencesFile
+from ui.recovery.dialog import RecoveryKeyDialog
 from ui.theme import Theme
 
 LEFT = Qt.MouseButton.LeftButton
@@ -102,7 +103,7 @@ class WindowUser:
         """Wait until no job runs."""
         self.until(lambda: not self.application.jobs.is_busy)
 
-    def give_new_passphrase(self, passphrase=SECRET):
+    def give_new_passphrase(self, passphrase=SECRET, *, puts_key_off=True):
         page = self.window.unlock_page
         self.until(lambda: len(visible(page, QLineEdit)) == 2)
         self.keys(passphrase)
@@ -110,6 +111,17 @@ class WindowUser:
         self.keys(passphrase)
         self.key(Key.Key_Return)
         self.until(lambda: self.window.shown)
+        if puts_key_off:
+            self.put_recovery_key_off()
+
+    def put_recovery_key_off(self):
+        """Answer the dialog of the first start with Escape, which means later."""
+        self.until(lambda: visible_dialogs(RecoveryKeyDialog))
+        (dialog,) = visible_dialogs(RecoveryKeyDialog)
+        QTest.keyClick(dialog, Key.Key_Escape)
+        self.until(lambda: not visible_dialogs())
+        self.window.activateWindow()  # what a desktop does by itself
+        self.until(self.window.isActiveWindow)
 
     def give_passphrase(self, passphrase=SECRET):
         page = self.window.unlock_page

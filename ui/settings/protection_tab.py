@@ -1,4 +1,4 @@
-"""The tab of protection: the key, the people, backups, and how long patients are kept."""
+"""The tab of protection: the keys, the people, backups, and how long patients are kept."""
 
 from collections.abc import Callable
 
@@ -9,17 +9,18 @@ from adibas.texts import translate as _
 from ui.settings.backup_page import BackupPage
 from ui.settings.people_page import PeoplePage
 from ui.settings.protection_page import ProtectionPage
+from ui.settings.recovery_page import RecoveryPage
 from ui.settings.retention_page import RetentionPage
 from ui.settings.tab_pages import ScrolledParts
 from ui.widgets.for_roles import keep_for_roles
 
 
 class ProtectionTab(ScrolledParts):
-    """Four pages below each other; above them, whom some of them are for.
+    """Five pages below each other; above them, whom some of them are for.
 
     Attributes
     ----------
-    protection, people, backup, retention : QWidget
+    protection, recovery, people, backup, retention : QWidget
         The pages.
     """
 
@@ -32,12 +33,17 @@ class ProtectionTab(ScrolledParts):
         self._kept.hide()
         self.protection, self.people = ProtectionPage(self), PeoplePage(self)
         self.backup, self.retention = BackupPage(self), RetentionPage(self)
-        self._pages = (self.protection, self.people, self.backup, self.retention)
+        self.recovery = RecoveryPage(self)
+        self._pages = (self.protection, self.recovery, self.people, self.backup, self.retention)
         self.add(self._kept, *self._pages)
 
     def keep_for_roles(self, may: Callable[[Permission], bool]) -> None:
         """Offer to whoever has the store open what they may do."""
-        parts = ((self.backup, Permission.BACK_UP), (self.retention, Permission.RETAIN))
+        parts = (
+            (self.recovery.make, Permission.PROTECT),
+            (self.backup, Permission.BACK_UP),
+            (self.retention, Permission.RETAIN),
+        )
         keep_for_roles(parts, may)
         self._kept.setVisible(not may(Permission.BACK_UP))
 
@@ -54,4 +60,5 @@ class ProtectionTab(ScrolledParts):
 
     def entered(self) -> None:
         """Show what is so now."""
+        self.recovery.entered()
         self.backup.entered()
