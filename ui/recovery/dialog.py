@@ -19,7 +19,7 @@ from ui.workspace import Workspace
 if TYPE_CHECKING:
     from adibas.reports.recovery_sheet import RecoverySheet
 
-LETTERS_IN_A_LINE = 70
+LETTERS_IN_A_LINE = 84
 SHARE_OF_WINDOW = 0.95
 GROUPS_IN_A_LINE = 4
 KEY_SCALE = 1.8

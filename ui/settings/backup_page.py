@@ -125,7 +125,10 @@ class BackupPage(PreferencePage):
         texts = (
             _("Days between two backups"),
             _("Backups that are kept"),
-            _("Passphrase of the backup (empty: the one of this store)"),
+            _(
+                "Passphrase of the backup (empty: the one of this store). To try one out or to add "
+                "from it, its recovery key does, too."
+            ),
         )
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
