@@ -74,7 +74,7 @@ def recovery_sheet(recovery_key: str, store_id: str, made_utc: datetime) -> Reco
         uses=(
             _(
                 "It is needed when the passphrase is forgotten or the desktop's keyring is lost: "
-                "on the first page of ADiBAS press Passphrase or keyring lost?, type the key and "
+                'on the first page of ADiBAS press "Passphrase or keyring lost?", type the key and '
                 "choose a new passphrase. Or use the command: adibas sessions recover"
             ),
             _(

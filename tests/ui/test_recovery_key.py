@@ -6,8 +6,8 @@ from unittest.mock import create_autospec
 import pytest
 from pypdf import PdfReader
 from PySide6.QtCore import Qt
-from PySide6.QtPrintSupport import QPrinter
-from PySide6.QtWidgets import QGroupBox, QLabel, QPushButton
+from PySide6.QtPrintSupport import QPrintDialog, QPrinter
+from PySide6.QtWidgets import QGroupBox, QLabel, QPushButton, QWidget
 
 from adibas.errors import FileError
 from adibas.reports.recovery_sheet import recovery_sheet
@@ -221,9 +221,22 @@ def test_the_printed_page_says_what_the_pdf_says(qapp, tmp_path):
         assert text in html
 
 
-def test_the_button_asks_for_a_printer_and_prints_nothing_before_one_is_chosen(
-    qtbot, workspace, monkeypatch
-):
+def test_nothing_is_printed_before_a_printer_is_chosen(qtbot, tmp_path):
+    parent, out = QWidget(), tmp_path / "printed.pdf"
+    qtbot.addWidget(parent)
+    parent.show()
+    printing.print_sheet(recovery_sheet(make_recovery_key(), "0" * 32, DAY), parent)
+    (dialog,) = visible_dialogs(QPrintDialog)
+    assert dialog.isModal()
+    assert dialog.printer().docName() == "ADiBAS"
+    dialog.printer().setOutputFileName(str(out))
+    assert not out.exists()
+    dialog.accept()
+    qtbot.waitUntil(out.is_file)
+    assert [one.name for one in tmp_path.iterdir()] == ["printed.pdf"]
+
+
+def test_the_button_asks_for_a_printer_when_the_key_holds(qtbot, workspace, monkeypatch):
     asked = []
     monkeypatch.setattr("ui.recovery.dialog.print_sheet", lambda *given: asked.append(given))
     dialog = open_recovery_key(workspace, None, None, lambda: None)
