@@ -231,7 +231,7 @@ def test_nothing_is_printed_before_a_printer_is_chosen(qtbot, tmp_path):
     assert dialog.printer().docName() == "ADiBAS"
     dialog.printer().setOutputFileName(str(out))
     assert not out.exists()
-    dialog.accept()
+    dialog.done(QPrintDialog.DialogCode.Accepted)
     qtbot.waitUntil(out.is_file)
     assert [one.name for one in tmp_path.iterdir()] == ["printed.pdf"]
 
