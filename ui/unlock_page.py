@@ -49,6 +49,8 @@ class UnlockPage(Screen):
             label.setWordWrap(True)
         for field in (self._first, self._second):
             field.setEchoMode(QLineEdit.EchoMode.Password)
+        hints = Qt.InputMethodHint.ImhSensitiveData | Qt.InputMethodHint.ImhNoPredictiveText
+        self._key.setInputMethodHints(hints)  # what learns words learns none of it
         for field in (self._key, self._first, self._second):
             field.returnPressed.connect(self._button.click)
         self._other.clicked.connect(self._on_other)
