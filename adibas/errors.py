@@ -95,6 +95,10 @@ class NotAllowedError(StoreError):
     """Whoever has the store open may not do this: it is for another role."""
 
 
+class ConsentError(StoreError):
+    """No consent of the patient stands for what is to be done."""
+
+
 class ServerPasswordError(StoreError):
     """The server of the store's database needs a password, or another one."""
 

@@ -16,7 +16,7 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.corrections import CorrectionHistory, MarkerCorrection
 from adibas.data.frames import EncodedImage, SensorFrame, SourceInfo
 from adibas.data.markers import Marker
-from adibas.data.patients import Identity
+from adibas.data.patients import PURPOSE_OF_CAPTURE, Consent, Identity
 from adibas.data.posture import VIEWS, Provenance
 from adibas.data.sessions import Capture, SessionSetup
 from adibas.data.surface import BurstDisparity
@@ -81,6 +81,8 @@ class Victim:
         """Add a patient; return the pseudonym."""
         identity = Identity("Somebody", date(1990, 1, 2), str(self._rng.integers(10**6)))
         patient = self._store.patients.add(identity)
+        consent = Consent((PURPOSE_OF_CAPTURE,), identity.name, False, patient.created_utc)
+        self._store.patients.give_consent(patient.pseudonym, consent)
         self._say("patient", patient.pseudonym)
         return patient.pseudonym
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from adibas.data.markers import Marker
-from adibas.data.patients import Identity
+from adibas.data.patients import PURPOSE_OF_CAPTURE, Consent, Identity
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
 from adibas.sensors.simulator import SimulatorCamera
@@ -104,6 +104,8 @@ def _session_rows(store: SessionStore, n_sessions: int) -> Iterable[Row]:
         Marker(f"m{i:02d}", 40.0 * i, 50.0 * i, 4.0, np.eye(2), np.ones(3), np.eye(3) * 1e-6)
         for i in range(1, 16)
     )
+    consent = Consent((PURPOSE_OF_CAPTURE,), patient.identity.name, False, store.audit.now_utc())
+    store.patients.give_consent(patient.pseudonym, consent)
     ids = []
     for _ in range(n_sessions):
         session = store.sessions.start(patient.pseudonym, SessionSetup())

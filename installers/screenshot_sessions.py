@@ -15,7 +15,7 @@ import numpy as np
 from adibas.arrays import FloatArray, UInt8Array
 from adibas.data.frames import depth_in_metres
 from adibas.data.markers import Marker
-from adibas.data.patients import Identity
+from adibas.data.patients import PURPOSE_OF_CAPTURE, Consent, Identity
 from adibas.data.sessions import Capture, SessionSetup
 from adibas.data.surface import BurstDisparity
 from adibas.markers.disparity import fuse_depth
@@ -72,6 +72,8 @@ def add_sessions_to_compare(
         for number in range(N_OTHERS):
             identity = Identity(f"Demo {number + 1:02d}", None, f"D-{number + 1:02d}")
             other = store.patients.add(identity).pseudonym
+            own = Consent((PURPOSE_OF_CAPTURE,), identity.name, False, store.audit.now_utc())
+            store.patients.give_consent(other, own)
             for _visit in range(2):
                 _add(store, other, samples[:1], 0.002 * number, rng)
 

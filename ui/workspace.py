@@ -70,6 +70,8 @@ class Workspace:
         Who has the store open became somebody by name.
     screen_wanted(name)
         A screen asks for another one to be shown.
+    consent_wanted(back_to)
+        A consent of the chosen patient lacks; the screen that asks is shown again once it is there.
     noticed(kind, sentence)
         The user is told something.
     retry_offered(sentence, again)
@@ -97,6 +99,7 @@ class Workspace:
         self.target_changed: Event[[]] = Event()
         self.person_changed: Event[[]] = Event()
         self.screen_wanted: Event[[str]] = Event()
+        self.consent_wanted: Event[[str]] = Event()
         self.noticed: Event[[NoticeKind, str]] = Event()
         self.retry_offered: Event[[str, Callable[[], object]]] = Event()
         self.retry_withdrawn: Event[[]] = Event()
@@ -166,6 +169,11 @@ class Workspace:
     def show_screen(self, name: str) -> None:
         """Ask the window to show another screen."""
         self.screen_wanted.emit(name)
+
+    def ask_consent(self, back_to: str = "patients") -> None:
+        """Let a consent of the chosen patient be recorded, where consents are."""
+        self.show_screen("patients")  # first: it listens from its first showing on
+        self.consent_wanted.emit(back_to)
 
     def tell(self, kind: NoticeKind, sentence: str) -> None:
         """Tell the user something, already in his language."""

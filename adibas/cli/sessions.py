@@ -14,6 +14,7 @@ from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.reliability import add_reliability_arguments, tell_reliability
 from adibas.cli.report_options import add_report_options
 from adibas.cli.sessions_backup import SOMETHING_FOUND, add_backup_arguments, tell_report
+from adibas.cli.sessions_holdings import add_holdings_actions
 from adibas.cli.sessions_people import add_people_arguments
 from adibas.cli.sessions_recovery import add_recovery_arguments
 from adibas.cli.sessions_retention import add_retention_arguments, retain
@@ -88,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     purging = add("purge", _("Remove a patient or a session for good."), _purge)
     purging.add_argument("id", metavar="ID", help=_("a pseudonym or the id of a session"))
     purging.add_argument("--yes", action="store_true", help=_("yes, it cannot be undone"))
+    add_holdings_actions(add)
 
     def add_alone(name: str, summary: str) -> argparse.ArgumentParser:
         return actions.add_parser(name, help=summary, description=summary)

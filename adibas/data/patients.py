@@ -1,11 +1,14 @@
 """Who is measured: identity apart from everything else, and linked to it by a pseudonym."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import date, datetime
 
 SEXES = ("", "female", "male")
 PURPOSES = ("treatment", "research", "teaching")
 """What a patient may consent to."""
+PURPOSE_OF_CAPTURE = "treatment"
+"""What a measurement is taken for; the others say what else may be done with what was measured."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -66,6 +69,16 @@ class Consent:
 
     def __repr__(self) -> str:
         return f"Consent({self.purposes}, hidden)"
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether it was not withdrawn."""
+        return self.withdrawn_utc is None
+
+
+def allow_capture(consents: Iterable[Consent]) -> bool:
+    """Say whether one of a patient's consents stands that a capture needs."""
+    return any(one.is_standing and PURPOSE_OF_CAPTURE in one.purposes for one in consents)
 
 
 @dataclass(frozen=True, slots=True)

@@ -173,7 +173,8 @@ def export_to_server(
 
     handover = prepare(store, wish)
     steps, datasets = _made(handover, progress)
-    _note(store, "dicom server", handover)  # a connection that breaks has sent something
+    # First: a connection that breaks has sent something.
+    _note(store, "dicom server", handover, receiver=f"{server.title} ({server.host})")
     send(server, name, datasets, lambda _done, _total: steps.advance())
     return [str(one.SOPInstanceUID) for one in datasets.values()]
 
@@ -188,10 +189,10 @@ def _made(handover: Handover, progress: Progress | None) -> "tuple[_Steps, dict[
     return steps, datasets
 
 
-def _note(store: SessionStore, kind: str, handover: Handover) -> None:
+def _note(store: SessionStore, kind: str, handover: Handover, receiver: str = "") -> None:
     """Write into the audit log what leaves the clinic, and whether it says who it is."""
     told = f"{kind}, with identity" if handover.tells_who else kind
-    store.note_export(told, handover.session_id)
+    store.note_export(told, handover.session_id, receiver=receiver)
 
 
 class _Steps:

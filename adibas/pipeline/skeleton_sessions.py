@@ -128,6 +128,7 @@ def train_from_sessions(
     names = _names(which, examples)
     examples = tuple(replace(one, points=_only(names, one.points)) for one in examples)
     _check_whole(names, examples)
+    store.note_export("training of names", *sorted({example.patient for example in examples}))
     held_out = _held_out(names, examples, progress)
     source = {
         "source": "corrected captures of a clinic",

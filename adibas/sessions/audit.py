@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from itertools import islice
@@ -200,16 +200,21 @@ class AuditLog:
             Pseudonyms: lines on these patients, their sessions, captures and recordings alone.
         """
         self.require(Permission.READ_LOG)
-        newest = select(AUDIT).order_by(AUDIT.c.sequence.desc())
         with self._database.reading() as transaction:
-            owners = _owners(transaction)
-            lines = (AuditLine(*row) for row in transaction.execute(newest))
             wanted = (
-                line
-                for line in lines
-                if patients is None or owners.get(line.subject, line.subject) in patients
+                entry
+                for entry in every_entry(transaction)
+                if patients is None or (entry.patient or entry.subject) in patients
             )
-            return tuple(_entry(line, owners) for line in islice(wanted, limit))
+            return tuple(islice(wanted, limit))
+
+
+def every_entry(transaction: Transaction) -> Iterator[AuditEntry]:
+    """Give all lines, newest first, each with whose it is."""
+    owners = _owners(transaction)
+    newest = select(AUDIT).order_by(AUDIT.c.sequence.desc())
+    for row in transaction.execute(newest):
+        yield _entry(AuditLine(*row), owners)
 
 
 def last_change(transaction: Transaction, subject: str, group: str = "") -> tuple[str, datetime]:

@@ -18,6 +18,7 @@ from adibas.data.surface import BurstDisparity
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.conflicts import Decision
+from adibas.sessions.consents import changing_with_consent, require_consent
 from adibas.sessions.correcting import (
     CorrectedCapture,
     HistoryChange,
@@ -96,20 +97,24 @@ class Captures:
 
         Raises
         ------
+        ConsentError
+            No consent of the patient stands that a capture needs; nothing was saved.
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
         self._audit.require(Permission.TAKE_SESSIONS, session_id)
         new.history.markers(new.detected)
-        with self._database.reading() as transaction:
-            found_session(transaction, session_id)
+        asking = changing_with_consent(self._database, self._audit, session_id)
+        with asking as transaction:  # before files are written
+            require_consent(transaction, found_session(transaction, session_id).pseudonym)
             _check_recording(transaction, session_id, new.recording_id)
         payloads = [encode_picture(picture_rgb)]
         if surface is not None:
             payloads.append(encode_surface(surface))
         thumbnail = encode_thumbnail(picture_rgb)
-        with self._files.written(payloads) as files, self._database.changing() as transaction:
-            found_session(transaction, session_id)
+        saving = changing_with_consent(self._database, self._audit, session_id)
+        with self._files.written(payloads) as files, saving as transaction:
+            require_consent(transaction, found_session(transaction, session_id).pseudonym)
             self._files.keep(transaction, files)
             capture_id, at = uuid.uuid4().hex, new.captured_utc
             add_row(

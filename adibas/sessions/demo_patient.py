@@ -1,6 +1,6 @@
 """Somebody to try the program with: every new store has a simulated patient."""
 
-from adibas.data.patients import Identity, Patient
+from adibas.data.patients import PURPOSE_OF_CAPTURE, Consent, Identity, Patient
 from adibas.sessions.store import SessionStore
 from adibas.texts import LANGUAGES, speaking
 from adibas.texts import translate as _
@@ -9,11 +9,22 @@ DEMO_RECORD_NUMBER = "DEMO"
 
 
 def demo_patient(store: SessionStore) -> Patient:
-    """Return the demo patient of a store, added where there is none."""
+    """Return the demo patient of a store, added with a consent where there is none.
+
+    One whose consent somebody withdrew stays without.
+    """
     pseudonym = _pseudonym(store)
-    if pseudonym is not None:
-        return store.patients.get(pseudonym)
-    return store.patients.add(demo_identity(), notes=demo_notes())
+    if pseudonym is None:
+        patient = store.patients.add(demo_identity(), notes=demo_notes())
+    else:
+        patient = store.patients.get(pseudonym)
+    if patient.consents or store.is_read_only:
+        return patient
+    return store.patients.give_consent(patient.pseudonym, _consent(store))
+
+
+def _consent(store: SessionStore) -> Consent:
+    return Consent((PURPOSE_OF_CAPTURE,), demo_identity().name, False, store.audit.now_utc())
 
 
 def rename_demo_patient(store: SessionStore) -> Patient | None:

@@ -53,7 +53,7 @@ class Patients:
     notes is given patients without them, see `docs/session-store.md`.
     """
 
-    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
+    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], object]) -> None:
         self._database = database
         self._audit = audit
         self._purge = purge

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from adibas.sessions.backing_up import Backups
     from adibas.sessions.captures import Captures
     from adibas.sessions.disk_use import DiskForecast
+    from adibas.sessions.finding_holdings import FindHoldings
     from adibas.sessions.people import People
     from adibas.sessions.purging import Purge
     from adibas.sessions.recovery import Recovery
@@ -63,8 +64,7 @@ class SessionStore:
     is_read_only : bool
         True while another process or window holds it: every change raises StoreError.
     server : str
-        Where its database is, with others who may change the same meanwhile; empty where it is a
-        file.
+        Where its database is, which others may change, too; empty where it is a file.
     patients, sessions, recordings, captures
         See `Patients`, `Sessions`, `Recordings`, `Captures`.
     audit : AuditLog
@@ -91,7 +91,7 @@ class SessionStore:
         self._let_go = let_go
         self._pictures = SealedFiles(folder / PICTURES_FOLDER)
         self._files = KeptFiles(database, self._pictures)
-        self.patients = Patients(database, audit, self._purge_patient)
+        self.patients = Patients(database, audit, lambda one: self._purge().patient(one))
         self._recordings: Recordings | None = None
         self._making_recordings = threading.Lock()
 
@@ -100,7 +100,7 @@ class SessionStore:
         """The sessions of the patients."""
         from adibas.sessions.visits import Sessions
 
-        return Sessions(self._database, self.audit, self._purge_session)
+        return Sessions(self._database, self.audit, lambda one: self._purge().session(one))
 
     @cached_property
     def captures(self) -> "Captures":
@@ -177,6 +177,13 @@ class SessionStore:
 
         return Retention(self._database, self.audit, self._purge)
 
+    @cached_property
+    def holdings(self) -> "FindHoldings":
+        """Everything that is held of a patient."""
+        from adibas.sessions.finding_holdings import FindHoldings
+
+        return FindHoldings(self._database, self.audit, self._pictures, self.recordings)
+
     def forecast_disk(self) -> "DiskForecast":
         """Say when the disk will be full at the rate of the last 90 days.
 
@@ -188,12 +195,6 @@ class SessionStore:
         from adibas.sessions.disk_use import forecast_disk
 
         return forecast_disk(self.folder, self._database, self._pictures, self.audit.now_utc())
-
-    def _purge_patient(self, pseudonym: str) -> None:
-        self._purge().patient(pseudonym)
-
-    def _purge_session(self, session_id: str) -> None:
-        self._purge().session(session_id)
 
     def _purge(self) -> "Purge":
         from adibas.sessions.purging import Purge
@@ -252,7 +253,7 @@ class SessionStore:
     def operator(self, name: str) -> None:
         self.audit.operator = name
 
-    def note_export(self, kind: str, *ids: str) -> None:
+    def note_export(self, kind: str, *ids: str, receiver: str = "") -> None:
         """Write into the audit log that something left the store.
 
         Parameters
@@ -261,16 +262,19 @@ class SessionStore:
             Of what, such as ``excel`` or ``recording``.
         ids : str
             Of whom: pseudonyms or ids.
+        receiver : str
+            Who gets it; no name of a file, which may be a patient's.
 
         Raises
         ------
         NotAllowedError
             Whoever has the store open may not export; nothing may leave then.
         """
+        told = {"kind": kind} | ({"receiver": receiver} if receiver else {})
         for subject in ids:
             self.require(Permission.EXPORT, subject)
         for subject in ids:
-            self.audit.append("export", subject, kind=kind)
+            self.audit.append("export", subject, **told)
 
     def close(self) -> None:
         """Let go of the store; closing twice does no harm."""

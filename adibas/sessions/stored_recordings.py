@@ -17,6 +17,7 @@ from adibas.progress import Progress
 from adibas.recordings.convert import ConversionSummary
 from adibas.recordings.ports import RecordingOptions, RecordingReader, RecordingWriter
 from adibas.sessions.audit import AuditLog
+from adibas.sessions.consents import changing_with_consent, require_consent
 from adibas.sessions.database import Database
 from adibas.sessions.left_files import SECONDS_AT_REST, Left
 from adibas.sessions.roles import Permission
@@ -157,13 +158,15 @@ class Recordings:
 
         Raises
         ------
+        ConsentError
+            No consent of the patient stands that a capture needs; nothing was begun.
         StoreError
             There is no such session, the store is read-only, or the disk is full.
         """
         self._audit.require(Permission.TAKE_SESSIONS, session_id)
         recording_id, key = uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)
-        with self._database.changing() as transaction:
-            found_session(transaction, session_id)
+        with changing_with_consent(self._database, self._audit, session_id) as transaction:
+            require_consent(transaction, found_session(transaction, session_id).pseudonym)
             add_row(
                 transaction,
                 RECORDINGS,

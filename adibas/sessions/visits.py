@@ -12,6 +12,7 @@ from adibas.data.sessions import Session, SessionSetup
 from adibas.errors import StoreError
 from adibas.sessions.audit import AuditLog
 from adibas.sessions.conflicts import Decision
+from adibas.sessions.consents import changing_with_consent, require_consent
 from adibas.sessions.database import Database
 from adibas.sessions.documents import setup_from_json, setup_to_json
 from adibas.sessions.patients import found_patient
@@ -24,26 +25,29 @@ from adibas.sessions.shared_fields import Change, session_fields, settle_fields,
 class Sessions:
     """The sessions of a store."""
 
-    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], None]) -> None:
+    def __init__(self, database: Database, audit: AuditLog, purge: Callable[[str], object]) -> None:
         self._database = database
         self._audit = audit
         self._purge = purge
 
     def start(self, pseudonym: str, setup: SessionSetup) -> Session:
-        """Begin a session of a patient now, set up like this.
+        """Begin a session of a patient who consented now, set up like this.
 
         The turn of another session is not its own, and whether it repeats the one before it is
         said later, through `change`.
 
         Raises
         ------
+        ConsentError
+            No consent stands that a capture needs.
         StoreError
             There is no such patient, the store is read-only, or the disk is full.
         """
         self._audit.require(Permission.TAKE_SESSIONS, pseudonym)
         session_id = uuid.uuid4().hex
-        with self._database.changing() as transaction:
+        with changing_with_consent(self._database, self._audit, pseudonym) as transaction:
             found_patient(transaction, pseudonym)
+            require_consent(transaction, pseudonym)
             add_row(
                 transaction,
                 SESSIONS,

@@ -13,6 +13,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics, project
 from adibas.geometry.planes import Plane
 from adibas.sessions import NewCapture
+from tests.unit import store_samples
 from tests.unit.standing_points import seen_from, standing
 
 WIDTH, HEIGHT = 640, 512
@@ -83,7 +84,7 @@ def add_session(store, patient, height_m, *, views=("anterior",), protocol="sapo
 
 
 def add_patient(store, name="Somebody"):
-    return store.patients.add(Identity(name))
+    return store_samples.add_patient(store, Identity(name))
 
 
 def fill_clinic(store, clock, n_patients=10):

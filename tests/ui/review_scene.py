@@ -14,6 +14,7 @@ from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
 from adibas.pipeline.review import CaptureSurface
 from adibas.sessions import NewCapture
+from tests.unit.store_samples import add_patient
 from ui.review.presenter import ReviewPresenter
 
 WIDTH, HEIGHT = 320, 256
@@ -70,7 +71,7 @@ def new_capture(view="anterior", markers=None):
 
 def saved_session(store, views=("anterior",), *, surface=SURFACE, rotation_deg=0, protocol=""):
     """Save a patient with one session and return (patient, session, captures)."""
-    patient = store.patients.add(Identity("Somebody"))
+    patient = add_patient(store, Identity("Somebody"))
     setup = SessionSetup(rotation_deg=rotation_deg, protocol=protocol)
     session = store.sessions.start(patient.pseudonym, setup)
     captures = tuple(

@@ -30,6 +30,7 @@ from tests.ui import window_user
 from tests.ui.behaviour_scene import make_recording
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import CTRL, SECRET, visible, visible_dialogs
+from tests.unit.store_samples import add_patient
 from ui.log import LOG_FILE, start_log
 from ui.navigation import TITLES
 from ui.ports import CancelledError
@@ -46,7 +47,7 @@ NAME = "Rosa Ibarra"
 def prepared(tmp_path):
     """A store with one patient and a session; guessing its passphrase would be cheap."""
     with open_store(tmp_path / "store", SECRET, key_params=CHEAP) as store:
-        patient = store.patients.add(Identity(NAME, None, "HC-77"))
+        patient = add_patient(store, Identity(NAME, None, "HC-77"))
         store.sessions.start(patient.pseudonym, SessionSetup())
 
 

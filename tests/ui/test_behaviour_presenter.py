@@ -34,6 +34,7 @@ from tests.ui.behaviour_scene import (
 )
 from tests.ui.conftest import NoSensor
 from tests.unit import store_samples
+from tests.unit.store_samples import add_patient
 from ui.behaviour.counts_presenter import EVERYBODY
 from ui.behaviour.playing import Playing, frame_at, frame_times_ms
 from ui.behaviour.presenter import BehaviourPresenter, BehaviourView
@@ -927,7 +928,7 @@ def test_another_recording_is_not_compared_with_what_was_compared_before(scene):
 
 def test_a_recording_of_the_session_is_coded_and_sealed(stored_scene):
     scene, store = stored_scene, stored_scene.workspace.store
-    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(patient.pseudonym, SessionSetup())
     with store.recordings.create(session.session_id, INFO) as writer:
         for frame in make_frames(9):
@@ -970,7 +971,7 @@ def test_a_recording_of_a_capture_is_called_by_its_day_and_view(stored_scene):
 
 def test_a_recording_of_another_session_is_left(stored_scene):
     scene, store = stored_scene, stored_scene.workspace.store
-    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session, later = (store.sessions.start(patient.pseudonym, SessionSetup()) for _ in range(2))
     with store.recordings.create(session.session_id, INFO) as writer:
         for frame in make_frames(9):
@@ -999,7 +1000,7 @@ def test_a_recording_of_another_session_is_left(stored_scene):
 def late(stored_scene, monkeypatch):
     """A recording of Rosa's session; recordings that are opened wait until the test says so."""
     scene, store = stored_scene, stored_scene.workspace.store
-    rosa = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    rosa = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(rosa.pseudonym, SessionSetup())
     with store.recordings.create(session.session_id, INFO) as writer:
         for frame in make_frames(9):
@@ -1021,7 +1022,7 @@ def late(stored_scene, monkeypatch):
 def test_a_recording_that_comes_when_another_patient_is_looked_at_is_not_shown(stored_scene, late):
     scene, workspace = stored_scene, stored_scene.workspace
     scene.presenter.open_stored(late.recording_id)
-    workspace.choose_patient(workspace.store.patients.add(Identity("Bernat")))
+    workspace.choose_patient(add_patient(workspace.store, Identity("Bernat")))
     (opening,) = late.openings
     opening.arrive()
     assert scene.presenter.source is None
@@ -1168,7 +1169,7 @@ def test_joints_are_looked_for_as_the_pictures_of_the_session_were_turned(
     stored_scene, seeing, n_recordings
 ):
     scene, store = stored_scene, stored_scene.workspace.store
-    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(patient.pseudonym, SessionSetup(rotation_deg=90))
     for _number in range(n_recordings):
         with store.recordings.create(session.session_id, INFO) as writer:
@@ -1183,7 +1184,7 @@ def test_joints_are_looked_for_as_the_pictures_of_the_session_were_turned(
 
 def test_all_recordings_of_a_session_are_one_observation(stored_scene):
     scene, store = stored_scene, stored_scene.workspace.store
-    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(patient.pseudonym, SessionSetup())
     for n_frames in (9, 5):
         with store.recordings.create(session.session_id, INFO) as writer:

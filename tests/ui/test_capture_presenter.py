@@ -23,6 +23,7 @@ from adibas.pipeline.targets import target_to_document
 from adibas.sensors.ports import SensorDescription, SensorOptions, VideoMode
 from adibas.sessions import NewCapture
 from tests.ui.conftest import NoSensor
+from tests.unit.store_samples import add_patient
 from ui.capture import disk_watch, presenter, sources
 from ui.capture.live_overlays import overlays_of
 from ui.capture.ports import CaptureView
@@ -94,7 +95,7 @@ def view(clock):
 
 @pytest.fixture
 def ana(store):
-    return store.patients.add(Identity("Ana Ruiz"))
+    return add_patient(store, Identity("Ana Ruiz"))
 
 
 @pytest.fixture
@@ -374,7 +375,7 @@ class TestWhileABurstIsTaken:
         assert workspace.live.opened[0] == "simulator:posterior"
 
     def test_who_is_looked_at_meanwhile_stays(self, job, workspace, store, told):
-        other = store.patients.add(Identity("Bernat"))
+        other = add_patient(store, Identity("Bernat"))
         workspace.choose_patient(other)
         job.run()
         assert workspace.patient == other
@@ -472,7 +473,7 @@ def bernat_after_ana(seen, workspace, store, ana):
     session = store.sessions.start(ana.pseudonym, SessionSetup("openni2", protocol="joints-15"))
     setup = SessionSetup("openni2", protocol="joints-15", is_repeat=True)
     workspace.choose_session(store.sessions.change(session.session_id, setup=setup))
-    workspace.choose_patient(store.patients.add(Identity("Bernat")))
+    workspace.choose_patient(add_patient(store, Identity("Bernat")))
     be(workspace, LIVE)
     return seen
 

@@ -16,6 +16,7 @@ from adibas.recordings.mcap_writer import McapWriter
 from adibas.simulation.scenes import open_scene
 from adibas.texts import use_language
 from tests.unit.live_rig import UNPLUGGED, DrivenCamera, Sources, numbered
+from tests.unit.store_samples import add_patient
 from ui.capture import presenter
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import usual_sources
@@ -102,7 +103,7 @@ def wait(qtbot):
 @pytest.fixture
 def ready(clinic, wait, store):
     """A patient, and a live picture."""
-    clinic.workspace.choose_patient(store.patients.add(Identity("Ana")))
+    clinic.workspace.choose_patient(add_patient(store, Identity("Ana")))
     wait(lambda: clinic.live.newest is not None)
     wait(lambda: clinic.button("Capture this view").isEnabled())
     return clinic

@@ -24,6 +24,7 @@ from adibas.reports.body_numbers import on_paper
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.texts import decimal_text
 from tests.unit.standing_bodies import add_body_session, unheard
+from tests.unit.store_samples import add_patient
 from tests.unit.turning_bodies import add_turn, turn_images
 from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
@@ -39,7 +40,7 @@ YELLOWISH = 80
 
 @pytest.fixture
 def patient(store, workspace):
-    patient = store.patients.add(Identity("Rosa Ibarra"))
+    patient = add_patient(store, Identity("Rosa Ibarra"))
     workspace.choose_patient(patient)
     return patient.pseudonym
 

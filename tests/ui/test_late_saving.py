@@ -12,6 +12,7 @@ from adibas.errors import ServerAwayError
 from adibas.markers.led import LedParams
 from adibas.pipeline.targets import target_to_document
 from tests.ui.review_scene import DOTS, entered_review, saved_session
+from tests.unit.store_samples import add_patient
 from ui.capture.ports import CaptureView
 from ui.capture.presenter import CapturePresenter
 from ui.capture.sources import usual_sources
@@ -32,7 +33,7 @@ class Desk:
     def __init__(self, workspace, store):
         self.workspace, self.store = workspace, store
         self.ana, self.bernat = (
-            store.patients.add(Identity(name)) for name in ("Ana Ruiz", "Bernat Puig")
+            add_patient(store, Identity(name)) for name in ("Ana Ruiz", "Bernat Puig")
         )
         _first, self.session = (
             store.sessions.start(self.ana.pseudonym, SessionSetup()) for _number in range(2)

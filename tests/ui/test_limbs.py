@@ -32,6 +32,7 @@ from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.texts import LANGUAGES, speaking
 from tests.ui.limb_scene import BOX, HEIGHT, INFO, WIDTH, record_box
 from tests.ui.test_mnemonics import assert_each_letter_is_one_control
+from tests.unit.store_samples import add_patient
 from ui.behaviour.screen import build_behaviour_screen
 from ui.limbs.dialog import LimbsDialog
 from ui.limbs.paint_view import PaintView
@@ -468,7 +469,7 @@ def test_what_is_watched_out_of_the_store_is_labelled_and_the_log_says_so(
     qtbot, either_window, store, theme, video, tmp_path
 ):
     workspace = either_window
-    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(patient.pseudonym, SessionSetup())
     with (
         open_recording(video) as reader,

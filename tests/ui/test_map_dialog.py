@@ -16,6 +16,7 @@ from adibas.pipeline.recording_access import FILES
 from adibas.recordings import open_recording
 from tests.ui import window_user
 from tests.unit.room_recordings import INFO, room_frames, written
+from tests.unit.store_samples import add_patient
 from ui.behaviour.screen import build_behaviour_screen
 from ui.mapping.content import MapView, RecordingToMap, Standing
 from ui.mapping.dialog import MapDialog
@@ -168,7 +169,7 @@ def test_what_is_watched_out_of_the_store_is_mapped_and_the_log_says_so(
     qtbot, workspace, theme, room, tmp_path
 ):
     store = workspace.store
-    patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+    patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
     session = store.sessions.start(patient.pseudonym, SessionSetup())
     with (
         open_recording(room) as reader,

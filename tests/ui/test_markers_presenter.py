@@ -17,6 +17,7 @@ from adibas.markers.led import LedParams
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.sensors.ports import SensorOptions
 from tests.ui.conftest import InlineJob
+from tests.unit.store_samples import add_patient
 from ui.markers.ports import LearnerView
 from ui.markers.presenter import LearnerPresenter
 from ui.ports import CancelledError
@@ -134,7 +135,7 @@ def test_leds_are_found_by_their_threshold(learner, view, live, workspace):
 def test_used_markers_are_looked_for_and_kept_with_the_session(learner, workspace, store, told):
     wanted = []
     workspace.screen_wanted.subscribe(wanted.append)
-    patient = store.patients.add(Identity("Ana"))
+    patient = add_patient(store, Identity("Ana"))
     workspace.choose_patient(patient)
     workspace.choose_session(store.sessions.start(patient.pseudonym, SessionSetup()))
     learner.use()
@@ -159,7 +160,7 @@ def test_that_saving_could_be_tried_again_is_not_covered_by_good_news(
         return change(*ids, **fields)
 
     workspace.retry_offered.subscribe(lambda _sentence, again: offers.append(again))
-    patient = store.patients.add(Identity("Ana"))
+    patient = add_patient(store, Identity("Ana"))
     workspace.choose_patient(patient)
     workspace.choose_session(store.sessions.start(patient.pseudonym, SessionSetup()))
     learner.click(*STICKERS[0])
@@ -309,7 +310,7 @@ def test_without_a_picture_a_click_says_so(learner, view, live, told):
 def test_the_picture_of_another_patient_goes_and_the_colours_stay(
     view, workspace, live, store, learner
 ):
-    ana, bernat = (store.patients.add(Identity(name)) for name in ("Ana", "Bernat"))
+    ana, bernat = (add_patient(store, Identity(name)) for name in ("Ana", "Bernat"))
     workspace.choose_patient(ana)
     learner.click(*STICKERS[0])
     learner.leave()
@@ -332,12 +333,12 @@ def test_the_live_picture_is_shown_at_once_where_another_patient_is_chosen(
     view, workspace, live, store, learner
 ):
     learner.freeze()
-    workspace.choose_patient(store.patients.add(Identity("Ana")))
+    workspace.choose_patient(add_patient(store, Identity("Ana")))
     view.show_picture.assert_called_with(live.newest.color_rgb, is_frozen=False)
 
 
 def test_a_learner_that_is_made_for_a_patient_keeps_her_picture(view, workspace, live, store):  # noqa: ARG001
-    ana = store.patients.add(Identity("Ana"))
+    ana = add_patient(store, Identity("Ana"))
     workspace.choose_patient(ana)
     learner = LearnerPresenter(view, workspace)
     learner.freeze()
@@ -350,7 +351,7 @@ def test_a_sensor_at_rest_is_opened_as_it_was(learner, workspace, live, store):
     live.state = SensorState("closed")
     learner.enter()
     assert live.orders == [("simulator", SensorOptions(color_size=(1280, 1024)))]
-    patient = store.patients.add(Identity("Ana"))
+    patient = add_patient(store, Identity("Ana"))
     live.orders.clear()
     setup = SessionSetup("openni2", (640, 480))
     workspace.choose_session(store.sessions.start(patient.pseudonym, setup))

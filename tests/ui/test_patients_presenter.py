@@ -13,6 +13,7 @@ from adibas.data.sessions import Session, SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures import protocol_store
 from adibas.sessions import NewCapture
+from tests.unit.store_samples import add_patient, consent
 from ui.jobs import JobRunner
 from ui.patients.content import (
     ConsentEntry,
@@ -77,11 +78,12 @@ def screen(workspace):
 
 @pytest.fixture
 def ana(store):
-    return store.patients.add(Identity("Ana Ruiz", date(2014, 3, 27), "HC-1"), sex="female")
+    return add_patient(store, Identity("Ana Ruiz", date(2014, 3, 27), "HC-1"), sex="female")
 
 
 @pytest.fixture
 def bernat(store):
+    """Without a consent."""
     return store.patients.add(Identity("Bernat Puig"))
 
 
@@ -134,7 +136,7 @@ def test_a_chosen_patient_becomes_that_of_all_screens(screen, ana):
     screen.patients.choose(ana.pseudonym)
     assert screen.workspace.patient == ana
     assert screen.shown().patient == ana
-    assert screen.shown().consent == "none"
+    assert screen.shown().consent == "given"
     screen.list.show_chosen.assert_called_with(ana.pseudonym)
 
 
@@ -311,7 +313,47 @@ def test_a_session_starts_at_once_and_goes_on_to_the_capture(screen, ana):
     assert session.patient == ana.pseudonym
     assert session.setup == SessionSetup()
     assert screen.wanted == ["capture"]
-    assert screen.told == [("warning", "The session has begun without a consent on record.")]
+    assert screen.told == []
+
+
+def test_without_a_consent_no_session_starts_and_the_way_to_one_is_open(screen, store, bernat):
+    screen.patients.choose(bernat.pseudonym)
+    screen.sessions.start()
+    assert screen.workspace.session is None
+    ((kind, sentence),) = screen.told
+    assert kind == "warning"
+    assert "no consent for treatment stands on record" in sentence
+    assert screen.shown().consent == "none"
+    screen.form.show_consents.assert_called_once_with(bernat)
+    screen.forms.give(ConsentEntry(("teaching",), False))
+    assert screen.shown().consent == "other"
+    screen.sessions.start()
+    screen.forms.give(ConsentEntry(("treatment",), False))
+    assert screen.told[-1] == ("good", "The consent is recorded: a capture can be made.")
+    screen.sessions.start()
+    assert screen.workspace.session.patient == bernat.pseudonym
+    refused = [one for one in store.audit.entries() if one.action == "refuse"]
+    assert [(one.subject, one.detail) for one in refused] == [
+        (bernat.pseudonym, {"lacks": "consent"})
+    ] * 2
+
+
+def test_a_consent_that_the_capture_page_asks_for_leads_back_to_it(screen, bernat):
+    screen.patients.choose(bernat.pseudonym)
+    screen.workspace.ask_consent(back_to="capture")
+    screen.form.show_consents.assert_called_once_with(bernat)
+    screen.forms.give(ConsentEntry(("treatment",), False))
+    assert screen.wanted == ["patients", "capture"]
+
+
+def test_a_form_that_is_being_filled_in_stays_when_a_consent_is_asked_for(screen, bernat):
+    screen.patients.choose(bernat.pseudonym)
+    screen.forms.edit()
+    screen.workspace.ask_consent()
+    screen.form.show_consents.assert_not_called()
+    assert screen.told == [
+        ("warning", "Save or cancel what is being typed, then record the consent.")
+    ]
 
 
 def test_a_session_follows_the_protocol_that_is_chosen_for_new_ones(screen, ana, bernat):
@@ -365,12 +407,13 @@ def test_sessions_are_compared_until_the_one_that_is_chosen(screen, store, ana):
     assert screen.wanted == ["comparison"] * 3
 
 
-def test_with_a_consent_no_warning_is_told(screen, store, ana):
-    store.patients.give_consent(ana.pseudonym, Consent(("treatment",), "Eva Ruiz", True, NOW))
-    screen.patients.choose(ana.pseudonym)
+def test_a_consent_counts_for_a_capture_where_it_is_for_treatment(screen, store, bernat):
+    store.patients.give_consent(bernat.pseudonym, consent("research", "teaching"))
+    screen.patients.choose(bernat.pseudonym)
+    assert screen.shown().consent == "other"
+    store.patients.give_consent(bernat.pseudonym, consent("treatment"))
+    screen.patients.refresh()
     assert screen.shown().consent == "given"
-    screen.sessions.start()
-    assert screen.told == []
 
 
 def test_without_a_patient_no_session_starts(screen):
@@ -657,8 +700,7 @@ def test_a_guardian_or_the_patient_consents(screen, bernat):
     assert screen.workspace.patient.consents == (given,)
 
 
-def test_a_consent_is_withdrawn(screen, store, ana):
-    store.patients.give_consent(ana.pseudonym, Consent(("treatment",), "Eva", True, NOW))
+def test_a_consent_is_withdrawn(screen, ana):
     screen.patients.choose(ana.pseudonym)
     screen.forms.edit_consents()
     screen.form.propose_guardian.assert_called_with(is_guardian=True)
@@ -785,7 +827,7 @@ def test_a_consent_is_given_back(screen, store, ana):
     screen.form.show_consents.assert_called_once_with(store.patients.get(ana.pseudonym))
     screen.form.show_consent.assert_called_once_with(CONSENT)
     screen.forms.give(CONSENT)
-    assert store.patients.get(ana.pseudonym).consents[0].given_by == "Dora"
+    assert store.patients.get(ana.pseudonym).consents[-1].given_by == "Dora"
 
 
 def test_that_the_patient_of_a_form_is_gone_is_told(screen, store, ana):

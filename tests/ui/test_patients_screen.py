@@ -15,6 +15,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.sessions import NewCapture
 from adibas.texts import LANGUAGES, speaking, use_language
+from tests.unit.store_samples import add_patient, consent
 from ui.jobs import JobRunner
 from ui.patients.list_panel import PatientListPanel, PatientTable
 from ui.patients.patients_model import PatientsModel
@@ -30,11 +31,13 @@ NOW = datetime(2026, 5, 4, 12, tzinfo=UTC)
 
 @pytest.fixture
 def ana(store):
-    return store.patients.add(Identity("Ana Ruiz", date(2014, 3, 27), "HC-1"), notes="knee")
+    identity = Identity("Ana Ruiz", date(2014, 3, 27), "HC-1")
+    return add_patient(store, identity, notes="knee")
 
 
 @pytest.fixture
 def bernat(store):
+    """Without a consent."""
     return store.patients.add(Identity("Bernat Puig", date(1960, 1, 2)))
 
 
@@ -136,12 +139,13 @@ def test_the_list_says_who_when_born_and_how_many_sessions(screen, store, ana):
     assert column(screen, 3) == ["1", ""]
 
 
-def test_a_session_is_started_by_the_keyboard_alone(screen, workspace, wanted, bernat):
+def test_a_session_is_started_by_the_keyboard_alone(screen, store, workspace, wanted, bernat):
+    store.patients.give_consent(bernat.pseudonym, consent())
     assert in_focus() is screen.list.search
     QTest.keyClicks(in_focus(), "puig")
     assert column(screen) == ["Bernat Puig"]
     QTest.keyClick(in_focus(), Key.Key_Down)
-    assert workspace.patient == bernat
+    assert workspace.patient.pseudonym == bernat.pseudonym
     QTest.keyClick(in_focus(), Key.Key_Return)
     assert in_focus() is screen.pages.history.start
     QTest.keyClick(in_focus(), Key.Key_Return)
@@ -231,19 +235,20 @@ def test_ctrl_enter_saves_the_open_form_and_starts_no_session(screen, store, wor
     assert wanted == ["capture"]
 
 
-def test_a_consent_is_given_and_withdrawn(screen, workspace):
+def test_a_consent_is_given_and_withdrawn(screen, store, workspace, ana):
+    store.patients.withdraw_consent(ana.pseudonym, 0)
     choose(screen)
-    assert "No consent" in screen.pages.patient._consent.text()
+    assert "withdrawn" in screen.pages.patient._consent.text()
     click(screen, "Consent")
     click(screen, "Save the consent")
     assert "guardian" in screen.pages.consents._problem.text()
     QTest.keyClicks(in_focus(), "Eva Ruiz")
     QTest.keyClick(in_focus(), Key.Key_Return)
-    assert workspace.patient.consents[0].given_by == "Eva Ruiz"
+    assert workspace.patient.consents[1].given_by == "Eva Ruiz"
     assert "Eva Ruiz" in screen.pages.patient._consent.text()
     click(screen, "Consent")
     click(screen, "Withdraw")
-    assert workspace.patient.consents[0].withdrawn_utc is not None
+    assert workspace.patient.consents[1].withdrawn_utc is not None
     click(screen, "Consent")
     assert not [
         b
@@ -252,6 +257,19 @@ def test_a_consent_is_given_and_withdrawn(screen, workspace):
     ]
     QTest.keyClick(in_focus(), Key.Key_Escape)
     assert "withdrawn" in screen.pages.patient._consent.text()
+
+
+def test_who_starts_without_a_consent_records_one_and_starts(screen, workspace, bernat, wanted):
+    choose(screen, 1)
+    assert workspace.patient.pseudonym == bernat.pseudonym
+    assert "No consent" in screen.pages.patient._consent.text()
+    click(screen, "Start a session")
+    assert workspace.session is None
+    click(screen, "Save the consent")
+    assert "Treatment" in screen.pages.patient._consent.text()
+    click(screen, "Start a session")
+    assert workspace.session.patient == bernat.pseudonym
+    assert wanted == ["patients", "patients", "capture"]
 
 
 def test_delete_hides_and_undo_brings_back(screen, workspace, ana):
@@ -384,7 +402,7 @@ def test_a_store_that_is_only_read_says_why_nothing_can_be_changed(
         assert not screen.pages.has_form
     QTest.keyClick(screen.list.table, Key.Key_Delete)
     assert column(screen) == ["Ana Ruiz"]
-    assert "You can start" not in screen.pages.patient._consent.text()
+    assert "Record one" not in screen.pages.patient._consent.text()
     screen.closed()
 
 

@@ -13,6 +13,7 @@ from adibas.sessions.roles import Permission, Role
 from tests.ui import window_user
 from tests.ui.conftest import CHEAP, NoSensor
 from tests.ui.window_user import CTRL, SECRET
+from tests.unit.store_samples import add_patient
 from ui.patients.pages import PatientPages
 from ui.patients.screen import build_patients_screen
 from ui.settings.people_presenter import PeoplePresenter, PeopleView, PersonEntry
@@ -197,7 +198,7 @@ def test_a_button_for_others_stays_disabled_and_says_why(qtbot):
 def shared(tmp_path):
     """A store with a patient that Anna and Carla may open."""
     with open_store(tmp_path / "store", SECRET, key_params=CHEAP) as store:
-        patient = store.patients.add(Identity(NAME, None, "HC-77"))
+        patient = add_patient(store, Identity(NAME, None, "HC-77"))
         store.sessions.start(patient.pseudonym, SessionSetup())
         store.people.add("Anna", Role.ADMINISTRATOR, ANNA)
         store.people.add("Carla", Role.OPERATOR, CARLA)

@@ -24,6 +24,7 @@ from tests.ui.review_scene import (
     plain_marker,
     saved_session,
 )
+from tests.unit.store_samples import add_patient
 from ui.review.content import Mode
 from ui.review.presenter import ReviewPresenter, ReviewView
 from ui.workspace import Workspace
@@ -573,7 +574,7 @@ def look_at(workspace, patient, session):
 
 
 def test_names_of_one_patient_are_not_suggested_for_the_next(view, workspace, seen, store, named):
-    bernat = store.patients.add(Identity("Bernat"))
+    bernat = add_patient(store, Identity("Bernat"))
     session = store.sessions.start(bernat.pseudonym, SessionSetup())
     look_at(workspace, *named)
     review = ReviewPresenter(view, workspace)

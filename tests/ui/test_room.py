@@ -15,6 +15,7 @@ from adibas.texts import LANGUAGES
 from tests.ui import window_user
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import SECRET, visible
+from tests.unit.store_samples import add_patient
 from ui.capture.status_line import SPACING_PX, StatusLine
 from ui.navigation import TITLES
 from ui.widgets.elided_label import ElidedLabel
@@ -27,7 +28,7 @@ open_window = window_user.open_window
 def prepared(tmp_path):
     """A store with one patient and a session."""
     with open_store(tmp_path / "store", SECRET, key_params=CHEAP) as store:
-        patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+        patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
         store.sessions.start(patient.pseudonym, SessionSetup())
 
 

@@ -13,6 +13,7 @@ from adibas.pipeline.capturing import LOST_FRAMES
 from adibas.pipeline.live import SensorState
 from adibas.pipeline.turn_taking import TakenTurn
 from tests.ui.test_capture_presenter import LIVE, LateJobs, be, count_down, readiness
+from tests.unit.store_samples import add_patient
 from ui.behaviour.sources import plain_title, stored_choices
 from ui.capture import turn_presenter
 from ui.capture.ports import CaptureView
@@ -27,7 +28,7 @@ def screen(workspace, store):
     clock, view = [], create_autospec(CaptureView, instance=True)
     view.call_later.side_effect = lambda ms, call: clock.append((ms, call))
     presenter = CapturePresenter(view, workspace, look=usual_sources)
-    workspace.choose_patient(store.patients.add(Identity("Ana Ruiz")))
+    workspace.choose_patient(add_patient(store, Identity("Ana Ruiz")))
     presenter.enter()
     presenter.choose_view(TURN)
     be(workspace, LIVE)
@@ -159,7 +160,7 @@ def test_leaving_the_screen_lets_a_turn_that_is_recorded_go_on(screen, workspace
 def test_another_patient_gives_a_turn_up_that_has_not_begun(screen, workspace, taking, store):
     press(screen)
     be(workspace, SensorState("opening"))
-    workspace.choose_patient(store.patients.add(Identity("Bernat")))
+    workspace.choose_patient(add_patient(store, Identity("Bernat")))
     assert not are_capturing(screen)
     be(workspace, LIVE)
     assert taking.sessions == []

@@ -17,6 +17,7 @@ from adibas.errors import MarkerError
 from adibas.markers.led import LedParams
 from adibas.pipeline.live import SensorState
 from adibas.pipeline.wand_check import SeenWand, wand_from_document
+from tests.unit.store_samples import add_patient
 from ui.capture import wand_presenter
 from ui.capture.ports import CaptureView
 from ui.capture.presenter import CapturePresenter
@@ -161,7 +162,7 @@ def test_the_capture_screen_keeps_the_check_with_the_session(view, ready, seeing
     capture = CapturePresenter(
         create_autospec(CaptureView, instance=True), ready, look=usual_sources
     )
-    patient = store.patients.add(Identity("Ana"))
+    patient = add_patient(store, Identity("Ana"))
     ready.choose_patient(patient)
     assert capture.may_check_wand()
     before = capture.check_wand(view)

@@ -5,6 +5,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import SensorError
 from adibas.markers.led import LedParams
 from tests.ui.conftest import NoSensor
+from tests.unit.store_samples import add_patient
 from ui.events import Event
 from ui.workspace import Place, Workspace
 
@@ -20,7 +21,7 @@ def test_who_listens_no_more_is_told_no_more():
 
 
 def test_another_patient_leaves_the_session_and_its_capture(workspace, store):
-    ana, eva = (store.patients.add(Identity(name)) for name in ("Ana", "Eva"))
+    ana, eva = (add_patient(store, Identity(name)) for name in ("Ana", "Eva"))
     session = store.sessions.start(ana.pseudonym, SessionSetup())
     workspace.choose_patient(ana)
     workspace.choose_session(session)
@@ -34,7 +35,7 @@ def test_another_patient_leaves_the_session_and_its_capture(workspace, store):
 
 
 def test_the_same_place_is_found_again_and_names_nobody(workspace, store, inline_jobs, preferences):
-    ana = store.patients.add(Identity("Ana Ruiz"))
+    ana = add_patient(store, Identity("Ana Ruiz"))
     session = store.sessions.start(ana.pseudonym, SessionSetup())
     workspace.choose_patient(ana)
     workspace.choose_session(session)

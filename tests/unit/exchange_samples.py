@@ -13,7 +13,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.geometry.pinhole import Intrinsics
 from adibas.sessions import NewCapture
 from tests.unit.standing_points import seen_from, standing
-from tests.unit.store_samples import IDENTITY, NAME
+from tests.unit.store_samples import IDENTITY, NAME, add_patient
 
 NOTES = f"{NAME} asked about her back"
 SECRETS = (NAME, "Ximena", "Quetzal", "HC-004711", "2014-03-27", "20140327", "her back")
@@ -28,7 +28,7 @@ PROVENANCE = Provenance("ab" * 32, "sha256:" + "cd" * 32, "0.1.0", "2026-11-21T1
 
 def add_clinic_session(store, protocol="sapo-1"):
     """Add a patient with one session: front and right side, without ears from the front."""
-    patient = store.patients.add(IDENTITY, sex="female")
+    patient = add_patient(store, IDENTITY, sex="female")
     session = store.sessions.start(patient.pseudonym, SessionSetup(protocol=protocol))
     session = store.sessions.change(session.session_id, notes=NOTES)
     for view in ("anterior", "right_lateral"):

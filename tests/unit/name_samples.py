@@ -4,7 +4,7 @@ import numpy as np
 
 from adibas.data.corrections import CorrectionHistory, MarkerCorrection
 from adibas.data.sessions import SessionSetup
-from tests.unit.store_samples import IDENTITY, add_capture, add_session, marker
+from tests.unit.store_samples import IDENTITY, add_capture, add_patient, add_session, marker
 
 PLACES = {
     "chin": (0.0, -0.6, 2.0),
@@ -33,7 +33,7 @@ def add_example(store, session, rng, *, places=PLACES, is_corrected=True, view="
 def add_examples(store, n_corrected, *, places=PLACES, view="anterior", protocol=""):
     """Add a session with so many corrected captures, and one that nobody corrected."""
     if protocol:
-        patient = store.patients.add(IDENTITY)
+        patient = add_patient(store, IDENTITY)
         session = store.sessions.start(patient.pseudonym, SessionSetup(protocol=protocol))
     else:
         session = add_session(store)

@@ -10,7 +10,7 @@ from keyring.backend import KeyringBackend
 from keyring.errors import PasswordDeleteError
 
 from adibas.data.markers import Marker, RejectedBlob
-from adibas.data.patients import Identity
+from adibas.data.patients import Consent, Identity
 from adibas.data.posture import Provenance
 from adibas.data.sessions import SessionSetup
 from adibas.data.surface import BurstDisparity
@@ -108,8 +108,19 @@ def surface():
     return BurstDisparity(mean_per_m, np.arange(24 * 32, dtype=np.int64).reshape(24, 32), 30)
 
 
+def consent(*purposes, given_utc=START):
+    """What a patient agreed to: treatment if nothing is named."""
+    return Consent(purposes or ("treatment",), "Somebody", False, given_utc)
+
+
+def add_patient(store, identity=IDENTITY, **fields):
+    """A patient as a clinic adds one before it measures: with a consent."""
+    patient = store.patients.add(identity, **fields)
+    return store.patients.give_consent(patient.pseudonym, consent())
+
+
 def add_session(store, identity=IDENTITY):
-    patient = store.patients.add(identity)
+    patient = add_patient(store, identity)
     return store.sessions.start(patient.pseudonym, SessionSetup())
 
 

@@ -35,7 +35,7 @@ from adibas.reports import pictures, write_report
 from adibas.reports.comparison_pictures import EARLIER_RGB, picture_pairs
 from adibas.sessions import NewCapture
 from tests.unit.standing_points import seen_from, standing
-from tests.unit.store_samples import PASSPHRASE, open_sample
+from tests.unit.store_samples import PASSPHRASE, add_patient, open_sample
 
 SAPO = ProtocolWish(find_protocol("sapo-1"))
 LEVEL_CAMERA = RgbdCalibration(
@@ -255,7 +255,7 @@ def clinic(tmp_path, monkeypatch):
     with open_sample(tmp_path / "store", clock=clock) as store:
         first = None
         for number in range(10):
-            patient = store.patients.add(Identity(f"Somebody {number}")).pseudonym
+            patient = add_patient(store, Identity(f"Somebody {number}")).pseudonym
             first = first or patient
             slope = 0.004 * number
             add_visit(store, patient, [slope + rng.normal(0, 0.001)])
@@ -399,7 +399,7 @@ def test_captures_of_one_session_are_repeats_with_the_same_markers(tmp_path):
     from adibas.pipeline.clinic_repeats import reliability_in_clinic
 
     with open_sample(tmp_path / "store") as store:
-        patient = store.patients.add(Identity("Somebody")).pseudonym
+        patient = add_patient(store, Identity("Somebody")).pseudonym
         add_visit(store, patient, [0.001, 0.003])
         found = reliability_in_clinic(store, SAPO, "op").by_measure["anterior", "ANT.ACR.H"]
     assert found.sem == pytest.approx(np.degrees(0.002 / 0.36) / np.sqrt(2), rel=1e-3)
@@ -414,7 +414,7 @@ def test_markers_placed_anew_count_more_than_many_captures_of_one_placing(tmp_pa
     days = [datetime(2026, 11, day, 9, 0, tzinfo=UTC) for day in (2, 3)]
     now = [days[0]]
     with open_sample(tmp_path / "store", clock=lambda: now[0]) as store:
-        patient = store.patients.add(Identity("Somebody")).pseudonym
+        patient = add_patient(store, Identity("Somebody")).pseudonym
         add_visit(store, patient, [0.001])
         now[0] += timedelta(hours=1)
         call_repeat(store, add_visit(store, patient, [0.003]))
@@ -457,7 +457,7 @@ def test_two_sessions_of_a_day_are_repeats_only_where_somebody_says_so(tmp_path,
     monkeypatch.setenv("ADIBAS_PASSPHRASE", PASSPHRASE)
     folder = tmp_path / "store"
     with open_sample(folder) as store:
-        patient = store.patients.add(Identity("Somebody")).pseudonym
+        patient = add_patient(store, Identity("Somebody")).pseudonym
         add_visit(store, patient, [0.001])
         treated = add_visit(store, patient, [0.030])
         again = add_visit(store, patient, [0.032])

@@ -6,6 +6,7 @@ from adibas.pipeline.clinic_repeats import is_repeat_of
 from adibas.sessions import open_store
 from adibas.sessions.key_wrapping import Argon2Params
 from installers.screenshot_sessions import N_OTHERS, add_sessions_to_compare
+from tests.unit.store_samples import add_patient
 
 PASSPHRASE = "four words are enough"
 CHEAP = Argon2Params(iterations=1, lanes=1, memory_kib=8)
@@ -13,7 +14,7 @@ CHEAP = Argon2Params(iterations=1, lanes=1, memory_kib=8)
 
 def test_every_other_patient_was_measured_twice_on_one_day(tmp_path):
     with open_store(tmp_path, PASSPHRASE, operator="M. Puig", key_params=CHEAP) as store:
-        demo = store.patients.add(Identity("Demo patient")).pseudonym
+        demo = add_patient(store, Identity("Demo patient")).pseudonym
         session_id = store.sessions.start(demo, SessionSetup()).session_id
     add_sessions_to_compare(tmp_path, session_id, PASSPHRASE, CHEAP)
     with open_store(tmp_path, PASSPHRASE, operator="M. Puig", key_params=CHEAP) as store:

@@ -75,6 +75,7 @@ def test_everything_that_is_done_is_a_line(folder, tmp_path):
     assert lines == [
         ("open", "store"),
         ("create", patient),
+        ("change", patient),
         ("create", session.session_id),
         ("create", writer.recording_id),
         ("create", capture.capture_id),
@@ -198,6 +199,7 @@ def test_the_lines_on_a_patient_are_those_on_sessions_captures_and_recordings_to
         assert own == tuple(entry for entry in every if entry.patient == session.patient)
         assert [(entry.action, entry.subject) for entry in reversed(own)] == [
             ("create", session.patient),
+            ("change", session.patient),
             ("create", session.session_id),
             ("create", writer.recording_id),
             ("create", capture.capture_id),
@@ -220,13 +222,13 @@ def test_the_log_is_written_as_a_table_that_is_no_formula(folder, tmp_path):
     write_audit_csv(entries, tmp_path / "audit.csv")
     with (tmp_path / "audit.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [int(row["sequence"]) for row in rows] == [4, 3, 2, 1]
-    assert [row["operator"] for row in rows] == ["'=Berta"] * 4
+    assert [int(row["sequence"]) for row in rows] == [5, 4, 3, 2, 1]
+    assert [row["operator"] for row in rows] == ["'=Berta"] * 5
     assert rows[0]["action"] == "change"
     assert rows[0]["subject"] == rows[0]["patient"] == session.patient
     assert json.loads(rows[0]["detail"]) == {"fields": ["notes"]}
-    assert rows[3]["patient"] == ""
-    assert datetime.fromisoformat(rows[3]["time_utc"]) == entries[3].time_utc
+    assert rows[4]["patient"] == ""
+    assert datetime.fromisoformat(rows[4]["time_utc"]) == entries[4].time_utc
     assert NAME not in (tmp_path / "audit.csv").read_text(encoding="utf-8")
 
 

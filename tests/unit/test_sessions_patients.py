@@ -12,7 +12,14 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
 from adibas.sessions.patients import LETTERS, LIST_OF_PATIENTS
 from adibas.sessions.search_text import patterns, searchable, simplified
-from tests.unit.store_samples import IDENTITY, NAME, add_session, open_sample, raw_connection
+from tests.unit.store_samples import (
+    IDENTITY,
+    NAME,
+    add_patient,
+    add_session,
+    open_sample,
+    raw_connection,
+)
 
 GIVEN = datetime(2026, 11, 20, 8, 30, tzinfo=UTC)
 CONSENT = Consent(("treatment", "research"), "Rosa Quetzal", is_guardian=True, given_utc=GIVEN)
@@ -199,7 +206,7 @@ def test_a_session_keeps_how_it_was_taken(folder):
         {"format": "adibas-wand", "interval_m": [0.499, 0.503]},
     )
     with open_sample(folder, operator="Berta") as store:
-        patient = store.patients.add(IDENTITY)
+        patient = add_patient(store)
         started = store.sessions.start(patient.pseudonym, setup)
         store.sessions.change(started.session_id, notes="tired")
     with open_sample(folder) as store:

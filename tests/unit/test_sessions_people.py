@@ -277,7 +277,8 @@ def test_every_change_and_every_refusal_is_a_line(folder):
         (refused,) = lines(store, "refuse")
         assert (refused.operator, refused.subject) == ("Boris Vila", "people")
         assert refused.detail == {"permission": "manage-people", "role": "clinician"}
-        told = [(one.operator, dict(one.detail)) for one in lines(store, "change")]
+        changes = [one for one in lines(store, "change") if one.subject == "people"]
+        told = [(one.operator, dict(one.detail)) for one in changes]
         for _who, detail in told:
             assert len(detail.pop("state")) == 16
     assert told[0] == (
@@ -291,7 +292,8 @@ def found_otherwise(folder, passphrase):
     with opened(folder, passphrase):
         pass
     with opened(folder, ANNA) as store:
-        return [one for one in lines(store, "change") if one.detail["did"] == "found otherwise"]
+        changes = [one for one in lines(store, "change") if one.subject == "people"]
+        return [one for one in changes if one.detail["did"] == "found otherwise"]
 
 
 @pytest.mark.parametrize("is_from_before_all_people", [False, True])

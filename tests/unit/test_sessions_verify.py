@@ -33,7 +33,7 @@ def test_a_sound_store_has_no_findings(folder):
         report = store.verify(lambda *step: steps.append(step))
     assert report.is_sound
     assert (report.n_files, report.n_recordings) == (2, 1)
-    assert report.n_lines == 6
+    assert report.n_lines == 7
     assert steps == [(1, 3), (2, 3), (3, 3)]
 
 

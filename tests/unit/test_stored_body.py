@@ -13,7 +13,7 @@ from adibas.pipeline.stored_body import FROM_TURN, stored_back, stored_body
 from adibas.pipeline.turning import see_turn
 from adibas.pipeline.whole_body import join_body
 from tests.unit.standing_bodies import add_body_session, scene, surface, unheard
-from tests.unit.store_samples import open_sample
+from tests.unit.store_samples import add_patient, open_sample
 from tests.unit.turning_bodies import add_turn, turn_images, turning_scene, write
 
 AROUND = ("posterior", "anterior", "right_lateral", "left_lateral")
@@ -27,7 +27,7 @@ def store(tmp_path):
 
 @pytest.fixture
 def patient(store):
-    return store.patients.add(Identity("Rosa Ibarra")).pseudonym
+    return add_patient(store, Identity("Rosa Ibarra")).pseudonym
 
 
 def seen(view):

@@ -28,6 +28,7 @@ from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 from adibas.texts import speaking
 from tests.unit.live_rig import UNPLUGGED, Sources, Told, frame, numbered
+from tests.unit.store_samples import add_patient
 
 N_FRAMES = 4
 CHEAP = Argon2Params(iterations=1, lanes=1, memory_kib=8)
@@ -90,7 +91,7 @@ def store(tmp_path):
 
 @pytest.fixture
 def session_id(store):
-    patient = store.patients.add(Identity("Somebody"))
+    patient = add_patient(store, Identity("Somebody"))
     return store.sessions.start(patient.pseudonym, SessionSetup()).session_id
 
 
@@ -172,7 +173,7 @@ def test_a_capture_holds_the_markers_where_they_truly_are(
 
 def test_markers_on_joints_have_their_names_where_the_protocol_marks_joints(store, showing, target):
     scene = open_scene("anterior", seed=7, distance_m=3.0, markers=MarkerSettings(JOINT_NAMES))
-    patient = store.patients.add(Identity("Somebody")).pseudonym
+    patient = add_patient(store, Identity("Somebody")).pseudonym
     setup = SessionSetup(protocol="joints-15")
     session_id = store.sessions.start(patient, setup).session_id
     taken = capture(store, showing(SceneCamera(scene)), session_id, target)

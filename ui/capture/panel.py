@@ -252,13 +252,16 @@ class ShutterPanel(QWidget):
     capture_asked = Signal()
     learn_asked = Signal()
     wand_asked = Signal()
+    consent_asked = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._readiness = QLabel(self)
         self._readiness.setWordWrap(True)
         self._readiness.setProperty("kind", "warning")
-        self._learn, self._capture, self._wand = (QPushButton(self) for _number in range(3))
+        self._learn, self._capture, self._wand, self._consent = (
+            QPushButton(self) for _number in range(4)
+        )
         self._capture.setProperty("main", "true")
         keys = QKeySequence(CAPTURE_KEYS)  # beside its underlined letter
         QShortcut(keys, self).activated.connect(self._capture.click)
@@ -266,16 +269,20 @@ class ShutterPanel(QWidget):
         self._capture.clicked.connect(self.capture_asked)
         self._learn.clicked.connect(self.learn_asked)
         self._wand.clicked.connect(self.wand_asked)
+        self._consent.clicked.connect(self.consent_asked)
+        self._consent.hide()
         self._can_stop = self._is_ready = False
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._readiness)
+        layout.addWidget(self._consent)
         layout.addLayout(in_a_flow(self._learn, self._wand))
         layout.addWidget(self._capture)
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._learn.setText(_("&Learn the marker colour"))
+        self._consent.setText(_("Record the c&onsent..."))
         self._wand.setText(_("Wan&d..."))
         self._wand.setToolTip(_("Check with a wand of known length that the sensor measures well"))
         self._capture.setText(_("Stop") if self._can_stop else _("&Capture this view"))
@@ -286,6 +293,10 @@ class ShutterPanel(QWidget):
         self._readiness.setVisible(bool(sentence))
         self._is_ready = is_ready
         self._enable()
+
+    def offer_consent(self, *, is_lacking: bool) -> None:
+        """Lead to where a consent is recorded."""
+        self._consent.setVisible(is_lacking)
 
     def show_stop(self, *, can_stop: bool) -> None:
         """Let the button stop what it began."""

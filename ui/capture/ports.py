@@ -36,6 +36,9 @@ class CaptureView(Protocol):
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
         """Say what lacks before a capture, and whether one can be taken."""
 
+    def offer_consent(self, *, is_lacking: bool) -> None:
+        """Offer the way to record a consent, where one lacks."""
+
     def show_countdown(self, seconds: int | None) -> None:
         """Show the seconds to go; None = no countdown."""
 

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 from adibas.arrays import UInt8Array
 from adibas.clock import utc_now
-from adibas.data.patients import Patient
+from adibas.data.patients import Patient, allow_capture
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
 from adibas.pipeline.capturing import CaptureRequest, frames_of_view, take_capture
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.targets import target_from_document, target_to_document
+from adibas.sessions.consents import no_consent
 from adibas.texts import describe, message, translate_plural
 from adibas.texts import translate as _
 from ui.capture.calibration_age import CalibrationAge
@@ -84,6 +85,7 @@ class CapturePresenter:
     def enter(self) -> None:
         """Show the sensor of the session; the first time, look which there are."""
         self._is_seen = True
+        self._renew_patient()
         self.sources.look_once()
         if self._workspace.session is None:
             self._take_over_setup()
@@ -122,6 +124,11 @@ class CapturePresenter:
     def learn_markers(self) -> None:
         """Go to the learner."""
         self._workspace.show_screen("markers")
+
+    def record_consent(self) -> None:
+        """Go to where the patient's consent is recorded, and come back with it."""
+        if self._is_free():
+            self._workspace.ask_consent(back_to="capture")
 
     def may_check_wand(self) -> bool:
         """Say whether a wand may be measured now; tell why not."""
@@ -169,6 +176,7 @@ class CapturePresenter:
             return
         session = self._session()
         if session is None:
+            self._renew_patient()
             return
         self._view.show_capturing(is_capturing=True)
         if self._next_view == TURN:
@@ -192,8 +200,21 @@ class CapturePresenter:
 
     def _on_ended(self) -> None:
         self._view.show_capturing(is_capturing=False)
+        if self._is_seen:
+            self._renew_patient()
         self._show_readiness()
         self.sources.open(self._next_view)  # the session may have changed meanwhile
+
+    def _renew_patient(self) -> None:
+        """Know of a consent that was given or withdrawn at another workstation meanwhile."""
+        self._workspace.attempt(self._read_patient)
+
+    def _read_patient(self) -> None:
+        known = self._workspace.patient
+        if known is not None:
+            patient = self._workspace.store.patients.get(known.pseudonym)
+            if patient.consents != known.consents:
+                self._workspace.choose_patient(patient)
 
     def _on_taken(self, capture: Capture) -> None:
         workspace = self._workspace
@@ -331,12 +352,21 @@ class CapturePresenter:
             return _("Another window has the patient store open: nothing can be captured here.")
         if workspace.patient is None and workspace.session is None:
             return _("Choose a patient first, under Patients.")
+        if self._lacks_consent:
+            return describe(no_consent())
         if self._disk.is_full:
             return _("The disk is full. Free some space on it before you capture.")
         waiting = WAITING.get(workspace.live.state.kind)
         return "" if waiting is None else _(waiting)
 
+    @property
+    def _lacks_consent(self) -> bool:
+        patient, store = self._workspace.patient, self._workspace.store
+        has_one = patient is None or allow_capture(patient.consents)
+        return not has_one and not store.is_read_only
+
     def _show_readiness(self) -> None:
+        self._view.offer_consent(is_lacking=self._lacks_consent)
         lack = self._lack()
         sentence = lack
         if not lack and self._next_view == TURN:

@@ -111,6 +111,7 @@ class CaptureScreen(Screen):
         self._shutter.capture_asked.connect(presenter.capture)
         self._shutter.learn_asked.connect(presenter.learn_markers)
         self._shutter.wand_asked.connect(self._check_wand)
+        self._shutter.consent_asked.connect(presenter.record_consent)
         self._calibrate.clicked.connect(presenter.calibration_age.calibrate)
 
     def bind_people(self, people: PeoplePresenter) -> None:
@@ -190,6 +191,9 @@ class CaptureScreen(Screen):
 
     def show_readiness(self, sentence: str, *, is_ready: bool) -> None:
         self._shutter.show_readiness(sentence, is_ready=is_ready)
+
+    def offer_consent(self, *, is_lacking: bool) -> None:
+        self._shutter.offer_consent(is_lacking=is_lacking)
 
     def show_followed(self, sentence: str) -> None:
         self._followed.setText(sentence)

@@ -3,9 +3,9 @@
 from PySide6.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from adibas.data.patients import PURPOSES
+from adibas.sessions.audit_words import PURPOSE_NAMES
 from adibas.texts import translate as _
 from ui.patients.content import ConsentEntry
-from ui.patients.patient_panel import PURPOSE_NAMES
 
 PATIENT, GUARDIAN = 0, 1
 

@@ -7,7 +7,7 @@ from datetime import date, datetime
 from typing import TYPE_CHECKING, Literal, Self
 
 from adibas.arrays import UInt8Array
-from adibas.data.patients import Patient
+from adibas.data.patients import Patient, allow_capture
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:  # patients are listed before anything is known of their sessions
@@ -17,7 +17,8 @@ if TYPE_CHECKING:  # patients are listed before anything is known of their sessi
 CHILD_BELOW_YEARS = 18
 OLDEST_YEARS = 130
 
-ConsentState = Literal["given", "withdrawn", "none"]
+ConsentState = Literal["given", "other", "withdrawn", "none"]
+"""A capture may be made with the first alone; of ``other`` one stands, but for something else."""
 Kind = Literal["patient", "session"]
 
 _DAY_FIRST = re.compile(r"(\d{1,2})[/.\- ](\d{1,2})[/.\- ](\d{4})")
@@ -182,7 +183,9 @@ def read_birth_date(text: str, today: date) -> date | None:
 
 
 def consent_state(patient: Patient) -> ConsentState:
-    """Say whether any consent of a patient stands."""
-    if any(one.withdrawn_utc is None for one in patient.consents):
+    """Say whether a consent of a patient stands, and whether a capture may be made with it."""
+    if allow_capture(patient.consents):
         return "given"
+    if any(one.is_standing for one in patient.consents):
+        return "other"
     return "withdrawn" if patient.consents else "none"

@@ -6,7 +6,7 @@ from datetime import UTC, date, datetime
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
-from adibas.data.patients import Consent, Identity, Patient
+from adibas.data.patients import Consent, Identity, Patient, allow_capture
 from adibas.sessions.search_text import simplified
 from adibas.texts import translate as _
 from ui.orders.presenter import has_work_list
@@ -66,11 +66,14 @@ class _Form:
         Whom it changes, as she was seen; None while a new patient is not saved.
     warned_of : Identity or None
         Whose likeness to somebody the user was warned of.
+    back_to : str
+        The screen that waits for a consent; empty where none does.
     """
 
     edited: Patient | None
     is_new: bool
     warned_of: Identity | None = None
+    back_to: str = ""
 
 
 class FormPresenter:
@@ -88,6 +91,11 @@ class FormPresenter:
         self._saved = saved
         self._now = now
         self._form: _Form | None = None
+        self._end = workspace.consent_wanted.subscribe(self._want_consent)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._end()
 
     def add(self) -> None:
         """Open the form for a new patient."""
@@ -105,9 +113,21 @@ class FormPresenter:
 
     def edit_consents(self) -> None:
         """Open the form of the chosen patient's consents."""
+        self._open_consents("")
+
+    def _want_consent(self, back_to: str) -> None:
+        """Open the form of consents for a screen that waits; what is being typed stays open."""
+        if self._form is not None:
+            self._workspace.tell(
+                "warning", _("Save or cancel what is being typed, then record the consent.")
+            )
+            return
+        self._open_consents(back_to)
+
+    def _open_consents(self, back_to: str) -> None:
         patient = self._workspace.patient
         if patient is not None and not self._workspace.store.is_read_only:
-            self._open(patient, None)
+            self._open(patient, None, back_to=back_to)
 
     def take_over(self, order: "Order") -> None:
         """Fill the form of a new patient with whom an order is of; it is saved as typed."""
@@ -189,10 +209,15 @@ class FormPresenter:
         )
 
     def _open(
-        self, patient: Patient | None, entry: PatientEntry | None, *, is_new: bool = False
+        self,
+        patient: Patient | None,
+        entry: PatientEntry | None,
+        *,
+        is_new: bool = False,
+        back_to: str = "",
     ) -> None:
         """Open the form of a patient, or of her consents."""
-        self._form = _Form(patient, is_new)
+        self._form = _Form(patient, is_new, back_to=back_to)
         if entry is not None:
             self._view.show_entry(entry, is_new=is_new)
         elif patient is not None:
@@ -243,7 +268,14 @@ class FormPresenter:
             self._form = None
             self._workspace.choose_patient(patient)
             self._view.close_form()
+            self._go_back(form, patient)
         self._saved()
+
+    def _go_back(self, form: _Form, patient: Patient) -> None:
+        """Show the screen that waited for a consent, once there is the one that it needs."""
+        if form.back_to and allow_capture(patient.consents):
+            self._workspace.tell("good", _("The consent is recorded: a capture can be made."))
+            self._workspace.show_screen(form.back_to)
 
     def _identity(self, entry: PatientEntry) -> Identity:
         if not entry.name.strip():

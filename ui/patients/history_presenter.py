@@ -4,14 +4,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.clock import day_here
-from adibas.errors import AdibasError
+from adibas.errors import AdibasError, ConsentError
+from adibas.texts import describe
 from adibas.texts import translate as _
 from ui.patients.content import (
     History,
     PurgeQuestion,
     Thumbnail,
     UndoOffer,
-    consent_state,
 )
 from ui.patients.undo import Undo
 from ui.ports import JobControl
@@ -239,13 +239,16 @@ class HistoryPresenter:
         patient = self._workspace.patient
         if patient is None:
             return
-        sessions, choose = self._workspace.store.sessions, self._workspace.choose_session
-        if self._workspace.attempt(lambda: choose(sessions.start(patient.pseudonym, setup))):
+        try:
+            session = self._workspace.store.sessions.start(patient.pseudonym, setup)
+        except ConsentError as error:
+            self._workspace.tell("warning", describe(error))
+            self._workspace.ask_consent()
+        except AdibasError as error:
+            self._workspace.report_problem(error)
+        else:
+            self._workspace.choose_session(session)
             self._workspace.show_screen("capture")
-            if consent_state(patient) != "given":
-                self._workspace.tell(
-                    "warning", _("The session has begun without a consent on record.")
-                )
 
     def _follow(self) -> None:
         if self._is_seen:

@@ -3,7 +3,8 @@
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
 
-from adibas.data.patients import Consent
+from adibas.data.patients import PURPOSE_OF_CAPTURE, Consent
+from adibas.sessions.audit_words import PURPOSE_NAMES
 from adibas.sessions.roles import Permission
 from adibas.texts import message
 from adibas.texts import translate as _
@@ -14,11 +15,6 @@ from ui.widgets.dates import day_text
 from ui.widgets.flow import in_a_flow
 
 SEX_NAMES = {"": message("Not told"), "female": message("Female"), "male": message("Male")}
-PURPOSE_NAMES = {
-    "treatment": message("Treatment"),
-    "research": message("Research"),
-    "teaching": message("Teaching"),
-}
 MOST_LETTERS = 240
 """Of the notes; all of them are in the tooltip and in the form."""
 
@@ -138,14 +134,17 @@ def _facts(shown: ShownPatient) -> str:
 
 
 def _consent_text(shown: ShownPatient) -> str:
-    if shown.consent != "given" and not shown.can_change:
+    standing = [one for one in shown.patient.consents if one.is_standing]
+    if not standing and not shown.can_change:
         return _("No consent stands on record.")
     if shown.consent == "none":
-        return _("No consent is on record. You can start; record it first where you must.")
+        return _("No consent is on record. Record one for treatment before the first session.")
     if shown.consent == "withdrawn":
-        return _("The consent was withdrawn. You can start; ask for a new one where you must.")
-    standing = [one for one in shown.patient.consents if one.withdrawn_utc is None]
-    return consent_text(standing[-1])
+        return _("The consent was withdrawn: nothing can be captured without a new one.")
+    if shown.consent == "other":
+        lack = _("Nothing can be captured without one for treatment.")
+        return f"{consent_text(standing[-1])} {lack}"
+    return consent_text([one for one in standing if PURPOSE_OF_CAPTURE in one.purposes][-1])
 
 
 def consent_text(consent: Consent) -> str:

@@ -130,6 +130,7 @@ class PatientsScreen(Screen):
         """Let go of everything."""
         self._patients.close()
         self._history.close()
+        self._form.close()
         self.pages.history.list.shown_model.stop()
 
     def draft(self) -> str:
