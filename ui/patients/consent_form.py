@@ -9,6 +9,7 @@ from ui.patients.consent_fields import ConsentFields
 from ui.patients.form_footer import lay_out_footer
 from ui.patients.patient_panel import consent_text
 from ui.widgets.dates import day_text
+from ui.widgets.flow import in_a_flow
 
 
 class ConsentForm(QWidget):
@@ -19,6 +20,7 @@ class ConsentForm(QWidget):
     withdrawn = Signal(int)
     """Which of the patient's consents."""
     cancelled = Signal()
+    holdings_asked = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -29,11 +31,13 @@ class ConsentForm(QWidget):
         self.fields = ConsentFields(self._new)
         self.footer = QWidget(self)
         self._give, self._cancel = QPushButton(self.footer), QPushButton(self.footer)
+        self._held = QPushButton(self)
         self._title.setProperty("kind", "title")
         self._lay_out()
         self.fields.guardian.returnPressed.connect(self.give)
         self._give.clicked.connect(self.give)
         self._cancel.clicked.connect(self.cancelled)
+        self._held.clicked.connect(self.holdings_asked)
 
     def _lay_out(self) -> None:
         self._name.setWordWrap(True)
@@ -44,6 +48,7 @@ class ConsentForm(QWidget):
         column.addWidget(self._title)
         column.addWidget(self._name)
         column.addLayout(self._old)
+        column.addLayout(in_a_flow(self._held))
         column.addSpacing(8)
         column.addWidget(self._new)
         column.addStretch(1)
@@ -55,6 +60,10 @@ class ConsentForm(QWidget):
         self._new.setTitle(_("A new consent"))
         self._give.setText(_("&Save the consent"))
         self._cancel.setText(_("Cancel"))
+        self._held.setText(_("&What is held..."))
+        self._held.setToolTip(
+            _("List everything that is held of the patient, and what left the store")
+        )
         self.fields.retranslate()
         if self._patient is not None:
             self._show_old(self._patient)

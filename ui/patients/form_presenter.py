@@ -77,7 +77,15 @@ class _Form:
 
 
 class FormPresenter:
-    """Adds and changes patients, gives and withdraws consents; `saved` is told of each change."""
+    """Adds and changes patients, gives and withdraws consents.
+
+    Parameters
+    ----------
+    saved : callable
+        Told of each change.
+    withdrawn : callable
+        Told, after that, of each consent that was withdrawn.
+    """
 
     def __init__(
         self,
@@ -85,11 +93,13 @@ class FormPresenter:
         workspace: Workspace,
         saved: Callable[[], None],
         now: Callable[[], datetime] = lambda: datetime.now(UTC),
+        withdrawn: Callable[[], None] = lambda: None,
     ) -> None:
         self._view = view
         self._workspace = workspace
         self._saved = saved
         self._now = now
+        self._withdrawn = withdrawn
         self._form: _Form | None = None
         self._end = workspace.consent_wanted.subscribe(self._want_consent)
 
@@ -204,9 +214,10 @@ class FormPresenter:
         if form is None or form.edited is None:
             return
         pseudonym = form.edited.pseudonym
-        self._workspace.attempt(
+        if self._workspace.attempt(
             lambda: self._finish(form, patients.withdraw_consent(pseudonym, index))
-        )
+        ):
+            self._withdrawn()
 
     def _open(
         self,

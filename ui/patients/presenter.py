@@ -4,6 +4,7 @@ from collections.abc import Callable
 from datetime import date
 from typing import Protocol
 
+from adibas.data.patients import Patient
 from adibas.errors import AdibasError
 from adibas.sessions.roles import Permission
 from adibas.texts import translate as _
@@ -129,8 +130,15 @@ class PatientsPresenter:
     def ask_purge(self) -> None:
         """Ask whether the chosen, hidden patient is to be removed for good."""
         patient = self._workspace.patient
-        if patient is None or not patient.is_deleted:
-            return
+        if patient is not None and patient.is_deleted:
+            self._ask_purge(patient)
+
+    def ask_removal(self) -> None:
+        """Ask whether the chosen patient, hidden or not, is to be removed for good."""
+        if self._workspace.patient is not None:
+            self._ask_purge(self._workspace.patient)
+
+    def _ask_purge(self, patient: Patient) -> None:
         of_patient = self._workspace.store.sessions.of_patient
         n_sessions = len(of_patient(patient.pseudonym, with_deleted=True))
         self._details.ask_purge(

@@ -19,13 +19,36 @@ def build_patients_screen(workspace: Workspace, parent: QWidget | None = None) -
     undo = Undo(view.list, workspace)
     patients = PatientsPresenter((view.list, view.pages), workspace, undo)
     history = HistoryPresenter(view.pages.history, workspace, undo)
-    form = FormPresenter(view.pages, workspace, patients.refresh)
+
+    def show_held() -> None:
+        _show_held(workspace, view, patients, form)
+
+    form = FormPresenter(view.pages, workspace, patients.refresh, withdrawn=show_held)
+    view.pages.consents.holdings_asked.connect(show_held)
     view.bind((patients, history, form), undo)
     view.pages.form.work_list_asked.connect(partial(_take_over, workspace, view, form))
     keep_for_roles(view.pages.patient.for_roles(), workspace.store.may)
     keep_for_roles(view.pages.history.for_roles(), workspace.store.may)
     view.pages.history.export_asked.connect(partial(_export, workspace, view))
     return view
+
+
+def _show_held(
+    workspace: Workspace, view: PatientsScreen, patients: PatientsPresenter, form: FormPresenter
+) -> None:
+    """List what is held of the patient; what is done from there is done on this screen."""
+    from ui.patients.holdings_dialog import open_holdings
+    from ui.patients.holdings_presenter import Actions
+
+    def hide() -> None:
+        form.cancel()
+        patients.delete()
+
+    def ask_removal() -> None:
+        form.cancel()
+        patients.ask_removal()
+
+    open_holdings(workspace, view, Actions(hide, ask_removal))
 
 
 def _export(workspace: Workspace, view: PatientsScreen, session_id: str) -> None:
