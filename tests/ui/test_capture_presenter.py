@@ -13,7 +13,7 @@ from adibas.data.markers import Marker
 from adibas.data.patients import Identity
 from adibas.data.posture import VIEWS, Provenance
 from adibas.data.sessions import SessionSetup
-from adibas.errors import SensorError
+from adibas.errors import ConsentError, SensorError
 from adibas.geometry.pinhole import Intrinsics
 from adibas.markers.color_model import ColorModel
 from adibas.markers.led import LedParams
@@ -23,7 +23,7 @@ from adibas.pipeline.targets import target_to_document
 from adibas.sensors.ports import SensorDescription, SensorOptions, VideoMode
 from adibas.sessions import NewCapture
 from tests.ui.conftest import NoSensor
-from tests.unit.store_samples import add_patient
+from tests.unit.store_samples import add_patient, consent
 from ui.capture import disk_watch, presenter, sources
 from ui.capture.live_overlays import overlays_of
 from ui.capture.ports import CaptureView
@@ -290,6 +290,64 @@ def test_leaving_the_screen_gives_the_countdown_up(seen, taking, clock):
     seen.leave()
     count_down(clock)
     assert not taking.requests
+
+
+NO_CONSENT = "no consent for treatment stands on record"
+
+
+def offered(view):
+    return view.offer_consent.call_args.kwargs["is_lacking"]
+
+
+def test_without_a_consent_the_page_says_so_and_leads_to_it(shown, view, workspace, store, told):
+    workspace.choose_patient(store.patients.add(Identity("Bernat")))
+    wanted, asked = [], []
+    workspace.screen_wanted.subscribe(wanted.append)
+    workspace.consent_wanted.subscribe(asked.append)
+    shown.enter()
+    be(workspace, LIVE)
+    sentence, is_ready = readiness(view)
+    assert NO_CONSENT in sentence
+    assert (is_ready, offered(view)) == (False, True)
+    shown.capture()
+    assert told == [("warning", sentence)]
+    shown.record_consent()
+    assert (wanted, asked) == (["patients"], ["capture"])
+    given = store.patients.give_consent(workspace.patient.pseudonym, consent())
+    workspace.choose_patient(given)
+    assert (readiness(view)[1], offered(view)) == (True, False)
+
+
+def test_the_store_refuses_in_the_words_of_the_page(seen, view, store, ana):
+    store.patients.withdraw_consent(ana.pseudonym, 0)
+    with pytest.raises(ConsentError) as refused:
+        store.sessions.start(ana.pseudonym, SessionSetup())
+    seen.enter()
+    assert readiness(view) == (str(refused.value), False)
+
+
+def withdraw(workspace):
+    """Let the consent be withdrawn without this window knowing; return the patient as she is."""
+    patients = workspace.store.patients
+    return patients.withdraw_consent(workspace.patient.pseudonym, 0)
+
+
+def test_a_consent_withdrawn_in_the_countdown_ends_it(seen, workspace, taking, clock, told):
+    seen.capture()
+    workspace.choose_patient(withdraw(workspace))
+    count_down(clock)
+    assert not taking.requests
+    assert NO_CONSENT in told[-1][1]
+
+
+def test_a_consent_withdrawn_at_another_workstation_is_noticed(seen, view, workspace, clock, told):
+    assert not offered(view)
+    withdraw(workspace)
+    seen.capture()
+    count_down(clock)
+    assert NO_CONSENT in told[-1][1]
+    assert offered(view)
+    assert workspace.session is None
 
 
 def test_what_lacks_at_the_end_of_the_countdown_is_told(seen, workspace, taking, clock, told):

@@ -265,6 +265,23 @@ def test_views_are_chosen_by_key_and_the_countdown_is_shown(ready, preferences):
     assert "3" not in ready.words()
 
 
+def test_the_way_to_a_consent_is_a_button_that_is_seen_where_one_lacks(clinic, qtbot, store):
+    asked = []
+    clinic.workspace.consent_wanted.subscribe(asked.append)
+    qtbot.addWidget(clinic.screen)
+    clinic.screen.show()
+    button = clinic.button("Record the consent...")
+    assert not button.isVisible()
+    clinic.workspace.choose_patient(store.patients.add(Identity("Bernat")))
+    assert button.isVisible()
+    assert any("no consent for treatment" in text for text in clinic.words())
+    assert not clinic.button("Capture this view").isEnabled()
+    qtbot.mouseClick(button, LEFT)
+    assert asked == ["capture"]
+    clinic.workspace.choose_patient(add_patient(store, Identity("Ana")))
+    assert not button.isVisible()
+
+
 def test_it_speaks_another_language_at_once(clinic):
     use_language("es")
     try:

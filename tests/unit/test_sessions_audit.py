@@ -88,7 +88,7 @@ def test_everything_that_is_done_is_a_line(folder, tmp_path):
         *hidden,
         ("purge", session.session_id),
     ]
-    assert who == ["Berta"] * 9 + ["Carles"] * 9
+    assert who == ["Berta"] * 10 + ["Carles"] * 9
     assert NAME not in texts
 
 

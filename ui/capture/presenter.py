@@ -1,5 +1,6 @@
 """What the capture screen shows, and when. Knows nothing of Qt."""
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ from adibas.clock import utc_now
 from adibas.data.patients import Patient, allow_capture
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import Capture, Session
+from adibas.errors import AdibasError
 from adibas.pipeline.capturing import CaptureRequest, frames_of_view, take_capture
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.pipeline.live_frames import Naming
@@ -207,11 +209,10 @@ class CapturePresenter:
 
     def _renew_patient(self) -> None:
         """Know of a consent that was given or withdrawn at another workstation meanwhile."""
-        self._workspace.attempt(self._read_patient)
-
-    def _read_patient(self) -> None:
         known = self._workspace.patient
-        if known is not None:
+        if known is None:
+            return
+        with suppress(AdibasError):  # the store refuses all the same
             patient = self._workspace.store.patients.get(known.pseudonym)
             if patient.consents != known.consents:
                 self._workspace.choose_patient(patient)
