@@ -78,12 +78,12 @@ def _ended(n: int) -> str:
 
 def _told(store: "SessionStore", arguments: argparse.Namespace, console: Console) -> dict[str, Any]:
     from adibas.sessions.backup_schedule import BackupPlan
-    from adibas.sessions.holdings_words import holdings_sections, iso_dates
+    from adibas.sessions.holdings_words import holdings_sections, plain_spelling
 
     folder = arguments.backups
     plan = None if folder is None else BackupPlan(folder, arguments.every, arguments.keep)
     held = store.holdings.of(arguments.pseudonym, plan)
-    for section in holdings_sections(held, iso_dates()):
+    for section in holdings_sections(held, plain_spelling()):
         console.say(section.title)
         for line in section.lines:
             console.say(f"    {line}")

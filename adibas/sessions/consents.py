@@ -20,9 +20,8 @@ LACKING = "consent"
 def no_consent() -> ConsentError:
     """Say that nothing of a patient may be captured, why, and what to do."""
     return ConsentError(
-        "Nothing can be captured of this patient: no consent for treatment stands on record, or "
-        "it was withdrawn. Ask the patient, or the guardian of a child, and record the consent "
-        "for treatment under Patients, Consent."
+        "Nothing can be captured of this patient: no consent for treatment stands on record. Ask "
+        "for it, and record it under Patients, Consent."
     )
 
 

@@ -18,7 +18,8 @@ from adibas.sessions.holdings import (
 from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
 
-BYTES_PER_MB = 1e6
+BYTES_PER_KB, BYTES_PER_MB = 1e3, 1e6
+LEAST_MB = 0.1
 NS_PER_S = 1e9
 
 
@@ -31,37 +32,42 @@ class Section:
 
 
 @dataclass(frozen=True, slots=True)
-class Dates:
-    """How a reader is told moments and days."""
+class Spelling:
+    """How a reader is told moments, days and views."""
 
     moment: Callable[[datetime], str]
     day: Callable[[date], str]
+    view: Callable[[str], str]
 
 
-def iso_dates() -> Dates:
-    """Return those of the commands, in UTC."""
-    return Dates(lambda time: f"{time:%Y-%m-%d %H:%M} UTC", lambda day: day.isoformat())
+def plain_spelling() -> Spelling:
+    """Return that of the commands: times in UTC, views by their ids."""
+    return Spelling(
+        moment=lambda time: f"{time:%Y-%m-%d %H:%M} UTC",
+        day=lambda day: day.isoformat(),
+        view=lambda view: view or "-",
+    )
 
 
-def holdings_sections(held: Holdings, dates: Dates) -> tuple[Section, ...]:
+def holdings_sections(held: Holdings, spelling: Spelling) -> tuple[Section, ...]:
     """Say all that is held of a patient, and what the program cannot reach."""
     sections = (
-        Section(_("The patient"), tuple(_patient(held, dates))),
-        Section(_("Sessions"), tuple(_sessions(held, dates))),
+        Section(_("The patient"), tuple(_patient(held, spelling))),
+        Section(_("Sessions"), tuple(_sessions(held, spelling))),
         Section(_("Kept for learning"), tuple(_learning(held))),
-        Section(_("What left the store"), tuple(_left(held, dates))),
-        Section(_("Backups and copies"), tuple(_backups(held, dates))),
+        Section(_("What left the store"), tuple(_left(held, spelling))),
+        Section(_("Backups and copies"), tuple(_backups(held, spelling))),
         Section(_("What can be done"), tuple(_actions(held))),
         Section(_("What the program cannot reach"), tuple(_out_of_reach())),
     )
     return tuple(one for one in sections if one.lines)
 
 
-def _patient(held: Holdings, dates: Dates) -> Iterator[str]:
+def _patient(held: Holdings, spelling: Spelling) -> Iterator[str]:
     if held.gone_utc is not None:
-        yield _("Removed for good on {moment}.").format(moment=dates.moment(held.gone_utc))
+        yield _("Removed for good on {moment}.").format(moment=spelling.moment(held.gone_utc))
     else:
-        yield _("In the store since {moment}.").format(moment=dates.moment(held.since_utc))
+        yield _("In the store since {moment}.").format(moment=spelling.moment(held.since_utc))
     if held.is_deleted:
         yield _("Hidden, not removed.")
     if held.has_identity:
@@ -69,7 +75,7 @@ def _patient(held: Holdings, dates: Dates) -> Iterator[str]:
     if held.has_notes:
         yield _("Notes on the patient.")
     for consent in held.consents:
-        yield _consent(consent, dates)
+        yield _consent(consent, spelling)
     if held.n_log_lines is not None:
         text = translate_plural(
             "{n} line of the audit log under the pseudonym; such lines stay, also after a removal.",
@@ -80,26 +86,26 @@ def _patient(held: Holdings, dates: Dates) -> Iterator[str]:
         yield text.format(n=held.n_log_lines)
 
 
-def _consent(consent: HeldConsent, dates: Dates) -> str:
+def _consent(consent: HeldConsent, spelling: Spelling) -> str:
     purposes = ", ".join(_(PURPOSE_NAMES[one]) for one in consent.purposes)
-    given, withdrawn = dates.moment(consent.given_utc), consent.withdrawn_utc
+    given, withdrawn = spelling.moment(consent.given_utc), consent.withdrawn_utc
     if withdrawn is None:
         return _("Consent: {purposes}. Given {given}; it stands.").format(
             purposes=purposes, given=given
         )
     return _("Consent: {purposes}. Given {given}, withdrawn {withdrawn}.").format(
-        purposes=purposes, given=given, withdrawn=dates.moment(withdrawn)
+        purposes=purposes, given=given, withdrawn=spelling.moment(withdrawn)
     )
 
 
-def _sessions(held: Holdings, dates: Dates) -> Iterator[str]:
+def _sessions(held: Holdings, spelling: Spelling) -> Iterator[str]:
     if not held.sessions:
         yield _("None.")
         return
     for session in held.sessions:
-        yield _session(session, dates)
+        yield _session(session, spelling)
         for capture in session.captures:
-            yield f"    {_capture(capture)}"
+            yield f"    {_capture(capture, spelling)}"
         for recording in session.recordings:
             yield f"    {_recording(recording)}"
     text = translate_plural(
@@ -108,22 +114,22 @@ def _sessions(held: Holdings, dates: Dates) -> Iterator[str]:
     yield text.format(n=len(held.files), size=_megabytes(held.size_bytes))
 
 
-def _session(session: HeldSession, dates: Dates) -> str:
+def _session(session: HeldSession, spelling: Spelling) -> str:
     parts = [
-        dates.moment(session.started_utc),
-        session.session_id,
+        spelling.moment(session.started_utc),
         *([session.operator] if session.operator else []),
         *([_("with notes")] if session.has_notes else []),
         *([_("hidden")] if session.is_deleted else []),
+        session.session_id,
     ]
     return "  ".join(parts)
 
 
-def _capture(capture: HeldCapture) -> str:
+def _capture(capture: HeldCapture, spelling: Spelling) -> str:
     n = capture.n_corrections
     corrections = translate_plural("{n} correction", "{n} corrections", n).format(n=n)
     parts = [
-        _("capture: {view}").format(view=capture.view or "-"),
+        _("capture: {view}").format(view=spelling.view(capture.view)),
         _("picture {size}").format(size=_size(capture.picture)),
         *([_("surface {size}").format(size=_size(capture.surface))] if capture.surface else []),
         *([corrections] if n else []),
@@ -151,6 +157,8 @@ def _size(file: HeldFile) -> str:
 
 
 def _megabytes(size_bytes: int) -> str:
+    if size_bytes < LEAST_MB * BYTES_PER_MB:
+        return _("{size} kB").format(size=decimal_text(size_bytes / BYTES_PER_KB, 1))
     return _("{size} MB").format(size=decimal_text(size_bytes / BYTES_PER_MB, 1))
 
 
@@ -166,39 +174,53 @@ def _learning(held: Holdings) -> Iterator[str]:
     yield text.format(n=n)
 
 
-def _left(held: Holdings, dates: Dates) -> Iterator[str]:
+def _left(held: Holdings, spelling: Spelling) -> Iterator[str]:
     if held.left is None:
         yield _("The audit log tells, which is for administrators: ask one of them for this list.")
         return
     if not held.left:
         yield _("The audit log knows of nothing.")
+    sessions = _sessions_by_id(held)
     for one in held.left:
-        yield _left_line(one, dates)
+        yield _left_line(one, sessions.get(one.subject), spelling)
 
 
-def _left_line(left: LeftStore, dates: Dates) -> str:
+def _sessions_by_id(held: Holdings) -> dict[str, HeldSession]:
+    """Return the session of each id that the log may name."""
+    found: dict[str, HeldSession] = {}
+    for session in held.sessions:
+        captures = (one.capture_id for one in session.captures)
+        recordings = (one.recording_id for one in session.recordings)
+        found |= dict.fromkeys((session.session_id, *captures, *recordings), session)
+    return found
+
+
+def _left_line(left: LeftStore, session: HeldSession | None, spelling: Spelling) -> str:
+    subject = subject_text(left.subject)
+    if session is not None:
+        subject = _("session of {moment}").format(moment=spelling.moment(session.started_utc))
     parts = [
-        dates.moment(left.time_utc),
+        spelling.moment(left.time_utc),
         left.operator or "-",
         kind_text(left.kind),
-        subject_text(left.subject),
+        subject,
         *([left.receiver] if left.receiver else []),
     ]
     return "  ".join(parts)
 
 
-def _backups(held: Holdings, dates: Dates) -> Iterator[str]:
+def _backups(held: Holdings, spelling: Spelling) -> Iterator[str]:
     if held.backups is None:
         yield _("The folder of backups cannot be read. Connect its disk and look again.")
     for one in held.backups or ():
-        yield _backup(one, dates)
+        yield _backup(one, spelling)
     if held.backups_made:
         text = translate_plural(
             "The audit log knows of {n} backup of that time, wherever it is kept: {moments}",
             "The audit log knows of {n} backups of that time, wherever they are kept: {moments}",
             len(held.backups_made),
         )
-        moments = ", ".join(dates.moment(one) for one in held.backups_made)
+        moments = ", ".join(spelling.moment(one) for one in held.backups_made)
         yield text.format(n=len(held.backups_made), moments=moments)
     for name in held.copies:
         text = _("Copy of the database in the store's folder: {file}. A removal takes it along.")
@@ -207,12 +229,12 @@ def _backups(held: Holdings, dates: Dates) -> Iterator[str]:
         yield _("None is known.")
 
 
-def _backup(backup: HeldBackup, dates: Dates) -> str:
-    fields = {"file": backup.file, "made": dates.moment(backup.created_utc)}
+def _backup(backup: HeldBackup, spelling: Spelling) -> str:
+    fields = {"file": backup.file, "made": spelling.moment(backup.created_utc)}
     if backup.until is None:
         return _("{file}, made {made}: kept until somebody removes it.").format(**fields)
     return _("{file}, made {made}: kept until {day} at least.").format(
-        **fields, day=dates.day(backup.until)
+        **fields, day=spelling.day(backup.until)
     )
 
 
@@ -224,7 +246,7 @@ def _actions(held: Holdings) -> Iterator[str]:
         "removes it."
     )
     if not held.is_deleted:
-        yield _("Hide: the patient is not listed any more, and it can be undone.")
+        yield _("Delete hides the patient in the window, and can be undone.")
     yield _(
         "Remove for good, which is for administrators: tables, pictures, recordings and codings "
         "go, with their keys. Whether the law lets you, or makes you keep the records for years, "

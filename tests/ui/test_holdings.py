@@ -136,7 +136,7 @@ def test_withdrawing_shows_what_is_held_and_from_there_it_is_removed(
     press(qtbot, screen, "Withdraw")
     (dialog,) = screen.findChildren(HoldingsDialog)
     told = words(dialog)
-    assert "capture: anterior, picture" in told
+    assert "capture: Front, picture" in told
     assert "withdrawn" in told
     assert "What the program cannot reach" in told
     press(qtbot, dialog, "Remove for good")

@@ -50,7 +50,7 @@ def test_no_session_starts_without_a_consent_for_treatment(store, given):
     assert isinstance(told.value, StoreError)
     sentence = str(told.value)
     assert "no consent for treatment" in sentence
-    assert "record the consent" in sentence
+    assert "record it under Patients" in sentence
     assert not set(NAME.split()) & set(sentence.split())
     assert store.sessions.of_patient(pseudonym, with_deleted=True) == ()
     assert refused(store) == [(pseudonym, {"lacks": "consent"})]

@@ -10,7 +10,7 @@ from adibas.errors import StoreError
 from adibas.sessions import open_store
 from adibas.sessions.backup_schedule import BackupPlan
 from adibas.sessions.coding_drafts import InStore
-from adibas.sessions.holdings_words import holdings_sections, iso_dates
+from adibas.sessions.holdings_words import holdings_sections, plain_spelling
 from adibas.sessions.roles import Role
 from adibas.sessions.schema import METADATA
 from tests.unit.recorded_frames import INFO, make_frames
@@ -199,7 +199,7 @@ def test_a_file_that_is_gone_is_listed_as_missing(folder):
         held = store.holdings.of(session.patient)
     (only,) = held.captures
     assert (only.picture.size_bytes, only.surface.size_bytes) == (None, None)
-    assert "(missing)" in repr(holdings_sections(held, iso_dates()))
+    assert "(missing)" in repr(holdings_sections(held, plain_spelling()))
 
 
 def test_backups_of_the_patients_time_are_listed_with_how_long_they_stay(folder, tmp_path):
@@ -256,7 +256,7 @@ def test_who_may_not_read_the_log_is_told_whom_to_ask(folder):
         store.people.add("Carla Roca", Role.OPERATOR, CARLA, CHEAP)
     with open_store(folder, CARLA, clock=minutes_clock()) as store:
         held = store.holdings.of(session.patient)
-        text = repr(holdings_sections(held, iso_dates()))
+        text = repr(holdings_sections(held, plain_spelling()))
     assert (held.left, held.n_log_lines, held.backups_made) == (None, None, None)
     assert len(held.sessions) == 2
     assert "ask one of them for this list" in text
@@ -274,7 +274,7 @@ def test_the_words_tell_all_of_it_without_the_name(folder, tmp_path):
         session = fill(store)
         send_out(store, session, tmp_path / "out")
         held = store.holdings.of(session.patient)
-    sections = {one.title: one.lines for one in holdings_sections(held, iso_dates())}
+    sections = {one.title: one.lines for one in holdings_sections(held, plain_spelling())}
     assert list(sections) == [
         "The patient",
         "Sessions",

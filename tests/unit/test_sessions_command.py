@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from datetime import UTC, datetime
 from unittest.mock import Mock
 
 import pytest
@@ -9,9 +10,10 @@ import pytest
 from adibas.cli import main
 from adibas.data.markers import AutomaticName
 from adibas.data.patients import Identity
-from adibas.errors import FileError
+from adibas.errors import ConsentError, FileError
 from adibas.recordings import open_recording
 from adibas.sessions import default_store_folder
+from adibas.sessions.backup_schedule import BackupPlan
 from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames
 from tests.unit.store_samples import (
     NAME,
@@ -20,10 +22,13 @@ from tests.unit.store_samples import (
     add_capture,
     add_session,
     all_bytes,
+    minutes_clock,
     open_sample,
     use_keyring,
 )
 from tests.unit.store_samples import marker as sample_marker
+
+LATE = datetime(2027, 1, 1, 9, tzinfo=UTC)
 
 
 @pytest.fixture
@@ -375,6 +380,49 @@ def test_an_id_that_is_no_text_is_one_sentence(run, session):
     assert session.session_id
     code, _, err = run("show", "\udcff")
     assert (code, "half a character" in err, "udcff" in err) == (1, True, False)
+
+
+def test_what_is_held_of_a_patient_is_listed_and_nothing_is_changed(run, folder, session):
+    code, out, _ = run("holdings", session.patient)
+    assert code == 0
+    assert "What the program cannot reach" in out
+    assert session.session_id in out
+    assert not set(NAME.split()) & set(out.split())
+    told = as_json(run, "holdings", session.patient)
+    assert [one["session_id"] for one in told["sessions"]] == [session.session_id]
+    assert told["size_bytes"] > 0
+    with open_sample(folder) as store:
+        assert all(one.is_standing for one in store.patients.get(session.patient).consents)
+
+
+def test_withdrawing_ends_every_consent_that_stands_and_lists_what_is_held(run, folder, session):
+    with open_sample(folder) as store:
+        n_standing = len(store.patients.get(session.patient).consents)
+    told = as_json(run, "withdraw", session.patient)
+    assert told["withdrawn"] == n_standing
+    assert all(one["withdrawn_utc"] for one in told["consents"])
+    assert len(told["sessions"]) == 1
+    with open_sample(folder) as store, pytest.raises(ConsentError):
+        store.sessions.start(session.patient, session.setup)
+    code, out, _ = run("withdraw", session.patient)
+    assert (code, "No consent of this patient stands" in out) == (0, True)
+
+
+def test_planned_backups_are_told_with_the_folder_that_is_named(run, folder, session, tmp_path):
+    plan = BackupPlan(tmp_path / "backups")
+    plan.folder.mkdir()
+    with open_sample(folder, clock=minutes_clock(LATE)) as store:
+        path, _summary = store.backups.write_planned(plan)
+    told = as_json(run, "holdings", session.patient, "--backups", str(plan.folder), "--keep", "2")
+    assert [one["file"] for one in told["backups"]] == [path.name]
+    assert told["backups"][0]["until"] == "2027-01-15"
+
+
+def test_nobody_of_that_pseudonym_is_one_sentence(run, session):
+    assert session.patient
+    for action in ("holdings", "withdraw"):
+        code, _, err = run(action, "P-NOBODY")
+        assert (code, "There is no patient P-NOBODY" in err) == (1, True)
 
 
 def test_a_name_cannot_steer_the_terminal(run, folder):

@@ -282,7 +282,7 @@ class ShutterPanel(QWidget):
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
         self._learn.setText(_("&Learn the marker colour"))
-        self._consent.setText(_("Record the c&onsent..."))
+        self._consent.setText(_("Record the co&nsent..."))
         self._wand.setText(_("Wan&d..."))
         self._wand.setToolTip(_("Check with a wand of known length that the sensor measures well"))
         self._capture.setText(_("Stop") if self._can_stop else _("&Capture this view"))

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QDialog, QLabel, QPushButton, QVBoxLayout, QWidget
 from adibas.sessions.roles import Permission
 from adibas.texts import translate as _
 from ui.patients.holdings_presenter import Actions, HoldingsPresenter
+from ui.view_names import VIEW_NAMES
 from ui.widgets.dates import day_text, moment_text
 from ui.widgets.flow import in_a_flow
 from ui.widgets.for_roles import keep_for_roles
@@ -39,6 +40,7 @@ class HoldingsDialog(QDialog):
         self._close.clicked.connect(self.reject)
         self._inside = Scrolled(self)
         self._inside.column.setSpacing(4)
+        self._inside.column.setContentsMargins(0, 0, 12, 0)
         self._inside.column.addWidget(self._wait)
         self._inside.column.addStretch()
         column = QVBoxLayout(self)
@@ -59,11 +61,12 @@ class HoldingsDialog(QDialog):
         self._remove.clicked.connect(presenter.ask_removal)
 
     def show_holdings(self, held: "Holdings") -> None:
-        from adibas.sessions.holdings_words import Dates, holdings_sections
+        from adibas.sessions.holdings_words import Spelling, holdings_sections
 
         self._wait.hide()
         column = self._inside.column
-        for section in holdings_sections(held, Dates(moment_text, day_text)):
+        spelling = Spelling(moment_text, day_text, _view_text)
+        for section in holdings_sections(held, spelling):
             title, lines = QLabel(section.title, self), QLabel("\n".join(section.lines), self)
             title.setProperty("kind", "heading")
             lines.setAccessibleName(section.title)
@@ -92,6 +95,10 @@ class HoldingsDialog(QDialog):
         height = metrics.height() * LINES
         most = round(SHARE_OF_WINDOW * room.height())
         self.resize(min(width, room.width()), min(height, most))
+
+
+def _view_text(view: str) -> str:
+    return _(VIEW_NAMES.get(view, view))
 
 
 def open_holdings(workspace: Workspace, parent: QWidget, actions: Actions) -> HoldingsDialog:
