@@ -98,7 +98,7 @@ class HoldingsDialog(QDialog):
 
 
 def _view_text(view: str) -> str:
-    return _(VIEW_NAMES.get(view, view))
+    return _(VIEW_NAMES[view]) if view in VIEW_NAMES else view
 
 
 def open_holdings(workspace: Workspace, parent: QWidget, actions: Actions) -> HoldingsDialog:
