@@ -12,6 +12,7 @@ from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.errors import FileError
 from adibas.texts import use_language
+from tests.unit.store_samples import add_patient
 from ui.settings import audit_presenter
 from ui.settings.audit_presenter import AuditPresenter, AuditView
 from ui.settings.screen import build_settings_screen
@@ -21,7 +22,7 @@ AUDIT_TAB = 2
 
 @pytest.fixture
 def ana(store):
-    return store.patients.add(Identity("Ana Ruiz", None, "HC-1")).pseudonym
+    return add_patient(store, Identity("Ana Ruiz", None, "HC-1")).pseudonym
 
 
 @pytest.fixture
@@ -50,21 +51,21 @@ def subjects(view):
 
 def test_all_lines_are_shown_newest_first(presenter, view, ana, bernat, session):
     presenter.enter()
-    assert subjects(view) == [bernat, session, ana, "store"]
+    assert subjects(view) == [bernat, session, ana, ana, "store"]
     assert view.show_entries.call_args.kwargs == {"is_cut": False}
 
 
 @pytest.mark.parametrize("text", ["ruiz", "HC-1", "{ana}", " {ana_small} "])
 def test_a_patient_is_found_by_name_number_or_pseudonym(presenter, view, ana, session, text):
     presenter.search(text.format(ana=ana, ana_small=ana.lower()))
-    assert subjects(view) == [session, ana]
+    assert subjects(view) == [session, ana, ana]
 
 
 def test_somebody_who_was_removed_is_found_by_the_pseudonym(presenter, view, store, ana, session):
     store.patients.delete(ana)
     store.patients.purge(ana)
     presenter.search(ana)
-    assert subjects(view) == [ana, ana, session, ana]
+    assert subjects(view) == [ana, ana, session, ana, ana]
     presenter.search("ruiz")
     assert subjects(view) == []
 
@@ -79,7 +80,7 @@ def test_older_lines_are_cut_from_the_page_but_not_from_the_file(
     assert (len(subjects(view)), view.show_entries.call_args.kwargs) == (2, {"is_cut": True})
     presenter.export(tmp_path / "log.csv")
     with (tmp_path / "log.csv").open(encoding="utf-8", newline="") as file:
-        assert [int(row["sequence"]) for row in csv.DictReader(file)] == [4, 3, 2, 1]
+        assert [int(row["sequence"]) for row in csv.DictReader(file)] == [5, 4, 3, 2, 1]
     assert told == ["good"]
     newest = store.audit.entries(1)[0]
     assert (newest.action, newest.subject) == ("export", "store")
@@ -192,11 +193,12 @@ def test_the_page_says_who_did_what_on_whom(screen, ana, bernat, session):
     assert lines(screen) == [
         ("tester", "created", bernat, ""),
         ("tester", "created", ana, session),
+        ("tester", "changed", ana, ""),
         ("tester", "created", ana, ""),
         ("tester", "opened", "", "the patient store"),
     ]
     screen.entered()
-    assert len(lines(screen)) == 4
+    assert len(lines(screen)) == 5
     use_language("es")
     screen.retranslate()
     assert lines(screen)[0][1] == "creado"

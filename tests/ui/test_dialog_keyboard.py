@@ -23,6 +23,7 @@ from tests.ui.review_scene import saved_session
 from tests.ui.test_keyboard_only import Key, assert_keyboard_is_enough, controls, describe, name_of
 from tests.ui.test_mnemonics import assert_each_letter_is_one_control
 from tests.ui.window_user import visible, visible_dialogs
+from tests.unit.store_samples import add_patient
 from ui.behaviour.learn_dialog import LearnDialog
 from ui.behaviour.learning_presenter import LearningPresenter
 from ui.behaviour.scheme_dialog import SchemeDialog
@@ -37,6 +38,8 @@ from ui.mapping.dialog import MapDialog
 from ui.mapping.presenter import MapPresenter
 from ui.orders.dialog import OrdersDialog
 from ui.orders.presenter import OrderLine, OrdersPresenter
+from ui.patients.holdings_dialog import HoldingsDialog, open_holdings
+from ui.patients.holdings_presenter import Actions
 from ui.recovery.dialog import RecoveryKeyDialog, open_recovery_key
 from ui.settings.protocol_forms import LandmarkForm, MeasureForm
 from ui.theme import Theme
@@ -124,6 +127,14 @@ def open_orders(user):
     return dialog
 
 
+def open_held(user):
+    user.workspace.choose_patient(add_patient(user.store))
+    actions = create_autospec(Actions, instance=True)
+    dialog = open_holdings(user.workspace, user.window, actions)
+    user.until(lambda: dialog._remove.isEnabled())
+    return dialog
+
+
 OPENERS = {
     SectionDialog: open_section,
     SchemeDialog: open_scheme,
@@ -138,6 +149,7 @@ OPENERS = {
     ExportDialog: open_exporting,
     OrdersDialog: open_orders,
     RecoveryKeyDialog: open_key,
+    HoldingsDialog: open_held,
 }
 
 

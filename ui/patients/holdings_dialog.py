@@ -38,6 +38,7 @@ class HoldingsDialog(QDialog):
         self._close.setText(_("Close"))
         self._close.setDefault(True)
         self._close.clicked.connect(self.reject)
+        self._close.setFocus()
         self._inside = Scrolled(self)
         self._inside.column.setSpacing(4)
         self._inside.column.setContentsMargins(0, 0, 12, 0)
