@@ -78,7 +78,8 @@ def _by_mouse(hand: "Hand", stickers: Pixels) -> None:
         hand.write(text)
         hand.key(Qt.Key.Key_Tab)
     hand.press("Save")
-    hand.press("Start a session")
+    for button in ("Start a session", "Save the consent", "Start a session"):
+        hand.press(button)
     _wait_for_picture(hand)
     hand.press("Learn the marker colour")
     hand.press("Freeze")
@@ -115,7 +116,8 @@ def _by_keys(hand: "Hand", stickers: Pixels) -> None:
         hand.write(text)
         hand.key(Qt.Key.Key_Tab)
     hand.alt("Save")
-    hand.alt("Start a session")
+    for button in ("Start a session", "Save the consent", "Start a session"):
+        hand.alt(button)
     _wait_for_picture(hand)
     hand.alt("Learn the marker colour")
     hand.alt("Freeze")

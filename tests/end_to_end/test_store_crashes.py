@@ -19,6 +19,7 @@ from benchmarks.crash_trial import KILLS_PER_STORE, Acknowledged, Outcome, kill_
 from benchmarks.crash_victim import CALIBRATION, CHEAP, PASSPHRASE, marker
 from benchmarks.reliability_kills import kill_side_by_side
 from tests.unit.recorded_frames import assert_same_frame, make_frames
+from tests.unit.store_samples import add_patient
 
 N_KILLS = 20
 
@@ -71,7 +72,7 @@ def store(tmp_path):
 
 @pytest.fixture
 def session(store):
-    patient = store.patients.add(Identity("Somebody"))
+    patient = add_patient(store, Identity("Somebody"))
     return store.sessions.start(patient.pseudonym, SessionSetup())
 
 

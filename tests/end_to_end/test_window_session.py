@@ -103,7 +103,7 @@ def distances_by_capture(user):
 
 
 def add_patient(user):
-    """Type a new patient and start a session, without the mouse."""
+    """Type a new patient and a consent, and start a session, without the mouse."""
     user.key(Key.Key_N, CTRL)
     for text in ("Rosa Ibarra", "3/4/1971", "HC-77"):
         user.keys(text)
@@ -111,8 +111,9 @@ def add_patient(user):
     user.tab_to_button("Save")
     user.key(Key.Key_Space)
     assert user.workspace.patient.identity.name == "Rosa Ibarra"
-    user.tab_to_button("Start a session")
-    user.key(Key.Key_Space)
+    for button in ("Start a session", "Save the consent", "Start a session"):
+        user.tab_to_button(button)
+        user.key(Key.Key_Space)
     assert user.window.shown == "capture"
 
 

@@ -131,7 +131,7 @@ def open_held(user):
     user.workspace.choose_patient(add_patient(user.store))
     actions = create_autospec(Actions, instance=True)
     dialog = open_holdings(user.workspace, user.window, actions)
-    user.until(lambda: dialog._remove.isEnabled())
+    user.until(dialog._remove.isEnabled)
     return dialog
 
 
