@@ -100,7 +100,8 @@ class Studio:
         self._settle()
         picture = self._window.grab()
         page = self._window.unlock_page
-        page.findChildren(QLineEdit)[0].setText(PASSPHRASE)
+        field = next(one for one in page.findChildren(QLineEdit) if one.isVisible())
+        field.setText(PASSPHRASE)
         page.findChildren(QPushButton)[0].click()
         self._wait(lambda: self._application.workspace is not None)
         self._prepare()
