@@ -158,17 +158,24 @@ def _correct_by_keys(hand: "Hand") -> None:
 
 def _give_passphrase(hand: "Hand") -> None:
     from PySide6.QtCore import Qt
-    from PySide6.QtWidgets import QLineEdit
+    from PySide6.QtWidgets import QLineEdit, QWidget
 
-    page = hand.window.unlock_page
-    hand.wait(
-        "the first page", lambda: all(one.isVisible() for one in page.findChildren(QLineEdit))
-    )
+    from ui.recovery.dialog import RecoveryKeyDialog
+
+    def seen(parent: QWidget, kind: type[QWidget]) -> list[QWidget]:
+        return [one for one in parent.findChildren(kind) if one.isVisible()]
+
+    page, n_fields = hand.window.unlock_page, 2
+    hand.wait("the first page", lambda: len(seen(page, QLineEdit)) == n_fields)
     hand.write(PASSPHRASE)
     hand.key(Qt.Key.Key_Tab)
     hand.write(PASSPHRASE)
     hand.key(Qt.Key.Key_Return)
     hand.wait("the patients", lambda: hand.window.shown == "patients")
+    hand.wait("the recovery key", lambda: seen(hand.window, RecoveryKeyDialog))
+    hand.key(Qt.Key.Key_Escape)  # later
+    hand.wait("the end of the dialog", lambda: not seen(hand.window, RecoveryKeyDialog))
+    hand.window.activateWindow()  # what a desktop does by itself
 
 
 def _wait_for_picture(hand: "Hand") -> None:

@@ -57,9 +57,9 @@ def _program(folder: str, until: str) -> None:
         app, PreferencesFile(Path(folder) / "preferences.json"), Path(folder) / "store"
     )
     application.start()
-    field = application.window.unlock_page.findChildren(QLineEdit)[0]
+    fields = application.window.unlock_page.findChildren(QLineEdit)
     while application.window.shown != "patients":
-        if until == "passphrase" and field.isVisible():
+        if until == "passphrase" and any(field.isVisible() for field in fields):
             break
         app.processEvents(QEventLoop.ProcessEventsFlag.WaitForMoreEvents)
     app.processEvents()
