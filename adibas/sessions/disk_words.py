@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from adibas.texts import decimal_text
+from adibas.texts import decimal_text, translate_plural
 from adibas.texts import translate as _
 
 if TYPE_CHECKING:
@@ -22,6 +22,9 @@ def forecast_text(forecast: "DiskForecast") -> str:
     if months > MANY_MONTHS:
         told = _("{free} GB are free: enough for years at the rate of the last 90 days.")
         return told.format(free=free)
-    return _("{free} GB are free: {months} months at the rate of the last 90 days.").format(
-        free=free, months=months
+    told = translate_plural(
+        "{free} GB are free: {months} month at the rate of the last 90 days.",
+        "{free} GB are free: {months} months at the rate of the last 90 days.",
+        months,
     )
+    return told.format(free=free, months=months)

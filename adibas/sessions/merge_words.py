@@ -15,14 +15,18 @@ def merge_texts(summary: "MergeSummary") -> tuple[str, ...]:
 
 
 def _added(summary: "MergeSummary") -> str:
-    return _(
-        "Added from the backup: {patients} patients, {sessions} sessions, {captures} captures, "
-        "{recordings} recordings."
-    ).format(
-        patients=summary.n_patients,
-        sessions=summary.n_sessions,
-        captures=summary.n_captures,
-        recordings=summary.n_recordings,
+    n_patients, n_sessions = summary.n_patients, summary.n_sessions
+    n_captures, n_recordings = summary.n_captures, summary.n_recordings
+    patients = translate_plural("{n} patient", "{n} patients", n_patients)
+    sessions = translate_plural("{n} session", "{n} sessions", n_sessions)
+    captures = translate_plural("{n} capture", "{n} captures", n_captures)
+    recordings = translate_plural("{n} recording", "{n} recordings", n_recordings)
+    told = _("Added from the backup: {patients}, {sessions}, {captures}, {recordings}.")
+    return told.format(
+        patients=patients.format(n=n_patients),
+        sessions=sessions.format(n=n_sessions),
+        captures=captures.format(n=n_captures),
+        recordings=recordings.format(n=n_recordings),
     )
 
 

@@ -47,6 +47,13 @@ def test_the_age_of_the_newest_backup_is_shown_and_warned_about(presenter, view,
     assert view.show_plan.call_args.args[0].backup_folder == str(tmp_path / "kept")
 
 
+@pytest.mark.parametrize(("days", "told"), [(1.2, "is 1 day old."), (1.8, "is 2 days old.")])
+def test_a_backup_of_yesterday_is_one_day_old(presenter, view, store, monkeypatch, days, told):
+    monkeypatch.setattr(store.backups, "days_since", lambda _folder: days)
+    presenter.change(backup_folder="kept")
+    assert told in state(view)[0]
+
+
 def test_a_disk_that_is_nearly_full_is_urgent(presenter, view, store, tmp_path, monkeypatch):
     presenter.change(backup_folder=str(tmp_path / "kept"))
     presenter.back_up(tmp_path / "kept" / "adibas-1.adibas-backup", "")

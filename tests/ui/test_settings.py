@@ -151,6 +151,19 @@ def test_a_choice_in_the_form_changes_the_preferences(screen, workspace):
     assert now.calibration_days == 179
 
 
+def test_one_day_is_told_as_one(screen, workspace):
+    field = labelled(screen, "Calibrate the sensor again after", QSpinBox)
+    assert field.text() == "180 days"
+    QTest.keyClick(field, Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
+    QTest.keyClicks(field, "1")
+    assert field.text() == "1 day"
+    QTest.keyClicks(field, "2")
+    assert field.text() == "12 days"
+    assert workspace.preferences.now.calibration_days == 12
+    field.setValue(1)
+    assert field.text() == "1 day"
+
+
 def test_a_passphrase_is_changed_with_the_keyboard(screen, told):
     screen.findChild(QTabWidget).setCurrentIndex(1)
     for text, words in (

@@ -15,6 +15,7 @@ from adibas.errors import PassphraseError, StoreError
 from adibas.sessions import open_store
 from adibas.sessions.backup_format import BackupReader
 from adibas.sessions.merge_words import merge_texts
+from adibas.sessions.merging import MergeSummary
 from adibas.sessions.restoring import restore_into
 from tests.unit.recorded_frames import INFO, assert_same_frame, make_frames
 from tests.unit.store_samples import (
@@ -109,6 +110,17 @@ def test_another_clinics_backup_is_added_whole(session, backup, tmp_path):
         }
         assert counts(store.backups.restore(backup, PASSPHRASE)) == (0, 0, 0, 0)
         assert not (new / "restoring").exists()
+
+
+@pytest.mark.parametrize(
+    ("numbers", "told"),
+    [
+        ((1, 1, 1, 1), "1 patient, 1 session, 1 capture, 1 recording."),
+        ((2, 1, 0, 3), "2 patients, 1 session, 0 captures, 3 recordings."),
+    ],
+)
+def test_one_of_a_kind_is_told_as_one(numbers, told):
+    assert merge_texts(MergeSummary(*numbers)) == (f"Added from the backup: {told}",)
 
 
 def test_what_was_purged_does_not_come_back(folder, session, backup):

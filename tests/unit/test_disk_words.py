@@ -11,7 +11,13 @@ GB = 1_000_000_000
 
 @pytest.mark.parametrize(
     ("months", "words"),
-    [(2, "2 months"), (36, "36 months"), (37, "enough for years"), (1762, "enough for years")],
+    [
+        (1, "1 month at"),
+        (2, "2 months"),
+        (36, "36 months"),
+        (37, "enough for years"),
+        (1762, "enough for years"),
+    ],
 )
 def test_months_are_counted_as_long_as_the_rate_tells_anything(months, words):
     forecast = DiskForecast(months * GB, float(GB))

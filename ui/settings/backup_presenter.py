@@ -8,6 +8,7 @@ from adibas.sessions.disk_words import forecast_text
 from adibas.sessions.keys import BEHIND_PASSPHRASE
 from adibas.sessions.merge_words import merge_texts
 from adibas.texts import translate as _
+from adibas.texts import translate_plural
 from ui.ports import JobControl
 from ui.preferences import Preferences
 from ui.scheduled_backup import tell_of_backup
@@ -122,7 +123,11 @@ class BackupPresenter:
 def _age_text(days: float | None) -> str:
     if days is None:
         return _("There is no backup in the folder of backups yet.")
-    return _("The newest backup is {days:.0f} days old.").format(days=days)
+    n = round(days)
+    told = translate_plural(
+        "The newest backup is {n} day old.", "The newest backup is {n} days old.", n
+    )
+    return told.format(n=n)
 
 
 def _plan_texts(*, has_passphrase: bool) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from adibas.texts import LANGUAGES, message
+from adibas.texts import LANGUAGES, message, translate_plural
 from adibas.texts import translate as _
 from ui.preferences import FONT_SCALES, THEMES, Preferences
 from ui.settings.preference_page import PreferencePage
@@ -76,6 +76,7 @@ class GeneralPage(PreferencePage):
         self._operator.editingFinished.connect(self._send_operator)
         self._countdown.valueChanged.connect(partial(self.changed.emit, "countdown_s"))
         self._frames.valueChanged.connect(partial(self.changed.emit, "burst_frames"))
+        self._days.valueChanged.connect(lambda _days: self._word_days())
         self._days.valueChanged.connect(partial(self.changed.emit, "calibration_days"))
         self._sound.toggled.connect(partial(self.changed.emit, "has_sound"))
 
@@ -99,10 +100,13 @@ class GeneralPage(PreferencePage):
         ):
             self._labels[widget].setText(text)
         self._countdown.setSuffix(" s")
-        self._days.setSuffix(_(" days"))
+        self._word_days()
         self._sound.setText(_("&Sound with the countdown"))
         for index, theme in enumerate(THEMES):
             self._theme.setItemText(index, _(THEME_NAMES[theme]))
+
+    def _word_days(self) -> None:
+        self._days.setSuffix(translate_plural(" day", " days", self._days.value()))
 
     def show_person(self, name: str) -> None:
         """Show who opened the store where it has people: nobody types another name then."""
@@ -119,5 +123,6 @@ class GeneralPage(PreferencePage):
         self._countdown.show_value(preferences.countdown_s)
         self._frames.show_value(preferences.burst_frames)
         self._days.show_value(preferences.calibration_days)
+        self._word_days()
         with QSignalBlocker(self._sound):
             self._sound.setChecked(preferences.has_sound)
