@@ -51,7 +51,13 @@ PAIRED: dict[str, Message] = {
     "metatarsals": message("Metatarsals 2 and 3"),
 }
 VERTEBRAE = ("c7", "t1", "t3", "t5", "t7", "t9", "t11", "t12", "l1", "l3", "l4", "l5", "s1")
-"""Called the same in every language."""
+"""Of the shipped protocols."""
+SPINE = tuple(
+    f"{part}{number}"
+    for part, n in (("c", 7), ("t", 12), ("l", 5), ("s", 5))
+    for number in range(1, n + 1)
+)
+"""Every vertebra from head to foot: called the same in every language, in capitals."""
 LEFT, RIGHT = message("{landmark}, left"), message("{landmark}, right")
 LANDMARKS = (
     *MIDDLE,
@@ -68,7 +74,7 @@ def landmark_text(label: str) -> str:
     Joints and landmarks that the program knows have a name in the language in use; what a user
     typed is its own name. Files for programs keep the label, the same in every language.
     """
-    if label in VERTEBRAE:
+    if label in SPINE:
         return label.upper()
     named = JOINTS.get(label) or MIDDLE.get(label)
     if named is not None:
@@ -92,4 +98,4 @@ class LandmarkNames:
 
 def landmark_label(text: str) -> str:
     """Return the label whose text this is in the language in use; other texts are labels."""
-    return next((label for label in KNOWN if landmark_text(label) == text), text)
+    return next((label for label in (*KNOWN, *SPINE) if landmark_text(label) == text), text)

@@ -7,6 +7,8 @@ from adibas.data.landmark_texts import (
     JOINTS,
     KNOWN,
     LANDMARKS,
+    SPINE,
+    VERTEBRAE,
     LandmarkNames,
     landmark_label,
     landmark_text,
@@ -47,6 +49,17 @@ def test_the_landmarks_of_all_shipped_protocols_have_a_name():
     protocols = map(find_protocol, protocol_files())
     assert {one.landmark_id for each in protocols for one in each.landmarks} == set(KNOWN)
     assert len(KNOWN) == len(LANDMARKS) + len(JOINTS)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_vertebra_is_written_in_capitals_whether_or_not_a_protocol_names_it(language):
+    with speaking(language):
+        for label in ("c1", "c7", "t4", "t10", "l2", "s1", "s5"):
+            assert landmark_text(label) == label.upper()
+            assert landmark_label(label.upper()) == label
+        for label in ("c8", "t0", "t13", "l6", "s6", "t04"):
+            assert landmark_text(label) == label
+    assert set(VERTEBRAE) <= set(SPINE)
 
 
 @pytest.mark.parametrize("typed", ["m07", "Acromion (der.)", "left_thing", "left_c7"])
