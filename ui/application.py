@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QLoggingCategory, QSettings, QTimer
-from PySide6.QtWidgets import QApplication, QToolTip
+from PySide6.QtWidgets import QApplication, QDialog, QToolTip
 
 from adibas.errors import AdibasError
 from adibas.sessions import default_store_folder
+from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.appearance import Appearance
 from ui.closing import OrderlyClose
@@ -29,6 +30,7 @@ from ui.screens import preload
 from ui.signals import SignalWatch
 from ui.theme import Theme
 from ui.unlock_presenter import UnlockPresenter
+from ui.unsaved import UnsavedWork
 from ui.window import MainWindow
 from ui.workspace import Workspace
 
@@ -76,7 +78,8 @@ class Application:
         self._drafts = Drafts(self.window)
         self._watch = InactivityWatch(self.lock, self.window)
         self._idle = IdleCall(self.jobs, self._finish_lock)
-        self._closing = OrderlyClose(self.window, self.jobs)
+        unsaved = UnsavedWork(self.window, self._unsaved_elsewhere)
+        self._closing = OrderlyClose(self.window, self.jobs, unsaved.names, unsaved.lead_back)
         self._bugs = CallBridge(lambda said: self.window.tell_of_bug(str(said)), self.window)
         self._take_hook_away = install_crash_report(self._bugs.publish)
         self._appearance = Appearance(app, self._theme, self.window, preferences)
@@ -141,6 +144,9 @@ class Application:
         self._watch.set_minutes(0)
         self._closing.finish()
         self._idle.close()
+        for dialog in self.window.findChildren(QDialog):
+            if dialog.isVisible():
+                dialog.close()  # what it keeps by itself when it is closed is kept
         self._close_store()
         self.jobs.close()
         self._take_hook_away()
@@ -191,6 +197,14 @@ class Application:
         for widget in self._app.topLevelWidgets():
             if widget is not self.window and widget.isVisible():
                 widget.close()
+
+    def _unsaved_elsewhere(self) -> tuple[str, ...]:
+        """Name what would be lost and stands on no screen."""
+        if self._drafts.are_there:
+            return (_("What was typed before the window locked"),)
+        if self.workspace is not None and self.workspace.has_retry:
+            return (_("What could not be saved and can be tried again"),)
+        return ()
 
     def _report(self, error: AdibasError) -> None:
         if self._opened is not None:

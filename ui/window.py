@@ -172,6 +172,11 @@ class MainWindow(QMainWindow):
                 splitter.restoreState(_bytes(state))
         return self._screens[name]
 
+    @property
+    def built_screens(self) -> tuple[Screen, ...]:
+        """The screens that were asked for up to now."""
+        return tuple(self._screens.values())
+
     def drafts(self) -> dict[str, str]:
         """Return by the name of the screen what was typed and is not saved."""
         drafts = {name: screen.draft() for name, screen in self._screens.items()}

@@ -214,6 +214,11 @@ class Workspace:
         """
         return self._attempt_shared(_Attempt(save, ended, is_kept), ())
 
+    @property
+    def has_retry(self) -> bool:
+        """Whether something waits to be tried again."""
+        return self._offered is not None
+
     def withdraw_retry(self) -> None:
         """Offer no more to try again what failed: it was given up, or is saved otherwise."""
         if self._offered is not None:

@@ -179,6 +179,7 @@ def test_a_form_is_given_back_behind_the_screen_that_was_seen(user):
     assert user.window.shown == "settings"
     user.go_to("patients")
     assert "Nuria Typed" in words(user)
+    user.key(Key.Key_Escape)
     user.close()
 
 

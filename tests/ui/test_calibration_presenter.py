@@ -283,6 +283,19 @@ def test_an_accepted_calibration_is_kept_and_the_sensor_opened_with_it(wizard):
     assert wizard.shown.reminder.text == "This sensor was calibrated today."
 
 
+def test_a_good_result_is_unsaved_until_it_is_in_use_or_in_a_file(wizard, tmp_path):
+    assert not wizard.result.is_unsaved
+    wizard.enter().hold(*range(N_POSES))
+    wizard.result.compute()
+    assert wizard.result.is_unsaved
+    wizard.result.save(tmp_path / "mine.json")
+    assert not wizard.result.is_unsaved
+    wizard.result.compute()
+    assert wizard.result.is_unsaved
+    wizard.result.accept()
+    assert not wizard.result.is_unsaved
+
+
 def test_a_result_can_be_thrown_away(wizard):
     wizard.enter().hold(0, 1, 2)
     wizard.result.compute()

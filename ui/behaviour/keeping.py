@@ -25,6 +25,7 @@ class DraftKeeper(Keeper):
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="drafts")
         self._lock = Lock()
         self._waiting: dict[DraftPlace, tuple[History[Draft], int]] = {}
+        self._unwritten: set[DraftPlace] = set()
 
     def keep(self, place: DraftPlace, history: History[Draft], at_ms: int) -> None:
         """Write a draft and its steps as soon as it can be, in place of what still waits."""
@@ -34,9 +35,9 @@ class DraftKeeper(Keeper):
         if is_first:
             self._pool.submit(self._write, place)
 
-    def flush(self) -> None:
-        """Wait until everything is on the disk."""
-        self._pool.submit(int).result()
+    def flush(self) -> bool:
+        """Wait until everything is on the disk; return whether it is."""
+        return self._pool.submit(lambda: not self._unwritten).result()
 
     def close(self) -> None:
         """Flush, and keep no more."""
@@ -48,4 +49,7 @@ class DraftKeeper(Keeper):
         try:
             write_history(place, history, at_ms)
         except AdibasError as error:
+            self._unwritten.add(place)
             self._failed(error)
+        else:
+            self._unwritten.discard(place)

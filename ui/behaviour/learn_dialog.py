@@ -106,6 +106,10 @@ class LearnDialog(QDialog):
         self._box.button(Standard.Cancel).setText(_("Cancel"))
         self._allow()
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Name the gesture that was learned: one that is kept closes the dialog."""
+        return (_("The gesture that was learned"),) if self._is_learned else ()
+
     def show_marked(self, marked: tuple[Marked, ...], chosen: str) -> None:
         self._marked.clear()
         for one in marked:

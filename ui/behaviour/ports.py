@@ -84,8 +84,8 @@ class Keeper(Protocol):
     def keep(self, place: "DraftPlace", history: "History[Draft]", at_ms: int) -> None:
         """Write a draft and its steps as soon as it can be, in place of what still waits."""
 
-    def flush(self) -> None:
-        """Wait until everything is on the disk."""
+    def flush(self) -> bool:
+        """Wait until everything is on the disk; return whether it is."""
 
     def close(self) -> None:
         """Flush, and keep no more."""

@@ -133,8 +133,12 @@ class BehaviourPresenter:
     def leave(self) -> None:
         """Stop the video; what was coded is on the disk when this returns."""
         self.stop()
+        self.keep()
+
+    def keep(self) -> bool:
+        """Return whether everything that was coded is on the disk."""
         self.coding.keep()
-        self._keeper.flush()
+        return self._keeper.flush()
 
     def close(self) -> None:
         """Let go of the recording and of threads."""

@@ -51,7 +51,7 @@ class SchemeDialog(QDialog):
         self, ethogram: Ethogram, use: Callable[[SchemeFields], str], parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
-        self._fields = fields_of(ethogram)
+        self._fields = self._opened = fields_of(ethogram)
         self._use = use
         self._is_showing = False
         self._list = QListWidget(self)
@@ -150,6 +150,10 @@ class SchemeDialog(QDialog):
         standard = QDialogButtonBox.StandardButton
         self._box.button(standard.Ok).setText(_("&Use this scheme"))
         self._box.button(standard.Cancel).setText(_("Cancel"))
+
+    def unsaved(self) -> tuple[str, ...]:
+        """Name the scheme, once it was changed."""
+        return () if self._fields == self._opened else (_("The coding scheme"),)
 
     def _show_names(self, row: int) -> None:
         self._is_showing = True

@@ -235,6 +235,10 @@ class BehaviourScreen(Screen):
         self._ticking.stop()
         self._presenter.close()
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Keep what was coded, and name it where it cannot be kept."""
+        return () if self._presenter.keep() else (_("What was coded in the recording"),)
+
     def open_file(self, path: Path) -> None:
         """Open a dropped recording."""
         self._presenter.open_file(path)

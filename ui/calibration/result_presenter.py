@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from adibas.calibration.files import write_calibration
+from adibas.data.calibration import RgbdCalibration
 from adibas.pipeline.calibration_report import report_of_calibration
 from adibas.pipeline.sensor_calibration import SensorOutcome
 from adibas.reports.calibration import KINDS, write_calibration_report
@@ -33,6 +34,14 @@ class ResultPresenter:
         self._bench = bench
         self._accepted = accepted
         self.outcome: SensorOutcome | None = None
+        self._kept: RgbdCalibration | None = None
+
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether a calibration is good enough to be used, and neither in use nor in a file."""
+        outcome = self.outcome
+        is_good = outcome is not None and outcome.is_good_enough
+        return is_good and outcome is not None and outcome.calibration is not self._kept
 
     def compute(self) -> None:
         """Fit and judge what was taken so far."""
@@ -71,7 +80,11 @@ class ResultPresenter:
             write_calibration(path, calibration)
             return path
 
-        self._bench.workspace.jobs.start(_("Writing the calibration"), work, self._on_written)
+        def done(path: Path) -> None:
+            self._kept = calibration
+            self._on_written(path)
+
+        self._bench.workspace.jobs.start(_("Writing the calibration"), work, done)
 
     def report(self, path: Path) -> None:
         """Write a report in the window's language: a PDF, or a workbook by its name."""
@@ -105,6 +118,7 @@ class ResultPresenter:
 
     def _on_accepted(self, _path: Path) -> None:
         self._bench.session = None  # its pictures have served
+        self._kept = None if self.outcome is None else self.outcome.calibration
         self._bench.workspace.tell("good", _("The new calibration is in use from now on."))
         self._view.show_outcome(self.outcome, is_accepted=True)
         self._accepted()

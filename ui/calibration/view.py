@@ -147,6 +147,11 @@ class CalibrationScreen(Screen):
         self._flash.stop()
         self._presenter.close()
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Name a calibration that is neither in use nor in a file."""
+        is_unsaved = self._presenter.result.is_unsaved
+        return (_("The calibration that was calculated"),) if is_unsaved else ()
+
     def open_file(self, path: Path) -> None:
         """Use a dropped picture, or a folder of them."""
         self._presenter.open_images((path,))

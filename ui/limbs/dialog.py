@@ -44,6 +44,10 @@ class LimbsDialog(QDialog):
         if event.key() not in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             super().keyPressEvent(event)
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Keep what was drawn, and name it where it cannot be kept."""
+        return () if self.page.presenter.leave() else (_("What was drawn in this frame"),)
+
     def reject(self) -> None:
         """Close; where what was drawn cannot be kept, only after a question."""
         if self.page.presenter.leave():

@@ -45,6 +45,8 @@ class LearnerPresenter:
         self._pending_click: tuple[float, float] | None = None
         self._reading: Job | None = None
         self._is_seen = False
+        self._filed: ColorModel | None = None
+        """What a file holds, too."""
         self._ends: list[Callable[[], None]] = [
             workspace.live.frame_arrived.subscribe(self._on_frame),
             workspace.target_changed.subscribe(self._on_target),
@@ -177,6 +179,7 @@ class LearnerPresenter:
         """Write the colours to a file that the command line reads, too."""
         model = self._learned.model
         if model is not None and self._workspace.attempt(lambda: write_colors(path, model)):
+            self._filed = model
             self._workspace.tell(
                 "good", _("The colours are saved in {file}.").format(file=path.name)
             )
@@ -188,6 +191,7 @@ class LearnerPresenter:
         except AdibasError as error:
             self._workspace.report_problem(error)
             return
+        self._filed = model
         self._take_target(model)
 
     def draft(self) -> str:
@@ -196,6 +200,11 @@ class LearnerPresenter:
         if target is None or target == LedParams() or target is self._workspace.target:
             return ""
         return json.dumps(target_to_document(target))
+
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether markers were learned that are neither in use nor in a file."""
+        return bool(self.draft()) and self._learned.target is not self._filed
 
     def take_back(self, draft: str) -> None:
         """Go on with markers that were learned before; the picture has to be frozen anew."""

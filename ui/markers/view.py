@@ -134,6 +134,10 @@ class LearnerScreen(Screen):
         """Go on with the markers that were learned."""
         self._presenter.take_back(draft)
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Name the markers that were learned, unless they are in use or in a file."""
+        return (_("The markers that were learned"),) if self._presenter.is_unsaved else ()
+
     def show_picture(self, picture_rgb: UInt8Array | None, *, is_frozen: bool) -> None:
         self._picture.set_picture(picture_rgb)
         self._buttons["freeze"].setEnabled(picture_rgb is not None and not is_frozen)

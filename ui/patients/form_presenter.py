@@ -56,6 +56,9 @@ class FormView(Protocol):
         """Show the chosen patient again."""
 
 
+_Typed = tuple[PatientEntry | None, ConsentEntry | None]
+
+
 @dataclass(eq=False)
 class _Form:
     """A form from its opening until it is saved or cancelled.
@@ -68,12 +71,15 @@ class _Form:
         Whose likeness to somebody the user was warned of.
     back_to : str
         The screen that waits for a consent; empty where none does.
+    opened : tuple or None
+        What stood in it before anything was typed; None where that is unknown.
     """
 
     edited: Patient | None
     is_new: bool
     warned_of: Identity | None = None
     back_to: str = ""
+    opened: _Typed | None = None
 
 
 class FormPresenter:
@@ -144,8 +150,13 @@ class FormPresenter:
         form = self._form
         if form is not None and form.edited is None:
             entry = _ordered_entry(order)
-            self._open(None, entry, is_new=True)
+            self._open(None, entry, is_new=True, is_saved=False)
             self.note_birth_date(entry.birth_date)
+
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether anything was typed into the open form."""
+        return self._form is not None and self._view.typed() != self._form.opened
 
     def draft(self) -> str:
         """Return the open form as it stands; nothing where none is open."""
@@ -226,14 +237,16 @@ class FormPresenter:
         *,
         is_new: bool = False,
         back_to: str = "",
+        is_saved: bool = True,
     ) -> None:
-        """Open the form of a patient, or of her consents."""
-        self._form = _Form(patient, is_new, back_to=back_to)
+        """Open the form of a patient, or of her consents; what is not saved yet counts as typed."""
+        form = self._form = _Form(patient, is_new, back_to=back_to)
         if entry is not None:
             self._view.show_entry(entry, is_new=is_new)
         elif patient is not None:
             self._view.show_consents(patient)
             self._view.propose_guardian(is_guardian=self._is_child(patient.identity))
+        form.opened = self._view.typed() if is_saved else None
 
     def _open_again(self, draft: Draft) -> None:
         edited = draft.edited
@@ -242,7 +255,7 @@ class FormPresenter:
             seen = draft.seen
             identity = self._identity(seen)
             patient = replace(patient, identity=identity, sex=seen.sex, notes=seen.notes)
-        self._open(patient, draft.entry, is_new=draft.is_new)
+        self._open(patient, draft.entry, is_new=draft.is_new, is_saved=False)
         if draft.entry is not None:
             self.note_birth_date(draft.entry.birth_date)
         if draft.consent is not None:

@@ -91,6 +91,11 @@ class PatientPages(QStackedWidget):
         """Whether something is being typed."""
         return self._open_form is not None
 
+    def focus_form(self) -> None:
+        """Give the keys back to the field that had them."""
+        if self._open_form is not None:
+            (self._open_form.focusWidget() or self._open_form).setFocus()
+
     def show_patient(self, shown: ShownPatient | None) -> None:
         self._has_patient = shown is not None
         self.patient.show_patient(shown)

@@ -4,6 +4,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QSplitter, QWidget
 
+from adibas.texts import translate as _
 from ui.patients.form_presenter import FormPresenter
 from ui.patients.history_presenter import HistoryPresenter
 from ui.patients.list_panel import PatientListPanel
@@ -115,10 +116,12 @@ class PatientsScreen(Screen):
         self.pages.retranslate()
 
     def entered(self) -> None:
-        """Show what the store holds now; the next key is a search."""
+        """Show what the store holds now; the next key is a search, or goes on with a form."""
         self._patients.enter()
         self._history.enter()
-        if not self.pages.has_form:
+        if self.pages.has_form:
+            self.pages.focus_form()
+        else:
             self.list.focus_search()
 
     def left(self) -> None:
@@ -140,6 +143,10 @@ class PatientsScreen(Screen):
     def take_back(self, draft: str) -> None:
         """Open the form as it was left."""
         self._form.take_back(draft)
+
+    def unsaved(self) -> tuple[str, ...]:
+        """Name the open form, once anything was typed into it."""
+        return (_("What was typed of a patient"),) if self._form.is_unsaved else ()
 
     def _on_deleted_wanted(self, is_wanted: bool) -> None:
         self._patients.show_deleted(is_wanted=is_wanted)

@@ -67,11 +67,16 @@ class NotesPanel(QWidget):
     def _word_notices(self) -> None:
         self._notices.setText("\n".join(_(sentence) for sentence in self._sentences))
 
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether something stands here that is not saved."""
+        return not self._text.isReadOnly() and self._text.toPlainText() != self._saved
+
     def save(self) -> None:
         """Hand out what was typed and not saved yet."""
         self._pause.stop()
-        notes = self._text.toPlainText()
-        if notes != self._saved and not self._text.isReadOnly():
+        if self.is_unsaved:
+            notes = self._text.toPlainText()
             seen, self._saved = self._saved, notes
             self.written.emit(self._session_id, notes, seen)
 

@@ -153,6 +153,11 @@ class ReviewScreen(Screen):
         self._notes.save()
         self._presenter.close()
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Save the notes, and name them where they cannot be saved."""
+        self._notes.save()
+        return (_("The notes of the session"),) if self._notes.is_unsaved else ()
+
     def show_nothing(self, sentence: str, screen: str) -> None:
         self._nothing_sentence, self._wanted_screen = sentence, screen
         self._word_nothing()

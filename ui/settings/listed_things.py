@@ -1,5 +1,6 @@
 """What the pages of people and of servers share: a chooser above a form for one of them."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
 
 from PySide6.QtCore import Signal
@@ -33,12 +34,26 @@ class ListedThings(QWidget):
         self.form = QFormLayout()
         self.form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         self._labels: dict[QWidget, QLabel] = {}
+        self._shown: object = None
         self.chooser.activated.connect(lambda _index: self.chosen.emit(self.chooser.currentData()))
 
     @property
     def current(self) -> str:
         """Name of the chosen one; empty for a new one."""
         return self.chooser.currentData() or ""
+
+    @abstractmethod
+    def entry(self) -> object:
+        """Return what stands in the form."""
+
+    def note_shown(self) -> None:
+        """Note that what stands in the form now was not typed."""
+        self._shown = self.entry()
+
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether anything was typed since the form was filled."""
+        return self._shown is not None and self.entry() != self._shown
 
     def add_row(self, field: QWidget) -> None:
         """Add a field with its label to the form; `name_fields` gives the label its text."""

@@ -31,7 +31,7 @@ class PeoplePage(ListedThings):
             self.add_row(row)
         self.lay_out(self._may, buttons=(self.save, self.remove))
         self._role.currentIndexChanged.connect(self._show_what_it_may)
-        self.save.clicked.connect(lambda: self.saved.emit(self._entry()))
+        self.save.clicked.connect(lambda: self.saved.emit(self.entry()))
         self.remove.clicked.connect(self._ask)
         for role in Role:
             self._role.addItem("", role)
@@ -77,12 +77,14 @@ class PeoplePage(ListedThings):
             field.clear()
             field.setPlaceholderText("" if is_new else _("as it is"))
         self.remove.setEnabled(not is_new)
+        self.note_shown()
 
     def show_rights(self, *, is_seen: bool, can_change: bool) -> None:
         self.setVisible(is_seen)
         self.group.setEnabled(can_change)
 
-    def _entry(self) -> PersonEntry:
+    def entry(self) -> PersonEntry:
+        """Return what stands in the form."""
         return PersonEntry(
             self._name.text(),
             self._role.currentData(),

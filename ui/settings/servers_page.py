@@ -41,8 +41,8 @@ class ServersPage(ListedThings):
         self.lay_out(buttons=(self.save, self._test, self.remove))
         self._encrypted.toggled.connect(self._allow_certificates)
         self._browse.clicked.connect(self._ask_certificates)
-        self.save.clicked.connect(lambda: self.saved.emit(self._entry()))
-        self._test.clicked.connect(lambda: self.tested.emit(self._entry()))
+        self.save.clicked.connect(lambda: self.saved.emit(self.entry()))
+        self._test.clicked.connect(lambda: self.tested.emit(self.entry()))
         self.remove.clicked.connect(self.removed)
         self.retranslate()
 
@@ -96,8 +96,10 @@ class ServersPage(ListedThings):
         self._encrypted.setChecked(entry.is_encrypted)
         self._allow_certificates()
         self.remove.setEnabled(bool(self.current))
+        self.note_shown()
 
-    def _entry(self) -> ServerEntry:
+    def entry(self) -> ServerEntry:
+        """Return what stands in the form."""
         return ServerEntry(
             self._name.text(),
             self._host.text(),

@@ -116,6 +116,18 @@ class SettingsScreen(Screen):
         self._tabs.setCurrentIndex(PROTOCOLS_TAB)
         self.marks.take_back(draft)
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Name the protocol, the server and the person of whom something was typed."""
+        return tuple(
+            name
+            for name, is_unsaved in (
+                (_("The protocol that was changed"), bool(self.marks.protocols.changed_text)),
+                (_("What was typed of a DICOM server"), self.servers.is_unsaved),
+                (_("What was typed of a person"), self.protected.people.is_unsaved),
+            )
+            if is_unsaved
+        )
+
     def show_preferences(self, preferences: Preferences) -> None:
         self._general.show_preferences(preferences)
         self.protected.protection.show_preferences(preferences)

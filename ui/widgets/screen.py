@@ -34,6 +34,13 @@ class Screen(QWidget):
     def take_back(self, draft: str) -> None:
         """Give back what was typed before the window locked; most screens save at once."""
 
+    def unsaved(self) -> tuple[str, ...]:
+        """Name what would be lost if the window closed now; most screens save at once.
+
+        What saves itself sooner or later is saved before.
+        """
+        return ()
+
     def open_file(self, path: Path) -> None:
         """Open what was dropped onto the window; most screens open nothing."""
 
