@@ -118,6 +118,7 @@ class OpenStore:
     def _offer_screens(self, theme: Theme) -> None:
         workspace, window = self.workspace, self._window
         workspace.noticed.subscribe(window.tell)
+        workspace.notice_withdrawn.subscribe(window.withdraw)
         workspace.retry_offered.subscribe(window.offer_again)
         workspace.retry_withdrawn.subscribe(window.withdraw_retry)
         workspace.dispute_found.subscribe(window.ask_which_holds)

@@ -231,6 +231,11 @@ class MainWindow(QMainWindow):
         """Tell the user something."""
         self._messages.tell(kind, sentence)
 
+    def withdraw(self, sentence: str) -> None:
+        """Tell this no more; anything else that is told stays."""
+        if self.told == sentence:
+            self._messages.put_away()
+
     def offer_again(self, sentence: str, again: Callable[[], object]) -> None:
         """Tell the user what failed, and offer to try it again."""
         self._messages.offer_again(sentence, again)

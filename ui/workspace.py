@@ -74,6 +74,8 @@ class Workspace:
         A consent of the chosen patient lacks; the screen that asks is shown again once it is there.
     noticed(kind, sentence)
         The user is told something.
+    notice_withdrawn(sentence)
+        It was told of a patient or session that is not looked at any more.
     retry_offered(sentence, again)
         Something failed that can be tried again as it is.
     retry_withdrawn()
@@ -101,14 +103,18 @@ class Workspace:
         self.screen_wanted: Event[[str]] = Event()
         self.consent_wanted: Event[[str]] = Event()
         self.noticed: Event[[NoticeKind, str]] = Event()
+        self.notice_withdrawn: Event[[str]] = Event()
         self.retry_offered: Event[[str, Callable[[], object]]] = Event()
         self.retry_withdrawn: Event[[]] = Event()
         self.dispute_found: Event[[Dispute]] = Event()
         self._offered: _Attempt | None = None
+        self._told_here = ""
 
     def choose_patient(self, patient: Patient | None) -> None:
         """Look at a patient; a session of another one is left."""
         self.withdraw_retry()  # before anybody is told: who is told may offer another one
+        if _pseudonym(patient) != _pseudonym(self.patient):
+            self._withdraw_notice()
         self.patient = patient
         if self.session is not None and (
             patient is None or self.session.patient != patient.pseudonym
@@ -124,6 +130,7 @@ class Workspace:
         )
         self.session = session
         if is_other:
+            self._withdraw_notice()
             self.choose_capture(None)
         self.session_changed.emit()
 
@@ -178,6 +185,16 @@ class Workspace:
     def tell(self, kind: NoticeKind, sentence: str) -> None:
         """Tell the user something, already in his language."""
         self.noticed.emit(kind, sentence)
+
+    def tell_here(self, kind: NoticeKind, sentence: str) -> None:
+        """Tell what holds of the patient and session that are looked at, and goes with them."""
+        self._told_here = sentence
+        self.tell(kind, sentence)
+
+    def _withdraw_notice(self) -> None:
+        sentence, self._told_here = self._told_here, ""
+        if sentence:
+            self.notice_withdrawn.emit(sentence)
 
     def report_problem(self, error: AdibasError) -> None:
         """Tell the user what failed and what to do."""
@@ -261,6 +278,10 @@ class Workspace:
             self._attempt_shared(attempt, decisions)
 
         self.dispute_found.emit(Dispute(conflicts, decide, put_off))
+
+
+def _pseudonym(patient: Patient | None) -> str | None:
+    return None if patient is None else patient.pseudonym
 
 
 @dataclass(frozen=True, slots=True)

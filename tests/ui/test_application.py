@@ -527,6 +527,21 @@ def test_the_place_of_each_divider_is_kept_under_a_name_of_its_own(user):
     user.close()
 
 
+def test_a_warning_of_a_capture_goes_with_its_patient_and_no_other_one_does(user):
+    choose_somebody(user)
+    for is_here in (True, False):
+        tell = user.workspace.tell_here if is_here else user.workspace.tell
+        tell("warning", "Front: 0 markers found.")
+        assert user.window.told
+        user.workspace.choose_patient(demo_patient(user.store) if is_here else None)
+        assert bool(user.window.told) is not is_here
+    user.workspace.tell_here("warning", "Front: 0 markers found.")
+    user.workspace.tell("bad", "The disk is full.")
+    user.workspace.choose_patient(demo_patient(user.store))
+    assert user.window.told == "The disk is full."
+    user.close()
+
+
 def test_a_place_tells_nobodys_name(user):
     choose_somebody(user)
     assert isinstance(user.workspace.place, Place)

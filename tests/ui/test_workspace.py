@@ -34,6 +34,25 @@ def test_another_patient_leaves_the_session_and_its_capture(workspace, store):
     assert (workspace.session, workspace.capture_id) == (None, None)
 
 
+def test_what_was_told_of_a_capture_goes_with_its_patient_or_session(workspace, store):
+    withdrawn = []
+    workspace.notice_withdrawn.subscribe(withdrawn.append)
+    ana, eva = (store.patients.add(Identity(name)) for name in ("Ana", "Eva"))
+    first, second = (store.sessions.start(ana.pseudonym, SessionSetup()) for _number in range(2))
+    workspace.choose_patient(ana)
+    workspace.choose_session(first)
+    workspace.tell_here("warning", "Front: 0 markers found.")
+    workspace.choose_patient(ana)
+    workspace.choose_session(first)
+    assert withdrawn == []
+    workspace.choose_session(second)
+    assert withdrawn == ["Front: 0 markers found."]
+    workspace.tell_here("warning", "Back: 0 markers found.")
+    workspace.choose_patient(eva)
+    workspace.choose_patient(ana)
+    assert withdrawn[1:] == ["Back: 0 markers found."]
+
+
 def test_the_same_place_is_found_again_and_names_nobody(workspace, store, inline_jobs, preferences):
     ana = add_patient(store, Identity("Ana Ruiz"))
     session = store.sessions.start(ana.pseudonym, SessionSetup())

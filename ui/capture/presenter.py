@@ -221,7 +221,7 @@ class CapturePresenter:
         workspace = self._workspace
         if workspace.preferences.now.has_sound:
             self._view.beep()
-        workspace.tell("good" if capture.detected else "warning", _told(capture))
+        workspace.tell_here("good" if capture.detected else "warning", _told(capture))
         session = workspace.session
         if session is None or session.session_id != capture.session_id:
             return  # somebody else is being looked at meanwhile

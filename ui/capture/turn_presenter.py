@@ -95,7 +95,7 @@ class TurnPresenter:
             return
         sentence = _("The turn is recorded. Under Compare, it becomes the whole body.")
         told = " ".join((sentence, *(_(notice) for notice in turn.notices)))
-        self._workspace.tell("warning" if turn.notices else "good", told)
+        self._workspace.tell_here("warning" if turn.notices else "good", told)
         self._taken()
 
     def _note(self, turn: TakenTurn, decisions: "tuple[Decision, ...]") -> None:
