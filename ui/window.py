@@ -25,6 +25,7 @@ from ui.theme import Theme
 from ui.unlock_page import UnlockPage
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
+from ui.widgets.least_sizes import renew_least_sizes
 from ui.widgets.message_bar import MessageBar
 from ui.widgets.progress_strip import ProgressStrip
 from ui.widgets.screen import Screen
@@ -133,6 +134,7 @@ class MainWindow(QMainWindow):
         if not self._help.isHidden():  # before larger letters widen the window
             self._help.stand_beside(self, 0)
             QTimer.singleShot(0, self, self._find_room_for_help)
+        renew_least_sizes(self)
         self.setWindowIcon(self._theme.icon("adibas", self._theme.tokens.accent))
 
     def offer_screen(self, name: str, build: Callable[[], Screen]) -> None:

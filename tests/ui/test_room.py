@@ -61,6 +61,28 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
     user.close()
 
 
+def test_with_smaller_letters_the_window_can_be_as_narrow_as_ever(open_window):
+    user = open_window()
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    for name in ("patients", "capture", "markers", "reports", "settings"):
+        user.go_to(name)
+    user.settle()
+    usual_px = user.window.minimumSizeHint().width()
+    user.application.preferences.change(font_scale=2.0)
+    for name in ("patients", "capture", "markers", "reports", "settings"):
+        user.go_to(name)
+    user.settle()
+    assert user.window.minimumSizeHint().width() > usual_px
+    user.application.preferences.change(font_scale=1.0)
+    user.qapp.processEvents()
+    assert user.window.shown == "settings"
+    assert user.window.minimumSizeHint().width() == usual_px
+    user.window.resize(usual_px, 700)
+    assert user.window.width() == usual_px
+    user.close()
+
+
 def assert_fits(user, size, where):
     least = user.window.minimumSizeHint()
     assert least.width() <= size[0], where

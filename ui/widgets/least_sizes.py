@@ -1,0 +1,16 @@
+"""Least sizes of what is hidden: Qt works them out anew only when it is shown."""
+
+from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtWidgets import QWidget
+
+
+def renew_least_sizes(outermost: QWidget) -> None:
+    """Work out how small a widget and all in it may be, with the letters in use."""
+    for widget in reversed((outermost, *outermost.findChildren(QWidget))):  # parents come last
+        widget.ensurePolished()
+        layout = widget.layout()
+        if layout is not None:
+            layout.invalidate()
+            layout.activate()
+        QCoreApplication.sendEvent(widget, QEvent(QEvent.Type.LayoutRequest))
+        widget.updateGeometry()
