@@ -13,6 +13,7 @@ from PySide6.QtWidgets import (
     QDialog,
     QFileDialog,
     QLineEdit,
+    QMessageBox,
     QToolButton,
 )
 from shiboken6 import isValid
@@ -195,6 +196,15 @@ class WindowUser:
         self.until(lambda: not visible_dialogs(QFileDialog))
         self.window.activateWindow()  # what a desktop does by itself
         self.until(self.window.isActiveWindow)
+
+    def lose(self, what):
+        """Close the window although this is not saved, and wait until it is gone."""
+        self.window.close()
+        (question,) = visible_dialogs(QMessageBox)
+        assert question.informativeText() == what
+        self.click("Close without saving", question)
+        self.until(lambda: self.workspace is None and not self.window.isVisible())
+        self.window.deleteLater()
 
     def close(self):
         """Close the window as its frame's button does, and wait until it is gone."""
