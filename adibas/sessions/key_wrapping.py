@@ -1,7 +1,5 @@
 """A key behind a passphrase: Argon2id makes a second key, which seals the first one."""
 
-import base64
-import binascii
 import secrets
 import threading
 import unicodedata
@@ -11,6 +9,8 @@ from dataclasses import asdict, dataclass
 from cryptography.exceptions import InvalidTag
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from cryptography.hazmat.primitives.kdf.argon2 import Argon2id
+
+from adibas.sessions.bytes_as_text import bytes_of, text_of
 
 KEY_BYTES = 32
 SALT_BYTES = 16
@@ -76,9 +76,9 @@ def wrap_key(
     sealed = AESGCM(_derive(passphrase, salt, params)).encrypt(nonce, key, bound_to.encode())
     return {
         "argon2id": asdict(params),
-        "salt": _to_text(salt),
-        "nonce": _to_text(nonce),
-        "sealed_key": _to_text(sealed),
+        "salt": text_of(salt),
+        "nonce": text_of(nonce),
+        "sealed_key": text_of(sealed),
     }
 
 
@@ -101,7 +101,7 @@ def unwrap_key(
         The document is damaged.
     """
     params, salt = derivation_of(document)
-    nonce, sealed = (_to_bytes(document, name) for name in ("nonce", "sealed_key"))
+    nonce, sealed = (bytes_of(document, name) for name in ("nonce", "sealed_key"))
     if (len(nonce), len(sealed)) != (NONCE_BYTES, KEY_BYTES + 16):
         raise ValueError("the sealed key is cut short")
     derived = {} if derived is None else derived
@@ -127,7 +127,7 @@ def derivation_of(document: Mapping[str, object]) -> tuple[Argon2Params, bytes]:
     names = ("iterations", "lanes", "memory_kib")
     if not all(type(numbers.get(name)) is int for name in names):
         raise ValueError("the numbers of argon2id are missing")
-    salt = _to_bytes(document, "salt")
+    salt = bytes_of(document, "salt")
     if len(salt) != SALT_BYTES:
         raise ValueError("the sealed key is cut short")
     return Argon2Params(*(numbers[name] for name in names)), salt
@@ -146,17 +146,3 @@ def _derive(passphrase: str, salt: bytes, params: Argon2Params) -> bytes:
     )
     with _ONE_AT_A_TIME:
         return derivation.derive(secret)
-
-
-def _to_text(data: bytes) -> str:
-    return base64.b64encode(data).decode()
-
-
-def _to_bytes(document: Mapping[str, object], name: str) -> bytes:
-    value = document.get(name)
-    if not isinstance(value, str):
-        raise ValueError(f"{name} is missing")  # noqa: TRY004  (the file's fault)
-    try:
-        return base64.b64decode(value, validate=True)
-    except binascii.Error as error:
-        raise ValueError(f"{name} is damaged") from error

@@ -8,8 +8,6 @@ Source: Crockford, Base 32, 2019 (https://www.crockford.com/base32.html); MacWil
 Theory of Error-Correcting Codes, chapter 10.
 """
 
-import base64
-import binascii
 import itertools
 import secrets
 from collections.abc import Mapping, Sequence
@@ -20,6 +18,7 @@ from cryptography.hazmat.primitives.hashes import SHA256
 from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 
 from adibas.errors import RecoveryKeyTypedError
+from adibas.sessions.bytes_as_text import bytes_of, text_of
 
 LETTERS = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 N_RANDOM, N_CHECK = 26, 2
@@ -108,7 +107,7 @@ def seal_for_recovery(
     cipher = _cipher(recovery_key, salt, store_id)
     sealed = cipher.encrypt(nonce, key, _place(store_id, made_utc))
     texts = {"salt": salt, "nonce": nonce, "sealed_key": sealed}
-    told = {name: base64.b64encode(data).decode() for name, data in texts.items()}
+    told = {name: text_of(data) for name, data in texts.items()}
     return {"made_utc": made_utc, **told}
 
 
@@ -125,7 +124,7 @@ def open_for_recovery(
     made_utc = document.get("made_utc")
     if not isinstance(made_utc, str):
         raise ValueError("the date of the recovery key is missing")  # noqa: TRY004
-    salt, nonce, sealed = (_bytes_of(document, name) for name in ("salt", "nonce", "sealed_key"))
+    salt, nonce, sealed = (bytes_of(document, name) for name in ("salt", "nonce", "sealed_key"))
     lengths = (len(salt), len(nonce), len(sealed))
     if lengths != (SALT_BYTES, NONCE_BYTES, KEY_BYTES + TAG_BYTES):
         raise ValueError("the copy for the recovery key is cut short")
@@ -157,13 +156,3 @@ def _cipher(recovery_key: str, salt: bytes, store_id: str) -> AESGCM:
 
 def _place(store_id: str, made_utc: str) -> bytes:
     return f"{SCOPE}/{store_id}/{made_utc}".encode()
-
-
-def _bytes_of(document: Mapping[str, object], name: str) -> bytes:
-    value = document.get(name)
-    if not isinstance(value, str):
-        raise ValueError(f"{name} is missing")  # noqa: TRY004  (the file's fault)
-    try:
-        return base64.b64decode(value, validate=True)
-    except binascii.Error as error:
-        raise ValueError(f"{name} is damaged") from error
