@@ -61,6 +61,21 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
     user.close()
 
 
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_button_that_changes_the_passphrase_shows_all_its_words(open_window, language):
+    user = open_window(language=language, font_scale=2.0)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    user.go_to("settings")
+    user.screen._tabs.setCurrentWidget(user.screen.protected)
+    user.window.resize(1280, 800)
+    user.settle()
+    user.qapp.processEvents()
+    button = user.screen.protected.protection._change_button
+    assert button.width() >= button.sizeHint().width()
+    user.close()
+
+
 def test_with_smaller_letters_the_window_can_be_as_narrow_as_ever(open_window):
     user = open_window()
     user.give_passphrase()

@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 from adibas.texts import translate as _
 from ui.preferences import Preferences
 from ui.settings.preference_page import PreferencePage
+from ui.widgets.flow import in_a_flow
 from ui.widgets.number_fields import WholeNumberField
 
 LONGEST_WAIT_MINUTES = 240
@@ -72,7 +73,7 @@ class ProtectionPage(PreferencePage):
             field.setEchoMode(QLineEdit.EchoMode.Password)
             label.setBuddy(field)
             form.addRow(label, field)
-        form.addRow("", self._change_button)
+        form.addRow(in_a_flow(self._change_button))  # its words may be longer than a field
         column = QVBoxLayout(check)
         place = QHBoxLayout()
         place.addWidget(self._folder, 1)
