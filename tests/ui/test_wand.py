@@ -16,7 +16,8 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import MarkerError
 from adibas.markers.led import LedParams
 from adibas.pipeline.live import SensorState
-from adibas.pipeline.wand_check import SeenWand, wand_from_document
+from adibas.pipeline.wand_check import SeenWand, compare_ends, wand_from_document
+from adibas.texts import LANGUAGES, speaking
 from tests.unit.store_samples import add_patient
 from ui.capture import wand_presenter
 from ui.capture.ports import CaptureView
@@ -174,6 +175,23 @@ def test_the_capture_screen_keeps_the_check_with_the_session(view, ready, seeing
     assert store.sessions.get(ready.session.session_id).setup.wand["result"] == "failed"
     capture.sources.choose_source("openni2")
     assert store.sessions.get(ready.session.session_id).setup.wand is None
+
+
+@pytest.mark.usefixtures("large_letters")
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_with_large_letters_the_dialog_is_no_higher_than_the_window(qtbot, workspace, language):
+    parent = QWidget()
+    qtbot.addWidget(parent)
+    parent.resize(1280, 800)
+    with speaking(language):
+        dialog = WandDialog(parent)
+        dialog.bind(WandPresenter(dialog, workspace, lambda _document: None))
+        dialog.open()
+        assert dialog.minimumHeight() <= parent.height()
+        failed = compare_ends(marker("m01", -0.25), marker("m02", 0.25), 0.53)
+        dialog.show_check(failed, "2026-05-04 09:30")
+        assert dialog.minimumHeight() <= parent.height()
+    dialog.close()
 
 
 def test_the_dialog_measures_by_a_click_and_shows_the_verdict(qtbot, ready, seeing, kept):

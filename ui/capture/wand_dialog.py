@@ -25,7 +25,7 @@ from ui.widgets.overlays import Dot, Line, Overlay
 KINDS = {WandResult.PASSED: "good", WandResult.UNSURE: "warning", WandResult.FAILED: "bad"}
 SHORTEST_MM, LONGEST_MM = 50.0, 3000.0
 LETTERS_IN_A_LINE = 72
-PICTURE_LINES, LEAST_PICTURE_LINES = 13, 5
+PICTURE_LINES, LEAST_PICTURE_LINES = 13, 3
 
 
 class WandDialog(QDialog):
