@@ -115,10 +115,12 @@ class Plot(QFrame):
         self.draw(plot)
 
     def name_axes(self, plot: "PlotWidget", across: str, up: str) -> None:
-        """Write what the axes are."""
+        """Write what the axes are; a title longer than its axis goes on in another line."""
         style = {"color": self._theme.tokens.text, "font-size": f"{self.font().pointSizeF():.1f}pt"}
         plot.setLabel("bottom", across, **style)
-        plot.setLabel("left", up, **style)
+        metrics = self.fontMetrics()
+        room_px = max(self.height() - 3 * metrics.height(), 0)  # ticks and the title below
+        plot.setLabel("left", _in_lines(up, metrics, room_px), **style)
 
     def add_points(self, plot: "PlotWidget", x: Sequence[float], y: Sequence[float]) -> None:
         """Draw the points, and a ring about the chosen one."""
@@ -244,6 +246,20 @@ class Plot(QFrame):
             self._layout.addWidget(plot)
             self._widget = plot
         return self._widget
+
+
+def _in_lines(text: str, metrics: QFontMetrics, room_px: int) -> str:
+    """Return a text broken between words where it is longer than its room."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and metrics.horizontalAdvance(longer) <= room_px:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    if len(lines) > 1:
+        lines.append("&nbsp;")  # the axis has room for 80 % of the lines
+    return "<br>".join(lines)
 
 
 def tick_texts(values: Sequence[float], scale: float, spacing: float) -> list[str]:
