@@ -73,12 +73,15 @@ def test_a_face_that_is_seen_under_a_pseudonym_is_told(presenter, view):
     assert any("face" in one for one in shown(view).warnings)
 
 
-def test_a_patient_without_a_consent_is_told_and_not_refused(
+def test_a_patient_whose_consent_stands_no_more_is_told_and_not_refused(
     presenter, view, workspace, clinic_session
 ):
+    assert not any("no consent" in one for one in shown(view).warnings)
+    patients = workspace.store.patients
+    patients.withdraw_consent(clinic_session.patient, 0)
+    assert presenter.open(clinic_session.session_id)
     assert any("no consent" in one for one in shown(view).warnings)
-    consent = Consent(("treatment",), NAME, False, START)
-    workspace.store.patients.give_consent(clinic_session.patient, consent)
+    patients.give_consent(clinic_session.patient, Consent(("treatment",), NAME, False, START))
     assert presenter.open(clinic_session.session_id)
     assert not any("no consent" in one for one in shown(view).warnings)
 

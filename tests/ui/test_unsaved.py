@@ -17,6 +17,7 @@ from tests.ui import window_user
 from tests.ui.behaviour_scene import make_recording
 from tests.ui.conftest import CHEAP
 from tests.ui.window_user import CTRL, SECRET, visible, visible_dialogs
+from tests.unit.store_samples import add_patient
 from ui.behaviour.scheme_dialog import SchemeDialog
 from ui.settings.servers_page import ServersPage
 
@@ -29,7 +30,7 @@ KEEP, LOSE = "Do not close", "Close without saving"
 def prepared(tmp_path):
     """A store with one patient and a session; guessing its passphrase would be cheap."""
     with open_store(tmp_path / "store", SECRET, key_params=CHEAP) as store:
-        patient = store.patients.add(Identity("Rosa Ibarra", None, "HC-77"))
+        patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
         store.sessions.start(patient.pseudonym, SessionSetup())
 
 

@@ -37,7 +37,7 @@ def test_another_patient_leaves_the_session_and_its_capture(workspace, store):
 def test_what_was_told_of_a_capture_goes_with_its_patient_or_session(workspace, store):
     withdrawn = []
     workspace.notice_withdrawn.subscribe(withdrawn.append)
-    ana, eva = (store.patients.add(Identity(name)) for name in ("Ana", "Eva"))
+    ana, eva = (add_patient(store, Identity(name)) for name in ("Ana", "Eva"))
     first, second = (store.sessions.start(ana.pseudonym, SessionSetup()) for _number in range(2))
     workspace.choose_patient(ana)
     workspace.choose_session(first)
