@@ -503,7 +503,7 @@ def test_the_command_tells_what_came_of_it(folder, session, backup, tmp_path, mo
     open_sample(other).close()
     words = ["sessions", "restore", str(backup), "--store", str(other)]
     assert main(words) == 0
-    assert "1 patients, 1 sessions, 1 captures, 1 recordings" in capsys.readouterr().out
+    assert "1 patient, 1 session, 1 capture, 1 recording" in capsys.readouterr().out
     assert main([*words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["n_patients"] == 0
     assert NAME not in json.dumps(capsys.readouterr().out)
