@@ -64,7 +64,7 @@ def make_move(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     is_touched : (L,) int8 array
         Becomes 1 for the labels of pixels that change, and of their neighbours.
     is_renewed : bool
-        The tables are what the same move left, or `begin_expansion` and `begin_swap` prepared them.
+        The tables are what the last expansion of the same label left; else the cut begins anew.
 
     Returns
     -------

@@ -1,5 +1,6 @@
 """A store whose passphrase or keyring is lost opens by its recovery key, for a new passphrase."""
 
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -107,11 +108,10 @@ def recover_store(
     store = open_unlocked(
         folder, unlock, operator=operator, clock=clock, server_password=server_password
     )
-    try:
+    with ExitStack() as if_that_fails:
+        if_that_fails.callback(store.close)
         store.people.replace_lost_passphrase(wish.new_passphrase, key_params)
-    except BaseException:
-        store.close()
-        raise
+        if_that_fails.pop_all()
     return store
 
 
