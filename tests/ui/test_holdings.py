@@ -10,7 +10,7 @@ from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
 from adibas.sessions.person_keys import Person
 from adibas.sessions.roles import Role
-from adibas.texts import LANGUAGES, use_language
+from adibas.texts import LANGUAGES, speaking, use_language
 from tests.unit.store_samples import add_capture, add_patient
 from ui.patients.holdings_dialog import HoldingsDialog, open_holdings
 from ui.patients.holdings_presenter import Actions, HoldingsPresenter, HoldingsView, planned
@@ -183,3 +183,19 @@ def test_the_list_fits_into_the_smallest_window(screen, workspace, actions, lang
         dialog.close()
     finally:
         use_language("en")
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.usefixtures("measured")
+def test_the_smallest_list_shows_some_lines_and_all_buttons(screen, workspace, actions, language):
+    with speaking(language):
+        dialog = open_holdings(workspace, screen, actions)
+        dialog.resize(1, 1)
+        dialog.show()
+        buttons = [one for one in dialog.findChildren(QPushButton) if one.isVisibleTo(dialog)]
+        assert len(buttons) == 3
+        for button in buttons:
+            place = button.geometry()
+            assert dialog.rect().contains(place), button.text()
+        assert dialog._inside.viewport().height() >= 7 * dialog.fontMetrics().height()
+        dialog.close()

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from adibas.sessions.holdings import Holdings
 
 LETTERS_IN_A_LINE, LINES = 84, 30
+FEWEST_LETTERS, FEWEST_LINES = 40, 8
 SHARE_OF_WINDOW = 0.95
+GAP_PX = 12
 
 
 class HoldingsDialog(QDialog):
@@ -46,7 +48,7 @@ class HoldingsDialog(QDialog):
         self._inside.column.addStretch()
         column = QVBoxLayout(self)
         column.setContentsMargins(24, 20, 24, 20)
-        column.setSpacing(12)
+        column.setSpacing(GAP_PX)
         column.addWidget(self._inside, 1)
         column.addLayout(in_a_flow(self._hide, self._remove, self._close))
         self._fit()
@@ -89,8 +91,12 @@ class HoldingsDialog(QDialog):
         self.accept()
 
     def _fit(self) -> None:
-        """Be as large as a long list wants, within the window."""
+        """Be as large as a long list wants, within the window; some of it is always seen."""
         metrics, parent = self.fontMetrics(), self.parentWidget()
+        buttons = (self._hide, self._remove, self._close)
+        row = sum(button.sizeHint().width() for button in buttons) + 2 * GAP_PX
+        letters = metrics.averageCharWidth() * FEWEST_LETTERS
+        self._inside.setMinimumSize(max(row, letters), metrics.height() * FEWEST_LINES)
         room = self.screen().size() if parent is None else parent.window().size()
         width = metrics.averageCharWidth() * LETTERS_IN_A_LINE
         height = metrics.height() * LINES
