@@ -99,8 +99,11 @@ def _tell_new_key(store: "SessionStore", out: Path | None, console: Console) -> 
     from adibas.sessions.recovery_key import make_recovery_key
 
     recovery_key, before_utc = make_recovery_key(), store.recovery.made_utc()
+    made_utc, store_id = store.audit.now_utc(), store.recovery.store_id
+    if out is not None:  # before it counts: a full disk leaves the key of before
+        write_recovery_pdf(out, recovery_sheet(recovery_key, store_id, made_utc))
     store.recovery.hold(recovery_key)
-    made_utc, store_id = store.recovery.made_utc() or store.audit.now_utc(), store.recovery.store_id
+    made_utc = store.recovery.made_utc() or made_utc
     console.give(
         {
             "recovery_key": recovery_key,
@@ -124,7 +127,6 @@ def _tell_new_key(store: "SessionStore", out: Path | None, console: Console) -> 
             )
         )
     if out is not None:
-        write_recovery_pdf(out, recovery_sheet(recovery_key, store_id, made_utc))
         console.say(str(out))
     return 0
 

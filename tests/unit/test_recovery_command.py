@@ -1,5 +1,6 @@
 """`adibas sessions recovery-key` and `recover`, what restores take, and the printed page."""
 
+import errno
 import io
 import json
 import sys
@@ -10,6 +11,8 @@ import pytest
 from pypdf import PdfReader
 
 from adibas.cli import main, sessions_people, store_options
+from adibas.files import cannot_write
+from adibas.reports import recovery_sheet as recovery_pages
 from adibas.reports.recovery_sheet import recovery_sheet, write_recovery_pdf
 from adibas.sessions import open_store
 from adibas.sessions import people as people_module
@@ -102,6 +105,20 @@ def test_a_page_that_is_there_is_not_replaced_and_no_key_is_made(run, folder, fi
     assert "exists already" in err
     assert (folder / "key.json").read_bytes() == before
     assert run(PASSPHRASE, "recovery-key", "--out", path, "--overwrite")[0] == 0
+
+
+def test_a_page_that_cannot_be_written_leaves_the_key_of_before(run, folder, tmp_path, monkeypatch):
+    made(run)
+    before = (folder / "key.json").read_bytes()
+
+    def full(path, _sheet):
+        raise cannot_write(path, OSError(errno.ENOSPC, "no space"))
+
+    monkeypatch.setattr(recovery_pages, "write_recovery_pdf", full)
+    code, out, err = run(PASSPHRASE, "recovery-key", "--out", str(tmp_path / "key.pdf"))
+    assert (code, out) == (1, "")
+    assert "the disk is full" in err
+    assert (folder / "key.json").read_bytes() == before
 
 
 def test_the_store_opens_by_the_key_and_with_the_new_passphrase(run, folder, file_with):
