@@ -1,16 +1,18 @@
-"""What is kept of an unfinished map beside its output, so that the same command goes on.
+"""What is kept of an unfinished map, so that the same request goes on.
 
-Arrays and a JSON header in one ``.npz``, nothing that could run. A file of a zip archive has a
-checksum of every part, so that damage is noticed.
+Of a command beside its output: arrays and a JSON header in one ``.npz``, nothing that could run. A
+file of a zip archive has a checksum of every part, so that damage is noticed. Of the window in
+memory: how a patient moved belongs into no file outside the store.
 """
 
 import hashlib
 import json
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -89,7 +91,81 @@ def settings_of(
     return same
 
 
-class Keeper:
+class Keeper(Protocol):
+    """Keeps the state of one map."""
+
+    def load(self) -> Unfinished | Message | None:
+        """Return what was kept, why it cannot be used, or None where there is nothing.
+
+        Raises
+        ------
+        FileError
+            Nobody can say whether there is anything.
+        """
+
+    def keep_at_times(self, make: Callable[[], Unfinished]) -> None:
+        """Keep the state every few seconds.
+
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+
+    def keep(self, state: Unfinished) -> None:
+        """Keep the state now.
+
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+
+
+class MapMemory:
+    """Holds the state of one map as long as the program has it; no file is written."""
+
+    def __init__(self) -> None:
+        self._held: tuple[dict[str, Any], Unfinished] | None = None
+
+    def keeper(self, settings: dict[str, Any]) -> Keeper:
+        """Return what keeps the state of a map with these settings, from `settings_of`."""
+        return _MemoryKeeper(self, settings)
+
+    def forget(self) -> None:
+        """Hold nothing any more."""
+        self._held = None
+
+    def held_for(self, settings: dict[str, Any]) -> Unfinished | Message | None:
+        """Return what is held; see `Keeper.load`."""
+        if self._held is None:
+            return None
+        of_settings, state = self._held
+        return deepcopy(state) if of_settings == settings else FOREIGN
+
+    def hold(self, settings: dict[str, Any], state: Unfinished) -> None:
+        """Hold a state in place of what was held."""
+        self._held = settings, deepcopy(state)  # whoever goes on may change what it was given
+
+
+class _MemoryKeeper(Keeper):
+    """Keeps the state in a `MapMemory`."""
+
+    def __init__(self, memory: MapMemory, settings: dict[str, Any]) -> None:
+        self._memory = memory
+        self._settings = settings
+
+    def load(self) -> Unfinished | Message | None:
+        return self._memory.held_for(self._settings)
+
+    def keep_at_times(self, make: Callable[[], Unfinished]) -> None:
+        """Leave it to the end: what stops the work keeps its state, and a kill takes memory."""
+
+    def keep(self, state: Unfinished) -> None:
+        self._memory.hold(self._settings, state)
+
+
+class FileKeeper(Keeper):
     """Keeps the state of one map in a file.
 
     Parameters

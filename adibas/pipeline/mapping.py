@@ -20,7 +20,13 @@ from adibas.pipeline.map_body import BodyMotion, body_motion
 from adibas.pipeline.map_following import N_THREADS, Followed, Follower
 from adibas.pipeline.map_frames import MapFrames, Shown
 from adibas.pipeline.map_preview import MapWatch, picture_of
-from adibas.pipeline.map_state import Keeper, settings_of, unfinished_path
+from adibas.pipeline.map_state import (
+    FileKeeper,
+    Keeper,
+    MapMemory,
+    settings_of,
+    unfinished_path,
+)
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
 from adibas.progress import Progress
@@ -63,6 +69,8 @@ class MapRequest:
     surfels : SurfelParams
     out : Path or None
         Where the surface will be written; what is unfinished is kept beside it. None: nothing is.
+    memory : MapMemory or None
+        Holds what is unfinished where there is no `out`.
     access : RecordingAccess
     """
 
@@ -73,6 +81,7 @@ class MapRequest:
     tracking: KeyFrameParams = field(default_factory=KeyFrameParams)
     surfels: SurfelParams = field(default_factory=SurfelParams)
     out: Path | None = None
+    memory: MapMemory | None = None
     access: RecordingAccess = FILES
 
 
@@ -115,7 +124,7 @@ def map_recording(
 ) -> MappedRecording:
     """Find the camera's path, then fuse all frames into one surface.
 
-    With `MapRequest.out`, what was found is kept beside it until `forget_unfinished`; the same
+    With `MapRequest.out` or `memory`, what was found is kept until `forget_unfinished`; the same
     request goes on from there after a break, and comes to the same result.
 
     Raises
@@ -157,25 +166,29 @@ def map_recording(
 
 
 def forget_unfinished(request: MapRequest) -> None:
-    """Remove what was kept beside the output, once this is written.
+    """Remove what was kept, once the output is written.
 
     Raises
     ------
     FileError
         It cannot be removed.
     """
+    if request.memory is not None:
+        request.memory.forget()
     if request.out is not None:
-        Keeper(unfinished_path(request.out), {}).remove()
+        FileKeeper(unfinished_path(request.out), {}).remove()
 
 
 def _keeper(request: MapRequest, frames: MapFrames) -> Keeper | None:
-    if request.out is None:
+    if request.out is None and request.memory is None:
         return None
     sha256 = request.access.sha256(request.recording)
     settings = settings_of(
         sha256, frames.calibration, request.frames, request.tracking, is_body=request.is_body
     )
-    return Keeper(unfinished_path(request.out), settings)
+    if request.out is not None:
+        return FileKeeper(unfinished_path(request.out), settings)
+    return None if request.memory is None else request.memory.keeper(settings)
 
 
 def _check(request: MapRequest, followed: Followed) -> None:

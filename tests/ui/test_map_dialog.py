@@ -105,23 +105,23 @@ def test_nothing_leaves_where_it_may_not(view, workspace, tmp_path, room):
     presenter.close()
 
 
-def test_what_is_unfinished_goes_with_the_dialog(view, workspace, room, inline_jobs, monkeypatch):
-    made = []
-
-    class Folder:
-        def __init__(self, **_given):
-            made.append(self)
-            self.name, self.is_gone = str(room.parent / "unfinished"), False
-
-        def cleanup(self):
-            self.is_gone = True
-
-    monkeypatch.setattr("ui.mapping.presenter.TemporaryDirectory", Folder)
+def test_what_is_unfinished_is_in_no_file(
+    view, workspace, room, inline_jobs, monkeypatch, tmp_path
+):
+    """How a patient moved is nobody's to find in the system's folder for temporary files."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
+    before = {path.name for path in room.parent.iterdir()}
     presenter = MapPresenter(view, workspace, to_map(room))
     inline_jobs.is_stopped = True
     presenter.start(is_body=False)
+    inline_jobs.is_stopped = False
+    presenter.start(is_body=False)
+    assert standing(view).has_map
+    assert list(temporary.iterdir()) == []
+    assert {path.name for path in room.parent.iterdir()} == before
     presenter.close()
-    assert [one.is_gone for one in made] == [True]
 
 
 def test_a_surface_that_grows_is_looked_at_from_where_one_looked(qtbot):

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from adibas.cli.command_line import main
-from adibas.pipeline.map_state import Keeper, Unfinished, unfinished_path
+from adibas.pipeline.map_state import FOREIGN, FileKeeper, MapMemory, Unfinished, unfinished_path
 from adibas.pipeline.mapping import MapRequest, map_recording
 from tests.unit.room_recordings import room_frames, written
 
@@ -106,6 +106,33 @@ def test_frames_that_were_looked_at_are_not_looked_at_again(taken, tmp_path):
     assert min(seen) == KILLED_AT + 1
 
 
+@pytest.mark.parametrize("at", [1, KILLED_AT, len(YAWS_DEG) + 3])
+def test_a_map_that_is_held_in_memory_goes_on_to_the_same_surface(taken, at):
+    memory, seen = MapMemory(), []
+    whole = map_recording(MapRequest(taken), lambda _done, _total: None)
+
+    def progress(done, _total):
+        if done == at:
+            raise StoppedError
+
+    before = {path.name for path in taken.parent.iterdir()}
+    with pytest.raises(StoppedError):
+        map_recording(MapRequest(taken, memory=memory), progress)
+    for _time in range(2):  # what it goes on from stays as it was
+        again = map_recording(
+            MapRequest(taken, memory=memory), lambda done, _total: seen.append(done)
+        )
+        assert (again.surface.points_m == whole.surface.points_m).all()
+        assert (again.world_from_camera[-1].translation_m
+                == whole.world_from_camera[-1].translation_m).all()  # fmt: skip
+    assert min(seen) == min(at, len(YAWS_DEG)) + 1
+    assert {path.name for path in taken.parent.iterdir()} == before
+    other = map_recording(
+        MapRequest(taken, frames=(0, 4), memory=memory), lambda _done, _total: None
+    )
+    assert FOREIGN in [one.message for one in other.notices]
+
+
 @pytest.mark.parametrize("spoil", ["cut", "changed", "text", "empty"])
 def test_a_damaged_state_is_told_and_not_used(taken, whole, tmp_path, capsys, spoil):
     out = tmp_path / "map.ply"
@@ -140,7 +167,7 @@ def test_the_state_of_another_recording_or_other_settings_is_told_and_not_used(
 
 def test_the_state_is_kept_at_times_and_not_at_every_frame(tmp_path):
     now_s = [0.0]
-    keeper = Keeper(tmp_path / "map.ply.unfinished", {}, clock=lambda: now_s[0])
+    keeper = FileKeeper(tmp_path / "map.ply.unfinished", {}, clock=lambda: now_s[0])
     made = []
     for now_s[0] in (1.0, 4.0, 6.0, 7.0, 10.0, 11.5):
         keeper.keep_at_times(lambda: made.append(now_s[0]) or Unfinished())

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import TYPE_CHECKING
 
@@ -14,11 +13,12 @@ from ui.workspace import Workspace
 
 if TYPE_CHECKING:  # they bring the compiler along, and the window does without at its start
     from adibas.pipeline.map_preview import MapPicture
+    from adibas.pipeline.map_state import MapMemory
     from adibas.pipeline.mapping import MappedRecording
 
 
 class MapPresenter:
-    """Starts, stops and goes on; what is unfinished holds no picture, and goes with the dialog.
+    """Starts, stops and goes on; what is unfinished is in memory alone, and goes with the dialog.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class MapPresenter:
         self._view = view
         self._workspace = workspace
         self._recording = recording
-        self._folder = TemporaryDirectory(prefix="adibas-map-", ignore_cleanup_errors=True)
+        self._memory: MapMemory | None = None
         self._lock = Lock()
         self._picture: MapPicture | None = None
         self._reached = (0, 0)
@@ -94,18 +94,20 @@ class MapPresenter:
         """Give up what runs, and forget what is unfinished."""
         self._is_closed = True
         self.stop()
-        if not self._is_busy:
-            self._folder.cleanup()
+        self._memory = None
 
     @property
     def _is_busy(self) -> bool:
         return self._job is not None and self._job.is_running
 
     def _work(self, *, is_body: bool) -> "Callable[[JobControl], MappedRecording]":
-        recording, out = self._recording, Path(self._folder.name) / "map.ply"
+        recording = self._recording
 
         def work(control: JobControl) -> "MappedRecording":
+            from adibas.pipeline.map_state import MapMemory
             from adibas.pipeline.mapping import MapRequest, map_recording
+
+            memory = self._memory = self._memory or MapMemory()
 
             def progress(done: int, total: int) -> None:
                 with self._lock:
@@ -116,7 +118,9 @@ class MapPresenter:
                 with self._lock:
                     self._picture = picture
 
-            request = MapRequest(recording.path, is_body=is_body, out=out, access=recording.access)
+            request = MapRequest(
+                recording.path, is_body=is_body, memory=memory, access=recording.access
+            )
             return map_recording(request, progress, watch)
 
         return work
@@ -137,7 +141,6 @@ class MapPresenter:
 
     def _ended(self) -> None:
         if self._is_closed:
-            self._folder.cleanup()
             return
         with self._lock:
             picture, self._picture = self._picture, None
