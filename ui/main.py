@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from types import FrameType
 
+from adibas.crash_memory import keep_out_of_crash_dumps
+
 WORLD_FAILED = 1
 INTERRUPTED = 130
 """As shells count an end by Ctrl-C: 128 + SIGINT."""
@@ -18,6 +20,7 @@ def main() -> int:
     """
     while_it_runs = signal.getsignal(signal.SIGINT)
     _end_on_ctrl_c()  # before the imports: there is nothing yet that could be left unfinished
+    keep_out_of_crash_dumps()
     try:
         if all(map(names_recording, sys.argv[1:])):
             if has_display():
