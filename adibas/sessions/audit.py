@@ -187,6 +187,18 @@ class AuditLog:
         with self._database.logging() as transaction:
             self.write(transaction, action, subject, **detail)
 
+    def end(self) -> str:
+        """Return the hash of the last line: it stands for all lines up to it."""
+        with self._database.reading() as transaction:
+            head = row_of(transaction, AUDIT_HEAD, THE_HEAD)
+        return BEGINNING if head is None else str(head.hash)
+
+    def has(self, line_hash: str) -> bool:
+        """Say whether a line with this hash is in this log, and so all lines before it."""
+        wanted = select(AUDIT.c.sequence).where(AUDIT.c.hash == line_hash)
+        with self._database.reading() as transaction:
+            return transaction.execute(wanted).first() is not None
+
     def entries(
         self, limit: int = 1000, *, patients: Collection[str] | None = None
     ) -> tuple[AuditEntry, ...]:

@@ -147,16 +147,20 @@ class Backups:
         with written_whole(path) as unfinished:
             _remove_litter(path.parent, unfinished)
             self._audit.append("backup", "store")
+            log_end = self._audit.end()  # before the copy, so that the line is in it
             with self._snapshot(unfinished) as members, unfinished.open("wb") as file:
                 n_bytes = sum(_size(member.path) for member in members)
                 _check_room(path, n_bytes)
-                header = header_of(key_file, self._audit.now(), n_bytes)
+                header = header_of(key_file, self._audit.now(), n_bytes, log_end)
                 writer = BackupWriter(file, header, self._key)
                 summary = _write_all(writer, members, n_bytes, progress)
         return summary
 
     def kept(self, folder: Path) -> "tuple[KeptBackup, ...]":
         """Return the backups of this store in a folder, newest first.
+
+        Those of a copy of it that went on otherwise are none: they hold what is not here, and not
+        what is.
 
         Raises
         ------
@@ -166,7 +170,10 @@ class Backups:
         from adibas.sessions.backup_schedule import backups_in
 
         file = read_key_file(self._folder)
-        return () if file is None else backups_in(folder, file.store_id, self._audit.now_utc())
+        if file is None:
+            return ()
+        found = backups_in(folder, file.store_id, self._audit.now_utc())
+        return tuple(one for one in found if one.log_end is None or self._audit.has(one.log_end))
 
     def days_since(self, folder: Path) -> float | None:
         """Return how old the newest backup in a folder is; None without any."""
@@ -205,7 +212,7 @@ class Backups:
         now_utc = self._audit.now_utc()
         if not is_due(self.kept(plan.folder), now_utc, plan.every_days):
             return None
-        path = plan.folder / name_at(now_utc, self._own_key_file().store_id)
+        path = plan.folder / name_at(now_utc, self._own_key_file().store_id, self._audit.end())
         summary = self._write(path, passphrase, params, progress)
         if not summary.damaged and may(self._audit.role, Permission.BACK_UP):
             remove_older(self.kept(plan.folder), plan.keep)

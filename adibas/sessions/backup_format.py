@@ -63,6 +63,9 @@ class BackupHeader:
         The store's key behind a passphrase, or behind those of its people; see `KeyFile`.
     recovery : Mapping or None
         The same key behind the recovery key of then, if there was one.
+    log_end : str or None
+        Hash of a line of the store's audit log, one of the last: copies of a store that both went
+        on are told apart by it. None in backups of before.
     """
 
     store_id: str
@@ -72,6 +75,7 @@ class BackupHeader:
     n_bytes: int
     wrapped: Mapping[str, object]
     recovery: Mapping[str, object] | None = None
+    log_end: str | None = None
 
     @property
     def key_file(self) -> KeyFile:
@@ -80,11 +84,13 @@ class BackupHeader:
         return KeyFile(self.store_id, place, self.fingerprint, self.wrapped, self.recovery)
 
 
-def header_of(file: KeyFile, created_utc: str, n_bytes: int) -> BackupHeader:
+def header_of(
+    file: KeyFile, created_utc: str, n_bytes: int, log_end: str | None = None
+) -> BackupHeader:
     """Return the header of a backup to be, with a salt of its own."""
     salt = secrets.token_hex(SALT_BYTES)
     told = (file.store_id, file.fingerprint, created_utc, salt, n_bytes)
-    return BackupHeader(*told, dict(file.wrapped), file.recovery)
+    return BackupHeader(*told, dict(file.wrapped), file.recovery, log_end)
 
 
 class BackupWriter:
@@ -297,7 +303,12 @@ def _header_in(document: Mapping[str, Any]) -> BackupHeader | None:
         return None
     fields = (*texts, "n_bytes", "wrapped")
     header = {name: document[name] for name in fields}
-    return BackupHeader(**header, recovery=recovery_in(document))
+    log_end = document.get("log_end")
+    return BackupHeader(
+        **header,
+        recovery=recovery_in(document),
+        log_end=log_end if isinstance(log_end, str) else None,
+    )
 
 
 def _key_behind(file: KeyFile, secret: str) -> bytes | None:

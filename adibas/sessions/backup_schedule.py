@@ -19,7 +19,7 @@ AHEAD = A_DAY
 """So far a clock may have been put back; a backup that is still later has a wrong time."""
 SLACK = timedelta(hours=1)
 """A daily timer starts a little earlier than the day before finished."""
-N_ID_DIGITS = 8
+N_ID_DIGITS, N_LOG_DIGITS = 8, 4
 PATTERN = f"adibas-*{BACKUP_ENDING}"
 
 
@@ -48,16 +48,17 @@ class BackupPlan:
 
 @dataclass(frozen=True, slots=True)
 class KeptBackup:
-    """A backup of a folder."""
+    """A backup of a folder; see `BackupHeader`."""
 
     path: Path
     created_utc: datetime
+    log_end: str | None = None
 
 
 def backups_in(folder: Path, store_id: str, now_utc: datetime) -> tuple[KeptBackup, ...]:
     """Return the backups of one store in a folder, newest first; cut and damaged ones are none.
 
-    Those of the future are last.
+    Those of the future are last. Those of copies of the store are among them.
 
     Raises
     ------
@@ -87,9 +88,13 @@ def is_due(kept: tuple[KeptBackup, ...], now_utc: datetime, every_days: int) -> 
     return days is None or days >= every_days - SLACK / A_DAY
 
 
-def name_at(now_utc: datetime, store_id: str) -> str:
-    """Return the name of a backup that is made now; timers of two stores strike in one second."""
-    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}-{store_id[:N_ID_DIGITS]}{BACKUP_ENDING}"
+def name_at(now_utc: datetime, store_id: str, log_end: str) -> str:
+    """Return the name of a backup that is made now.
+
+    Timers of two stores strike in one second, and those of two copies of one store, too.
+    """
+    number = f"{store_id[:N_ID_DIGITS]}-{log_end[:N_LOG_DIGITS]}"
+    return f"adibas-{now_utc:%Y-%m-%d-%H%M%S}-{number}{BACKUP_ENDING}"
 
 
 def remove_older(kept: tuple[KeptBackup, ...], keep: int) -> tuple[Path, ...]:
@@ -122,4 +127,4 @@ def _kept(path: Path, store_id: str) -> KeptBackup | None:
             is_cut = path.stat().st_size < backup.header.n_bytes
     except (AdibasError, ValueError, OSError):  # it protects nobody, and so it does not count
         return None
-    return KeptBackup(path, created) if is_ours and not is_cut else None
+    return KeptBackup(path, created, backup.header.log_end) if is_ours and not is_cut else None

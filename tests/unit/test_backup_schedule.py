@@ -8,7 +8,10 @@ import pytest
 
 from adibas.cli import main
 from adibas.errors import FileError
+from adibas.sessions.audit import AuditLog
+from adibas.sessions.backup_format import BackupReader
 from adibas.sessions.backup_schedule import BackupPlan, backups_in, days_since, is_due
+from adibas.sessions.restoring import restore_into
 from tests.unit.store_samples import (
     IDENTITY,
     PASSPHRASE,
@@ -18,6 +21,8 @@ from tests.unit.store_samples import (
     minutes_clock,
     open_sample,
 )
+
+OLD = "adibas-old.adibas-backup"
 
 
 @pytest.fixture
@@ -110,6 +115,50 @@ def test_two_stores_that_are_backed_up_in_one_second_keep_both(folder, plan, tmp
     first, second = (on_day(one, plan, 0)[0][0] for one in (folder, tmp_path / "other"))
     assert first != second
     assert first.exists()
+
+
+@pytest.fixture
+def copy(folder, plan, tmp_path):
+    """A copy of the store, as another computer restores it from a backup."""
+    (path, _), _ = on_day(folder, plan, 0)
+    restore_into(path, tmp_path / "copy", PASSPHRASE)
+    return tmp_path / "copy"
+
+
+def test_a_copy_of_a_store_that_went_on_has_backups_of_its_own_in_the_same_folder(
+    folder, copy, plan
+):
+    plan = BackupPlan(plan.folder, every_days=7, keep=1)
+    (of_copy, _), kept = on_day(copy, plan, 10.5)
+    assert kept == ["2026-12-01"]
+    (mine, _), _ = on_day(folder, plan, 11)  # that of the copy is none of this store
+    (again, _), _ = on_day(folder, plan, 20)
+    assert set(plan.folder.iterdir()) == {of_copy, again}
+    assert not mine.exists()
+    (newer, _), _ = on_day(copy, plan, 30)
+    assert set(plan.folder.iterdir()) == {newer, again}
+
+
+def test_backups_from_before_a_copy_was_made_are_of_both(folder, copy, plan):
+    assert on_day(folder, plan, 1) == (None, ["2026-11-21"])
+    assert on_day(copy, plan, 2) == (None, ["2026-11-21"])
+
+
+def test_two_copies_whose_timers_strike_in_one_second_write_two_backups(folder, copy, plan):
+    on_day(copy, plan, 3)  # nothing is due, but its log goes on
+    first, second = (on_day(one, plan, 20)[0][0] for one in (folder, copy))
+    assert first != second
+    assert first.exists()
+
+
+def test_a_backup_of_before_that_tells_no_log_counts_as_ever(folder, plan, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(AuditLog, "end", lambda _log: None)
+        patched.setattr("adibas.sessions.backup_schedule.name_at", lambda *_: OLD)
+        on_day(folder, plan, 0)
+    with BackupReader(plan.folder / OLD) as backup:
+        assert backup.header.log_end is None
+    assert on_day(folder, plan, 3)[0] is None
 
 
 def test_a_backup_that_fails_removes_no_older_one(folder, plan, monkeypatch):
