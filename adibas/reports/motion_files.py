@@ -88,7 +88,10 @@ def write_c3d(movement: Movement, path: Path) -> None:
 
 
 def write_trc(movement: Movement, path: Path) -> None:
-    """Write the fifteen joints; empty where not seen.
+    """Write the fifteen joints; NaN where not seen.
+
+    An empty cell would do for programs that count the tabs. Those that split a line at any white
+    space would take the next joint's place for it.
 
     The format has no place for where joints come from: the first line, which no program reads,
     says it after the name where they were found without markers.
@@ -122,7 +125,7 @@ def write_trc(movement: Movement, path: Path) -> None:
 
 
 def _cell(value: float) -> str:
-    return "" if np.isnan(value) else f"{value:.4f}"
+    return "NaN" if np.isnan(value) else f"{value:.4f}"
 
 
 def _rate_hz(movement: Movement) -> float:

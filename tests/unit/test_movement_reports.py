@@ -179,7 +179,7 @@ def test_trc_has_one_line_a_frame_and_y_up(movement, tmp_path):
         np.array(rows[0][2 + 3 * INDEX[name] :][:3], float) for name in ("head", "left_foot")
     )
     assert 1400 < (head - foot)[1] < 1800
-    assert rows[50][2 + 3 * INDEX["left_hand"]] == ""
+    assert rows[50][2 + 3 * INDEX["left_hand"]] == "NaN"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name is text")
