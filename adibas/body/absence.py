@@ -14,7 +14,7 @@ from adibas.data.calibration import CameraCalibration
 from adibas.geometry.picture_edges import cut_px, seen_box
 from adibas.geometry.planes import Plane
 
-Absence: TypeAlias = Literal["blind", "holes", "near", "cut", "thing", "nobody"]
+Absence: TypeAlias = Literal["blind", "holes", "near", "cut", "gap", "thing", "nobody"]
 
 LEAST_MEASURED = 0.1
 """Share of the picture: with less the camera is covered, blinded, or somebody is before it."""
@@ -22,6 +22,8 @@ MOST_HOLES = 0.3
 """Share of the picture in holes that measured pixels surround."""
 NEAREST_M, NEAR_SHARE = 0.8, 0.05
 """So many of the measured pixels nearer than that are somebody too near."""
+LARGE_GAP = 0.25
+"""Share of the picture without depth in which somebody may stand, nearer than sensors measure."""
 LEAST_CUT = 0.12
 """Share of the picture's height: so much of an edge is touched by what it cuts off."""
 
@@ -36,8 +38,9 @@ def why_nobody(
 
     ``blind``: hardly any depth; ``near``: something is nearer than a person can be measured;
     ``holes``: the depth is full of holes; ``cut``: what may be a part of a person is cut off by
-    the edge of the picture; ``thing``: what stands there is too low or too flat for a person;
-    ``nobody``.
+    the edge of the picture; ``gap``: a large part of the picture has no depth, as where somebody
+    stands nearer than the sensor measures; ``thing``: what stands there is too low or too flat for
+    a person; ``nobody``.
 
     Parameters
     ----------
@@ -78,4 +81,6 @@ def _what_stands(
     least_px = LEAST_CUT * camera.height
     if any(cut_px(np.asarray(labels == label), box).max() > least_px for label in standing):
         return "cut"
+    if 1.0 - measured.mean() > LARGE_GAP:
+        return "gap"
     return "thing" if standing else "nobody"

@@ -39,6 +39,10 @@ SOMETHING_CUT = message(
     "Nobody is seen whole: what stands there is cut off by the edge of the picture. Step back, or "
     "turn the camera, until the whole person is seen."
 )
+SOMETHING_DARK = message(
+    "Nobody is seen, and a large part of the picture has no depth. Whoever stands there is too "
+    "near or too far away: keep 1.5 to 4 m from the camera."
+)
 SOMETHING_LOW = message(
     "Nobody is seen: what stands there is too low or too flat for a person. Clear the view, or "
     "step in front of the camera."
@@ -60,6 +64,7 @@ ABSENCES = {
     "holes": TORN,
     "near": SOMETHING_NEAR,
     "cut": SOMETHING_CUT,
+    "gap": SOMETHING_DARK,
     "thing": SOMETHING_LOW,
     "nobody": NOBODY,
 }

@@ -20,7 +20,7 @@ from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, RecordingError
 from adibas.geometry.quarter_turns import QuarterTurn
-from adibas.limbs.judging import REMARKS
+from adibas.limbs.judging import NOBODY, REMARKS
 from adibas.limbs.model import LimbModel, load_model
 from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import CAMERA_UP
@@ -298,13 +298,16 @@ class _Found:
     def reasons(self, n_frames: int) -> tuple[Sentence, ...]:
         """Return why nobody was found: what was said most often of all that refuses somebody.
 
-        And what was remarked, such as that only a part was in the picture: it may be why.
+        Where that is only that nobody was there, before or after, what was said most often of
+        somebody is told, too. And what was remarked, such as that only a part was in the picture:
+        it may be why.
         """
         if not self._said:
             return (Sentence(SELDOM),)
-        refusals = [one for one in self._said.most_common() if one[0] not in REMARKS][:1]
+        refusals = [one for one in self._said.most_common() if one[0] not in REMARKS]
+        n_told = 2 if refusals and refusals[0][0] == NOBODY else 1
         remarks = [one for one in self._said.most_common() if one[0] in REMARKS]
-        return self._counted([*refusals, *remarks], n_frames)
+        return self._counted([*refusals[:n_told], *remarks], n_frames)
 
     def _counted(self, said: list[tuple[Message, int]], n_frames: int) -> tuple[Sentence, ...]:
         return counted(((self._sentences[one].text, n) for one, n in said), n_frames)

@@ -39,6 +39,10 @@ def test_the_reason_is_what_the_scene_was_made_of(name, holes, expected):
     assert absence_in(name, holes) == expected
 
 
+def test_somebody_nearer_than_the_sensor_measures_leaves_a_large_part_without_depth():
+    assert absence_in("near", seed=5) == "gap"
+
+
 def test_holes_are_counted_where_measured_pixels_surround_them():
     measured = np.zeros((100, 200), np.bool_)
     measured[10:90, 20:120] = True

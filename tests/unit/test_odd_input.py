@@ -18,7 +18,7 @@ from adibas.simulation.crowd_sensors import CrowdSensor
 from adibas.simulation.crowds import CrowdScene
 from adibas.simulation.odd_plans import ODD_PLANS, pinhole
 
-SEED, HALF_SEED = 11, 13
+SEED, HALF_SEED, DARK_SEED = 11, 13, 5
 N_FRAMES, STEP = 6, 4
 NEAR_M = 0.1
 SENSORS = ((320, 240, 57.0), (512, 424, 70.0), (848, 480, 87.0), (1280, 720, 70.0))
@@ -68,6 +68,29 @@ def test_where_nobody_can_be_measured_the_reason_is_said_and_nothing_is_written(
     segmented = json.loads(capsys.readouterr().out)
     assert segmented["n_with_person"] == 0
     assert any(words in notice["text"] for notice in segmented["notices"])
+
+
+def test_somebody_nearer_than_the_sensor_measures_is_told_to_keep_away(tmp_path, capsys):
+    path = tmp_path / "dark.mcap"
+    record(path, "near", seed=DARK_SEED)
+    code, told, out = posed(path, capsys)
+    assert code == 1
+    assert "a large part of the picture has no depth" in told
+    assert "keep 1.5 to 4 m from the camera" in told
+    assert not out.exists()
+
+
+def test_somebody_who_is_too_near_is_told_where_nobody_was_there_most_of_the_time(tmp_path, capsys):
+    empty = CrowdScene(ODD_PLANS["empty"], SEED)
+    near = CrowdScene(ODD_PLANS["near"], SEED)
+    path = tmp_path / "late.mcap"
+    with create_recording(path, empty.info) as writer:
+        for index in range(10):
+            writer.write((empty if index < 7 else near).frame(index).sensor_frame)
+    code, told, _ = posed(path, capsys)
+    assert code == 1
+    assert "Nobody is seen. Let the person step in front of the camera. (In 7 of 10" in told
+    assert "too near" in told
 
 
 @pytest.mark.parametrize("name", ["cut_left", "cut_right", "upper_body"])
