@@ -1,6 +1,6 @@
 """What `adibas limbs evaluate` prints: how often each label is right, after each step."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from adibas.texts import SpokenNumber
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def evaluation_lines(result: "LimbEvaluation") -> list[str]:
-    """Return the lines: the mean over labels, each label, and which of them the cut worsens."""
+    """Return the lines: the mean over labels, each label, which the cut worsens, the confusion."""
     lines = [
         _("{protocol}, {n} groups, {images} images").format(
             protocol=result.protocol, n=result.n_groups, images=result.n_images
@@ -33,7 +33,19 @@ def evaluation_lines(result: "LimbEvaluation") -> list[str]:
         ))  # fmt: skip
     else:
         lines.append(_("The cut makes no label worse."))
-    return lines
+    return [*lines, *_confusion_lines(result.cut)]
+
+
+def _confusion_lines(cut: "Confusion") -> Iterator[str]:
+    """Yield the confusion after the cut, a label a line: percent of what it was taken for."""
+    yield _("What the pixels of each label were taken for after the cut, in % (0 is left empty):")
+    width = max(map(len, cut.labels))
+    numbers = range(1, len(cut.labels) + 1)
+    yield " " * (width + 4) + "".join(f"{number:4}" for number in numbers)
+    for number, label, counts in zip(numbers, cut.labels, cut.counts, strict=True):
+        percent = (100 * counts / max(int(counts.sum()), 1)).round().astype(int).tolist()
+        cells = "".join(f"{one or '':>4}" for one in percent)
+        yield f"{number:2}  {label:{width}}{cells}".rstrip()
 
 
 def _mean_line(result: "LimbEvaluation") -> str:

@@ -147,8 +147,22 @@ class LimbFolder:
 
     @property
     def people(self) -> tuple[str, ...]:
-        """Return who is in each image; an image of nobody known is its own person."""
-        return tuple(self.header.people.get(name, name) for name in self.names)
+        """Return who is in each image.
+
+        Raises
+        ------
+        LimbError
+            Of an image the header does not say it.
+        """
+        for name in self.names:
+            if name not in self.header.people:
+                raise LimbError(
+                    "labels.json in {folder} does not say who is in image {name}. Name the person "
+                    "of each image there, under people, or leave out folds.",
+                    folder=self._folder.name,
+                    name=name,
+                )
+        return tuple(self.header.people[name] for name in self.names)
 
     def sha256(self) -> str:
         """Return a fingerprint of the images: of their names and the files of their labels.

@@ -219,7 +219,13 @@ def cross_validate(
 
 
 def groups_of(images: LimbFolder, params: EvaluationParams) -> IntArray:
-    """Return the group of each image."""
+    """Return the group of each image.
+
+    Raises
+    ------
+    LimbError
+        People are to be left out, and the folder does not say who is in each image.
+    """
     if params.split == "people":
         return np.unique(np.array(images.people), return_inverse=True)[1].astype(np.int64)
     order = np.random.default_rng(params.seed).permutation(len(images))

@@ -14,7 +14,7 @@ from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
-from adibas.data.limbs import FULL_BODY, LABEL_SETS, UPPER_BODY, LimbParts
+from adibas.data.limbs import FULL_BODY, HAND, LABEL_SETS, UPPER_BODY, LimbParts
 from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError, LimbError
 from adibas.files import written_whole
@@ -147,6 +147,9 @@ def _model_of(request: SegmentingRequest) -> LimbModel:
     model = load_model(request.model)
     if request.labels:
         model.require(LABEL_SETS[request.labels])
+    elif model.labels == HAND:
+        # Whole people are segmented: one of them would be given fingers all over.
+        model.require(FULL_BODY)
     return model
 
 

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from adibas.cli import main
+from adibas.cli.limbs_evaluation import evaluation_lines
 from adibas.errors import LimbError
 from adibas.forests.params import ForestParams
+from adibas.limbs.evaluation import Confusion
 from adibas.limbs.model import load_model
 from adibas.limbs.training_set import (
     DEPTH,
@@ -22,7 +24,7 @@ from adibas.limbs.training_set import (
     write_image,
 )
 from adibas.pipeline import limb_training
-from adibas.pipeline.limb_evaluation import EvaluationParams, groups_of
+from adibas.pipeline.limb_evaluation import EvaluationParams, LimbEvaluation, groups_of
 from adibas.pipeline.limb_pictures import limb_colors, limb_picture
 from adibas.pipeline.limb_simulator import simulate_folder
 from adibas.pipeline.limb_training import TrainingRequest, train_model
@@ -222,6 +224,28 @@ def test_the_command_leaves_people_out(folder, capsys):
     told = capsys.readouterr().out
     assert "leave-one-person-out, 2 groups, 10 images" in told
     assert "left_hand" in told
+
+
+def test_people_who_are_not_named_cannot_be_left_out(folder, capsys):
+    header = json.loads((folder / HEADER).read_text())
+    del header["people"]["0004"]
+    (folder / HEADER).write_text(json.dumps(header))
+    assert main(["limbs", "evaluate", str(folder), "--leave-out", "people"]) == 1
+    told = capsys.readouterr().err
+    assert "does not say who is in image 0004" in told
+    assert "under people" in told
+
+
+def test_the_confusion_is_printed_label_by_label():
+    counts = np.array([[998, 2, 0], [25, 70, 5], [0, 0, 0]])
+    cut = Confusion(("torso", "left_hand", "clutter"), counts)
+    lines = evaluation_lines(LimbEvaluation("model", 1, 3, cut, None, cut))
+    assert lines[-4:] == [
+        "                1   2   3",
+        " 1  torso     100",
+        " 2  left_hand  25  70   5",
+        " 3  clutter",
+    ]
 
 
 @pytest.mark.parametrize(

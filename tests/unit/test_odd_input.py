@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from adibas.cli.command_line import main
+from adibas.data.limbs import HAND
 from adibas.limbs.training_set import FolderHeader, write_header, write_image
 from adibas.pipeline.limb_training import merge_model
 from adibas.recordings import create_recording
@@ -174,6 +175,23 @@ def test_a_model_of_another_label_set_is_told_by_each_command(
         assert words in capsys.readouterr().err
     assert not out.exists()
     assert not out.with_suffix(".csv").exists()
+
+
+def test_a_model_of_a_hand_labels_nobody(tmp_path, capsys):
+    folder = tmp_path / "hands"
+    write_header(folder, FolderHeader(HAND.names, 0.001, 300.0, 300.0, 20.0, 15.0))
+    labels = np.zeros((30, 40), np.uint8)
+    for value in range(1, len(HAND.names) + 1):
+        labels[5:25, 5 * value : 5 * value + 5] = value
+    write_image(folder, "00000", np.full((30, 40), 2000, np.uint16), labels)
+    model, out = tmp_path / "hand.npz", tmp_path / "out"
+    assert main(["limbs", "train", str(folder), "--trees", "1", "--out", str(model)]) == 0
+    path = tmp_path / "person.mcap"
+    record(path, "person")
+    command = ["limbs", "segment", str(path), "--model", str(model), "--out", str(out)]
+    assert main(command) == 1
+    assert "The model is for other limbs (hand-6)" in capsys.readouterr().err
+    assert not out.exists()
 
 
 def test_a_model_file_that_is_cut_or_changed_is_told_by_each_command(tmp_path, capsys, labelled):
