@@ -27,6 +27,13 @@ from adibas.pipeline.pose_model import joint_model_for
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.proportions import MIRRORED
 from adibas.skeleton.smoothing import SmoothingParams
+from benchmarks.pose_pictures import (
+    PICTURED_ACTIONS,
+    PICTURED_TRIAL,
+    Show,
+    drawing_of,
+    pictured_frame,
+)
 from benchmarks.table import Row
 
 REAL_DATA = "ADIBAS_REAL_DATA"
@@ -116,7 +123,7 @@ def _rows_of(calm: list[Compared], told: str) -> Iterator[Row]:
 
 
 def compare(folder: Path, model: LimbModel, *, quick: bool) -> Iterator[Compared]:
-    """Yield our joints and the reference of every recording."""
+    """Yield our joints and the reference of every recording; twelve frames are drawn."""
     actions = (ACTIONS[0], DEEP_BEND) if quick else (*ACTIONS, DEEP_BEND)
     for action in actions:
         for person in PEOPLE:
@@ -124,9 +131,14 @@ def compare(folder: Path, model: LimbModel, *, quick: bool) -> Iterator[Compared
                 name = f"a{action}_s{person}_t{trial}"
                 depths_m = read_depths(folder / "Depth" / f"{name}_depth.mat")
                 reference_m = read_reference(folder / "Skeleton" / f"{name}_skeleton.mat")
-                track = follow(depths_m, model)
                 places: FloatArray = np.arange(float(len(depths_m))) - LAG_FRAMES
-                yield Compared(person, action, track.joints_m, at_frames(reference_m, places))
+                reference_m = at_frames(reference_m, places)
+                show = None
+                if action in PICTURED_ACTIONS and trial == PICTURED_TRIAL:
+                    frame = pictured_frame(action, depths_m)
+                    show = drawing_of(name, frame, reference_m, CAMERA.intrinsics)
+                track = follow(depths_m, model, show)
+                yield Compared(person, action, track.joints_m, reference_m)
 
 
 def read_depths(path: Path) -> Float32Array:
@@ -144,7 +156,7 @@ def read_reference(path: Path) -> FloatArray:
     return np.asarray(joints[:, order] * TO_CAMERA)
 
 
-def follow(depths_m: Float32Array, model: LimbModel) -> SkeletonTrack:
+def follow(depths_m: Float32Array, model: LimbModel, show: Show | None = None) -> SkeletonTrack:
     """Return the smoothed joints; the background is already taken away from these images."""
     estimator = PoseEstimator(
         CAMERA,
@@ -157,6 +169,8 @@ def follow(depths_m: Float32Array, model: LimbModel) -> SkeletonTrack:
     for number, depth_m in enumerate(depths_m):
         time_s = number / RATE_HZ
         now = estimator.look_at(depth_m, [_whole_mask(depth_m)], time_s)
+        if show is not None:
+            show(number, depth_m, now)
         joints = now.people[0].joints if now.people else _nothing()
         frames.append((round(1e9 * time_s), joints))
     return smooth_track(frames, 1, SmoothingParams())

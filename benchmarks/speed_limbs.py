@@ -7,21 +7,19 @@ forest, which works on all cores, is timed by the clock, too, and scikit-learn h
 import importlib
 import importlib.util
 import time
-import tracemalloc
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, UInt8Array
+from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray
 from adibas.data.joints import BODY_PART_NAMES
 from adibas.forests.candidates import draw_candidates
 from adibas.forests.forest import Forest
 from adibas.forests.params import ForestParams
-from adibas.forests.samples import Memory
-from adibas.forests.training import train_forest, train_tree
+from adibas.forests.training import train_forest
 from adibas.graphcut.boundary import boundary_weights
 from adibas.graphcut.energy import (
     EnergyParams,
@@ -35,13 +33,13 @@ from adibas.limbs.penalties import omega_2
 from benchmarks.graph_cut_peer import pairs_of, peer_expand, peer_swap, plain_energy
 from benchmarks.limb_chain import chain_rows
 from benchmarks.limb_frames import FOCAL_PX, UPPER_BODY, LimbFrames
+from benchmarks.limb_training import memory_rows, training_row
 from benchmarks.table import Row
 
 SEED = 6200
 OTHER_POSES = 6201
 LABEL_SETS = {7: UPPER_BODY, 15: BODY_PART_NAMES}
 SMOOTHNESS = (10.0, 50.0)
-MEBIBYTE = 1 << 20
 Work = Callable[[], object]
 
 
@@ -54,10 +52,11 @@ class Effort:
     n_trees: int
     set_sizes: tuple[int, ...]
     n_chain_frames: int
+    n_training_frames: int
 
 
-QUICK = Effort(n_images=12, n_rounds=1, n_trees=1, set_sizes=(50, 200), n_chain_frames=5)
-WHOLE = Effort(n_images=60, n_rounds=3, n_trees=3, set_sizes=(500, 2000, 8000), n_chain_frames=60)
+QUICK = Effort(12, 1, 1, (50, 200), n_chain_frames=5, n_training_frames=24)
+WHOLE = Effort(60, 3, 3, (500, 2000, 8000), n_chain_frames=60, n_training_frames=2000)
 
 
 def rows(*, quick: bool) -> Iterable[Row]:
@@ -71,7 +70,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
         if labels == BODY_PART_NAMES:
             yield from _forest_rows(images, forest, params, effort)
     yield from chain_rows(effort.n_chain_frames)
-    yield from _memory_rows(effort)
+    yield from memory_rows(effort.set_sizes)
+    yield training_row(effort.n_training_frames)
 
 
 def _cut_rows(forest: Forest, effort: Effort) -> Iterator[Row]:
@@ -209,46 +209,6 @@ class _ScikitPeer:
             read.append(np.where(inside, far[row, column], self._far_m))
         values: FloatArray = (read[0] - read[1]).astype(np.float32)
         return values
-
-
-class _Repeated:
-    """A set of any size, of a few small frames again and again."""
-
-    def __init__(self, frames: LimbFrames, n_frames: int) -> None:
-        self.labels = frames.labels
-        self._n_frames = n_frames
-        self._small = [self._shrunk(*frames.read(index)) for index in range(len(frames))]
-
-    @staticmethod
-    def _shrunk(
-        depth_m: Float32Array, labels: UInt8Array, focal_px: float
-    ) -> tuple[Float32Array, UInt8Array, float]:
-        every = np.s_[::4, ::4]
-        return depth_m[every].copy(), labels[every].copy(), focal_px / 4
-
-    def __len__(self) -> int:
-        return self._n_frames
-
-    def read(self, index: int) -> tuple[Float32Array, UInt8Array, float]:
-        """Return frame `index`, 160x120."""
-        return self._small[index % len(self._small)]
-
-
-def _memory_rows(effort: Effort) -> Iterator[Row]:
-    """Grow one tree on sets of several sizes with the same limits of memory."""
-    frames = LimbFrames(8, BODY_PART_NAMES, SEED)
-    params = ForestParams(n_trees=1, n_images=None, n_pixels=50, max_depth=6, n_candidates=10)
-    memory = Memory(n_batch_images=64, image_bytes=0, count_bytes=32 * MEBIBYTE)
-    train_tree(_Repeated(frames, 8), replace(params, max_depth=2), (SEED, 0), memory)
-    for n_frames in effort.set_sizes:
-        images = _Repeated(frames, n_frames)
-        tracemalloc.start()
-        train_tree(images, params, (SEED, 0), memory)
-        peak = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        drawn = n_frames * params.n_pixels * 20 / MEBIBYTE
-        name = f"training memory, {n_frames} frames; of it drawn pixels {drawn:.1f}"
-        yield Row(name, peak / MEBIBYTE, "MiB")
 
 
 def _spent_s(work: Work, clock: Callable[[], float] = time.process_time) -> float:
