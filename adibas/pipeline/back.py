@@ -7,6 +7,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.body_measures import BodyMeasure
+from adibas.data.landmark_texts import SPINE
 from adibas.data.markers import Marker
 from adibas.data.sentence import Sentence
 from adibas.errors import BodyError
@@ -27,8 +28,8 @@ from adibas.surface.symmetry_line import SymmetryLine, SymmetryParams, find_symm
 from adibas.surface.trunk import TrunkParams, back_points, chest_width_m, hidden_share, shows_toes
 from adibas.texts import message
 
-SPINOUS = (C7, "t1", "t3", "t4", "t5", "t7", "t9", "t10", "t11", "t12", "l1", "l3", "l4", "l5")
-"""Names of markers on spinous processes: the line of the spine goes through them."""
+SPINOUS = SPINE[: SPINE.index("s1") + 1]
+"""Names of markers on spinous processes: the line of the spine goes through them to the sacrum."""
 NO_CURVES = message(
     "The curves of the spine were not found: the profile has no turn between chest and loin, or "
     "clothes hide it. Kyphosis, lordosis and what follows from them have no value."

@@ -136,6 +136,24 @@ def test_markers_give_the_measures_of_trunk_and_pelvis(view, scene):
     assert not back.notices
 
 
+@pytest.mark.parametrize("name", ["c7", "t1", "t6", "l2", "s1"])
+def test_a_marker_on_any_vertebra_from_c7_to_s1_draws_the_line(view, name):
+    back = measure_back(view)
+    place_m = {"c7": 0.84, "t1": 0.82, "t6": 0.74, "l2": 0.63, "s1": 0.57}[name] * back.stature_m
+    before_m = float(back.line.at(np.array([place_m]))[0])
+    aside_m = before_m + 0.006
+    to_color = view.calibration.color_from_depth @ back.patient_from_camera.inverse()
+    marker = Marker(
+        name,
+        *(0.0, 0.0, 3.0, np.eye(2)),
+        position_m=to_color.apply(np.array([aside_m, place_m, 0.0])),
+        covariance_m2=1e-6 * np.eye(3),
+    )
+    line = measure_back(view, (marker,)).line
+    moved_m = float(line.at(np.array([place_m]))[0]) - before_m
+    assert 0.002 < moved_m < 0.007
+
+
 @pytest.mark.parametrize(
     ("name", "words"),
     [
