@@ -62,7 +62,8 @@ class Back:
     patient_from_camera : RigidTransform
         From the depth camera's axes.
     stature_m : float
-        From the floor to the top of the head.
+        From the floor to the highest place that is seen of the head, 10 to 19 mm below the crown:
+        shares of heights on the back were found with it.
     grid : BackGrid
     profile : SpineProfile
     shape : SagittalShape or None

@@ -92,6 +92,8 @@ class MeasuredBody:
     whole : WholeBody
     back : Back or None
         None without a posterior view.
+    stature_m : float or None
+        From the floor to the crown, which is worked out; None where every view cuts the head off.
     girths : tuple of BodyMeasure
         Girths and volumes; empty of fewer than three views.
     landmarks : tuple of Landmark
@@ -109,6 +111,7 @@ class MeasuredBody:
 
     whole: WholeBody
     back: Back | None
+    stature_m: float | None
     girths: tuple[BodyMeasure, ...]
     landmarks: tuple[Landmark, ...]
     distances: tuple[DistanceMeasure, ...]
@@ -218,6 +221,7 @@ def measure_views(
     return MeasuredBody(
         whole,
         back,
+        stature_of(whole, seen),
         girths_of(whole, seen),
         landmarks,
         all_distances(fused),
@@ -234,15 +238,21 @@ def girths_of(whole: WholeBody, views: Sequence[BodyView]) -> tuple[BodyMeasure,
     """Return girths and volumes of joined views; none of fewer than three."""
     if len(views) < VIEWS_ALL_AROUND:
         return ()
+    stature_m = stature_of(whole, views)
+    if stature_m is None:
+        return no_measures(NO_CROWN)
+    return slice_measures(whole.surface, stature_m)
+
+
+def stature_of(whole: WholeBody, views: Sequence[BodyView]) -> float | None:
+    """Return the height of the crown over the floor; None where every view cuts the head off."""
     crowns_m = []
     for view in views:
         if not view.is_cut_above:
             axes = whole.patient_from_camera[view.view]
             focal_px = view.camera.intrinsics.fx
             crowns_m.append(crown_height_m(axes.apply(view.points_m()), axes, focal_px))
-    if not crowns_m:
-        return no_measures(NO_CROWN)
-    return slice_measures(whole.surface, float(np.median(crowns_m)))
+    return float(np.median(crowns_m)) if crowns_m else None
 
 
 def _check_views(request: BodyRequest) -> None:

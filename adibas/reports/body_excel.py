@@ -1,4 +1,4 @@
-"""The Excel report on the back."""
+"""The Excel report on body and back."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -11,8 +11,9 @@ from adibas.pipeline.back import Back
 from adibas.pipeline.body import MeasuredBody
 from adibas.pipeline.body_landmarks import Landmark
 from adibas.pipeline.body_protocol import SideMeasures
-from adibas.reports.body_facts import HEADING, body_facts, general_facts
+from adibas.reports.body_facts import body_facts, general_facts, has_looks, heading_of
 from adibas.reports.body_files import measures_of
+from adibas.reports.body_look_plots import looks_figure
 from adibas.reports.body_numbers import on_paper
 from adibas.reports.body_plots import back_figure
 from adibas.reports.body_protocol import side_rows
@@ -48,10 +49,13 @@ def write_body_workbook(body: MeasuredBody, path: Path, language: str) -> None:
 def _add_sheets(workbook: Workbook, body: MeasuredBody) -> None:
     footer = _("For research, education and documentation")
     summary = [Part("", body_facts(body)), Part(_("About this report"), general_facts(body))]
+    if has_looks(body):
+        looks = looks_figure(body, *PICTURE_PT)
+        summary.append(Part(_("The body"), [], picture_of(looks)))
     if body.back is not None:
         drawn = picture_of(back_figure(body.back, *PICTURE_PT))
         summary.append(Part(_("The back"), [], drawn))
-    add_parts(workbook, _("Summary"), _(HEADING), summary, footer)
+    add_parts(workbook, _("Summary"), _(heading_of(body)), summary, footer)
     columns = (
         Column(_("Measure"), 36),
         Column(_("Meaning"), 50),

@@ -1,14 +1,26 @@
 """What the report on a body says in lines and rows."""
 
 from adibas.data.body_measures import BodyMeasure
+from adibas.data.landmark_texts import landmark_text
 from adibas.pipeline.body import MeasuredBody
 from adibas.reports.body_files import measures_of
 from adibas.reports.body_numbers import DIGITS_TO_READ, on_paper
 from adibas.reports.facts import Pairs, analysed, intended_use, view_name
-from adibas.texts import decimal_text, message
+from adibas.texts import Message, decimal_text, message
 from adibas.texts import translate as _
 
-HEADING = message("Report on the back")
+BACK_HEADING = message("Report on the back")
+BODY_HEADING = message("Report on the body")
+
+
+def heading_of(body: MeasuredBody) -> Message:
+    """Return what the report is called."""
+    return BODY_HEADING if body.back is None else BACK_HEADING
+
+
+def has_looks(body: MeasuredBody) -> bool:
+    """Say whether the surface is drawn: a back alone has pictures of its own."""
+    return body.back is None or len(body.n_frames) > 1
 
 
 def body_facts(body: MeasuredBody) -> Pairs:
@@ -20,8 +32,8 @@ def body_facts(body: MeasuredBody) -> Pairs:
             ", ".join(f"{view_name(view)} ({count})" for view, count in body.n_frames.items()),
         )
     )
-    if body.back is not None:
-        told.append((_("Stature [mm]"), decimal_text(1e3 * body.back.stature_m, 0)))
+    if body.stature_m is not None:
+        told.append((_("Stature [mm]"), decimal_text(1e3 * body.stature_m, 0)))
     if body.whole.joined is not None:
         rms_mm = 1e3 * body.whole.joined.rms_m
         told.append((_("Distance between the views [mm]"), decimal_text(rms_mm, 2)))
@@ -50,6 +62,19 @@ def general_facts(body: MeasuredBody) -> Pairs:
 def measure_rows(body: MeasuredBody) -> list[tuple[str, str, str, str, str, str]]:
     """Return name, meaning, value, interval, unit and source of each measure."""
     return [_row(measure) for measure in measures_of(body)]
+
+
+def landmark_rows(body: MeasuredBody) -> list[tuple[str, str, str, str, str, str]]:
+    """Return name, place in millimetres, views and how far these are apart of each landmark."""
+    return [
+        (
+            landmark_text(mark.name),
+            *(decimal_text(1e3 * float(value), 1) for value in mark.fused.position_m),
+            ", ".join(view_name(view) for view in mark.places_m),
+            "" if mark.apart_m is None else decimal_text(1e3 * mark.apart_m, 1),
+        )
+        for mark in body.landmarks
+    ]
 
 
 def _row(measure: BodyMeasure) -> tuple[str, str, str, str, str, str]:

@@ -59,6 +59,7 @@ def body_to_json(body: MeasuredBody) -> dict[str, Any]:
             for view, pose in body.whole.patient_from_camera.items()
         },
         "points": len(body.whole.surface.points_m),
+        "stature_mm": None if body.stature_m is None else round(1e3 * body.stature_m, 1),
         "joined_rms_mm": None if joined is None else round(1e3 * joined.rms_m, 3),
         "measures": [_measure(one) for one in measures_of(body)],
         "spine": None if body.back is None else _spine(body.back),
@@ -153,7 +154,7 @@ def _spine(back: Back) -> dict[str, Any]:
     y_m = back.profile.heights_m(PROFILE_STEP_M)
     shape = back.shape
     return {
-        "stature_mm": round(1e3 * back.stature_m, 1),
+        "highest_seen_mm": round(1e3 * back.stature_m, 1),
         "height_mm": np.round(1e3 * y_m, 1).tolist(),
         "right_mm": np.round(1e3 * back.line.at(y_m), 2).tolist(),
         "back_mm": np.round(1e3 * back.profile.back_m(y_m), 2).tolist(),

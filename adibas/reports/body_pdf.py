@@ -1,4 +1,4 @@
-"""The PDF report on the back: measures, and the pictures on a page of their own."""
+"""The PDF report on body and back: measures, and the pictures on pages of their own."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,7 +7,15 @@ from reportlab.platypus import Flowable, PageBreak
 
 from adibas.data.protocol_measures import INSTRUMENT_ONLY
 from adibas.pipeline.body import MeasuredBody
-from adibas.reports.body_facts import HEADING, body_facts, general_facts, measure_rows
+from adibas.reports.body_facts import (
+    body_facts,
+    general_facts,
+    has_looks,
+    heading_of,
+    landmark_rows,
+    measure_rows,
+)
+from adibas.reports.body_look_plots import looks_figure
 from adibas.reports.body_plots import back_figure
 from adibas.reports.body_protocol import side_rows
 from adibas.reports.facts import intended_use, view_name
@@ -43,13 +51,13 @@ def write_body_pdf(body: MeasuredBody, path: Path, language: str) -> None:
         path,
         language,
         version,
-        HEADING,
+        heading_of(body),
         lambda: (_story(body), (intended_use(), f"ADiBAS {version}")),
     )
 
 
 def _story(body: MeasuredBody) -> Iterator[Flowable]:
-    yield title(_(HEADING))
+    yield title(_(heading_of(body)))
     yield facts_table(body_facts(body))
     rows = measure_rows(body)
     if rows:
@@ -69,15 +77,38 @@ def _story(body: MeasuredBody) -> Iterator[Flowable]:
                 "measured the same way."
             )
         )
+    yield from _landmarks(body)
     yield from _protocol(body)
     yield title(_("About this report"), level=2)
     yield facts_table(general_facts(body))
+    if has_looks(body):
+        yield PageBreak()
+        yield title(_("The body"), level=2)
+        looks = looks_figure(body, WIDTH, PICTURE_HEIGHT)
+        yield picture(picture_of(looks), WIDTH, PICTURE_HEIGHT)
     if body.back is not None:
         yield PageBreak()
         yield title(_("The back"), level=2)
         yield picture(
             picture_of(back_figure(body.back, WIDTH, PICTURE_HEIGHT)), WIDTH, PICTURE_HEIGHT
         )
+
+
+def _landmarks(body: MeasuredBody) -> Iterator[Flowable]:
+    """Yield where the landmarks lie, and how well the views agree on them."""
+    rows = landmark_rows(body)
+    if not rows:
+        return
+    yield title(_("Landmarks"), level=2)
+    header = [
+        _("Landmark"),
+        _("To the right [mm]"),
+        _("Height over the floor [mm]"),
+        _("To the back [mm]"),
+        _("Views"),
+        _("Views apart [mm]"),
+    ]
+    yield wrapped_table(header, rows)
 
 
 def _protocol(body: MeasuredBody) -> Iterator[Flowable]:

@@ -1,8 +1,11 @@
 """The back in pictures: its asymmetry in colours, the profile, deviation and rotation."""
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from adibas.arrays import FloatArray
 from adibas.pipeline.back import Back
@@ -18,6 +21,7 @@ LARGEST_MM = 20.0
 TANGENT_M = 0.06
 STEP_M = 0.004
 HALF_WIDTH_MM = 210.0
+NARROW_LETTERS = 18
 LEAST_ASIDE_MM, LEAST_TURN_DEG = 15.0, 6.0
 """An axis shows no less, so that noise does not look like a deformity."""
 
@@ -28,20 +32,26 @@ def back_figure(back: Back, width_pt: float, height_pt: float) -> Figure:
     whole, side, behind, turned = figure.subplots(
         1, 4, sharey=True, width_ratios=[1.5, 1.0, 0.7, 0.7]
     )
-    _map(figure, whole, back)
+    image = _map(whole, back)
+    # Below all of them, so that a height is at the same place of the page in each.
+    bar = figure.colorbar(
+        image, ax=(whole, side, behind, turned), location="bottom", shrink=0.35, anchor=(0.0, 0.0)
+    )
+    bar.set_label(_("further back than the other side [mm]"), fontsize=FONT_PT)
+    bar.ax.tick_params(labelsize=FONT_PT)
     _profile(side, back)
     y_m = back.profile.heights_m(STEP_M)
     _curve(behind, (1e3 * back.line.at(y_m), y_m), LEAST_ASIDE_MM)
-    behind.set_xlabel(_("to the right [mm]"), fontsize=FONT_PT)
-    _finish(behind, _("Line of the spine"))
+    behind.set_xlabel(_narrow(_("to the right [mm]")), fontsize=FONT_PT)
+    finish(behind, _narrow(_("Line of the spine")))
     _curve(turned, (np.degrees(back.profile.rotation_rad(y_m)), y_m), LEAST_TURN_DEG)
-    turned.set_xlabel(_("right side back [°]"), fontsize=FONT_PT)
-    _finish(turned, _("Surface rotation"))
+    turned.set_xlabel(_narrow(_("right side back [°]")), fontsize=FONT_PT)
+    finish(turned, _narrow(_("Surface rotation")))
     whole.set_ylabel(_("Height over the floor [m]"), fontsize=FONT_PT)
     return figure
 
 
-def _map(figure: Figure, axes: Axes, back: Back) -> None:
+def _map(axes: Axes, back: Back) -> AxesImage:
     grid = back.grid
     image = axes.imshow(
         1e3 * asymmetry_m(grid, back.line),
@@ -51,15 +61,14 @@ def _map(figure: Figure, axes: Axes, back: Back) -> None:
         vmax=LARGEST_MM,
         aspect="auto",
     )
-    axes.set_aspect(MM_PER_M)
-    axes.set_xlim(-HALF_WIDTH_MM, HALF_WIDTH_MM)
     axes.plot(1e3 * back.line.x_m, back.line.y_m, color=LINE, linewidth=1.0)
     for marker in back.markers.values():
         axes.plot(*(marker.position_m[:2] * (1e3, 1.0)), "o", color=ACCENT, markersize=3)
-    bar = figure.colorbar(image, ax=axes, location="bottom", shrink=0.9, pad=0.02)
-    bar.set_label(_("further back than the other side [mm]"), fontsize=FONT_PT)
-    bar.ax.tick_params(labelsize=FONT_PT)
-    _finish(axes, _("Asymmetry, seen from behind"))
+    finish(axes, _("Asymmetry, seen from behind"))
+    # So wide, or as the height of the page asks for.
+    axes.set_xlim(-HALF_WIDTH_MM, HALF_WIDTH_MM, auto=True)
+    axes.set_aspect(MM_PER_M, adjustable="datalim")
+    return image
 
 
 def _profile(axes: Axes, back: Back) -> None:
@@ -81,7 +90,7 @@ def _profile(axes: Axes, back: Back) -> None:
                     1e3 * (back_m + slope * (ends_m - at_m)), ends_m, color=ACCENT, linewidth=0.7
                 )
     axes.set_xlabel(_("to the back [mm]"), fontsize=FONT_PT)
-    _finish(axes, _("Profile of the spine"))
+    finish(axes, _("Profile of the spine"))
 
 
 def _curve(axes: Axes, points: tuple[FloatArray, FloatArray], least: float) -> None:
@@ -91,7 +100,13 @@ def _curve(axes: Axes, points: tuple[FloatArray, FloatArray], least: float) -> N
     axes.set_xlim(-reach, reach)
 
 
-def _finish(axes: Axes, title: str) -> None:
+def _narrow(text: str) -> str:
+    """Return a text in lines that a narrow plot has room for."""
+    return textwrap.fill(text, NARROW_LETTERS)
+
+
+def finish(axes: Axes, title: str) -> None:
+    """Give axes their title, a grid and small numbers."""
     axes.set_title(title, fontsize=TITLE_PT, color=LINE)
     axes.grid(visible=True, color=FAINT, linewidth=0.3)
     axes.tick_params(labelsize=FONT_PT, length=2)

@@ -5,12 +5,14 @@ import io
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
 import openpyxl
 import pypdf
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from adibas.cli.command_line import main
 from adibas.data.frames import SensorFrame
@@ -20,10 +22,14 @@ from adibas.errors import BodyError
 from adibas.pipeline.back import measure_back
 from adibas.pipeline.body_views import person_in
 from adibas.recordings import create_recording
+from adibas.reports.body_pdf import PICTURE_HEIGHT
+from adibas.reports.body_plots import back_figure
 from adibas.reports.map_files import ROW
+from adibas.reports.pdf_layout import WIDTH
 from adibas.simulation.depth_noise import EXACT
 from adibas.simulation.patient import SHAPES
 from adibas.simulation.scenes import open_scene
+from adibas.texts import speaking
 from benchmarks.body_scenes import midline
 
 SETTINGS = {
@@ -86,7 +92,10 @@ def test_measures_surface_and_reports_are_written(folder, scene):
     assert all(one["source"] for one in measures.values())
     assert measures["BACK.TRUNK.INCLINATION"]["reason"]
     stature_m = scene.person(0)[0].body.stature_m
-    assert document["spine"]["stature_mm"] == pytest.approx(1e3 * stature_m, abs=20.0)
+    assert document["spine"]["highest_seen_mm"] == pytest.approx(1e3 * stature_m, abs=20.0)
+    # Exact depth lacks no rim, for which 10 mm are added.
+    assert document["stature_mm"] == pytest.approx(1e3 * stature_m + 10.0, abs=4.0)
+    assert document["stature_mm"] > document["spine"]["highest_seen_mm"] + 5.0
     header, _, body = ply.read_bytes().partition(b"end_header\n")
     assert len(np.frombuffer(body, ROW)) == document["points"] > 3000
     assert b"ply" in header
@@ -108,6 +117,29 @@ def test_line_of_the_spine_lies_over_the_spinous_processes(view, scene):
     np.testing.assert_allclose(back.line.at(heights_m), right_m, atol=0.005)
     off_m = back.profile.back_m(heights_m) - np.interp(heights_m, true_m[::-1, 1], true_m[::-1, 2])
     assert np.std(off_m) < 0.004
+
+
+@pytest.mark.parametrize("language", ["en", "es", "ca", "pt"])
+def test_plots_of_the_back_show_heights_alike_and_their_words_whole(view, language, caplog):
+    with speaking(language):
+        figure = back_figure(measure_back(view), WIDTH, PICTURE_HEIGHT)
+    FigureCanvasAgg(figure)
+    figure.draw_without_rendering()
+    renderer = figure.canvas.get_renderer()
+    plots = figure.axes[:4]
+    lower, upper = zip(*(axes.get_window_extent().intervaly for axes in plots), strict=True)
+    assert np.ptp(lower) < 1.0
+    assert np.ptp(upper) < 1.0
+    assert len({axes.get_ylim() for axes in plots}) == 1
+    left_mm, right_mm = plots[0].get_xlim()
+    assert left_mm == pytest.approx(-right_mm)
+    assert 180.0 < right_mm < 260.0
+    assert not caplog.records, "nothing of it is said on the console"
+    for texts in ([axes.title for axes in plots], [axes.xaxis.label for axes in plots]):
+        spans = [text.get_window_extent(renderer).intervalx for text in texts if text.get_text()]
+        for (_, end), (begin, _) in pairwise(spans):
+            assert end < begin
+        assert spans[-1][1] <= figure.bbox.x1
 
 
 def test_markers_give_the_measures_of_trunk_and_pelvis(view, scene):

@@ -26,8 +26,10 @@ from adibas.pipeline.whole_body import WholeBody, join_body
 from adibas.recordings import create_recording
 from adibas.reports.body import write_body
 from adibas.reports.body_files import body_to_json
+from adibas.reports.body_look_plots import LOOKS, shades_of
 from adibas.simulation.depth_noise import EXACT
 from adibas.surface.girths import slice_measures
+from adibas.surface.merging import BodySurface
 from benchmarks.body_scenes import burst, draw_back_scene
 from tests.unit.test_back_command import run
 
@@ -239,6 +241,51 @@ def test_a_protocol_is_measured_by_each_view_and_by_all_of_them(views, scene, tm
     text = "".join(page.extract_text() for page in pypdf.PdfReader(tmp_path / "r.pdf").pages)
     assert "Measures of SAPO" in text
     assert rows[-1]["id"] in text
+
+
+def test_a_report_without_a_back_shows_the_body_and_its_landmarks(views, scene, tmp_path):
+    turns = {"right_lateral": ("c7",), "anterior": ("c7", "sternal_notch")}
+    marked = [
+        marked_view(scene, view, turns.get(view.view, ()))
+        for view in views
+        if view.view != "posterior"
+    ]
+    body = measure_views(marked, {one.view: PROVENANCE for one in marked}, "P1")
+    # Exact depth lacks no rim, for which 8 mm are added.
+    true_m = -scene.posed("anterior").vertices_m[:, 1].min()
+    assert body.stature_m == pytest.approx(true_m + 0.008, abs=0.008)
+    write_body(body, tmp_path / "r.pdf", "en")
+    pages = pypdf.PdfReader(tmp_path / "r.pdf").pages
+    told = " ".join(page.extract_text() for page in pages)
+    assert "Report on the body" in told
+    assert "Report on the back" not in told
+    assert f"{1e3 * body.stature_m:.0f}" in told
+    (mark,) = (one for one in body.landmarks if one.apart_m is not None)
+    assert f"{1e3 * mark.apart_m:.1f}" in told.partition("Views apart")[2]
+    assert len(pages[-1].images) == 1
+    write_body(body, tmp_path / "r.xlsx", "en")
+    assert len(openpyxl.load_workbook(tmp_path / "r.xlsx")["Summary"]._images) == 1
+
+
+@pytest.mark.parametrize(("side", "is_front_right"), [("right_lateral", 1), ("left_lateral", 0)])
+def test_a_body_is_drawn_as_each_side_sees_it(side, is_front_right):
+    # Two flat pieces that face both sides: a low one of the trunk, and a nose before it.
+    y_m, z_m = np.mgrid[0.0:1.0:50j, -0.1:0.1:12j]
+    nose = (z_m > -0.06) & (y_m > 0.8)  # what lies behind the nose is missing
+    flat = np.column_stack([np.zeros(y_m.size), y_m.ravel(), z_m.ravel()])[~nose.ravel()]
+    across, towards = (np.array(axis) for axis in LOOKS[side])
+    n = len(flat)
+    surface = BodySurface(
+        flat, np.tile(towards, (n, 1)), np.ones(n), np.ones(n), np.full((n, 3), np.nan)
+    )
+    shades, (left_m, right_m, bottom_m, top_m) = shades_of(surface, across, towards)
+    upper = np.isfinite(shades[: shades.shape[0] // 6]).any(axis=0)
+    assert upper[-1 if is_front_right else 0]
+    assert not upper[0 if is_front_right else -1]
+    assert (left_m, bottom_m) == pytest.approx((-0.1, 0.0))
+    assert (right_m, top_m) == pytest.approx((0.1, 1.0), abs=0.01)
+    away, _ = shades_of(surface, across, -towards)
+    assert not np.isfinite(away).any(), "what faces the other way is not seen"
 
 
 def test_a_protocol_takes_markers(tmp_path):
