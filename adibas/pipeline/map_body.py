@@ -10,10 +10,10 @@ from adibas.arrays import FloatArray
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 
-BANDS = {"legs": (0.0, 0.5), "trunk": (0.5, 0.85), "head": (0.85, 1.01)}
+BANDS = {"legs": (-0.05, 0.5), "trunk": (0.5, 0.85), "head": (0.85, 1.05)}
 """Shares of the stature; arms hang along legs and trunk."""
-TRIMMED = (1, 99)
-"""Percentiles of the heights between which the person stands."""
+HIGHEST = 99
+"""Percentile of the heights over the floor up to which the person reaches."""
 FEWEST_POINTS = 50
 
 
@@ -28,7 +28,8 @@ class BodyMotion:
     largest_mm : float
         That of the worst frame.
     bands_mm : dict of str to float
-        `residual_mm` by height: legs, trunk, head; those that were seen.
+        `residual_mm` by height: legs, trunk, head; those that were seen, and none without a floor:
+        of somebody seen from the waist up nothing else would tell that these are no legs.
     wandered_mm : float
         How far the middle of the body was from its mean over the floor, root mean square: sway and
         steps, which the alignment follows.
@@ -41,7 +42,11 @@ class BodyMotion:
 
 
 def body_motion(
-    distances: Sequence[Distances], world_from_camera: Sequence[RigidTransform], floor: Plane
+    distances: Sequence[Distances],
+    world_from_camera: Sequence[RigidTransform],
+    level: Plane,
+    *,
+    is_floor: bool,
 ) -> BodyMotion | None:
     """Sum up how frames differ from the surface; None where hardly anything is seen.
 
@@ -51,8 +56,10 @@ def body_motion(
         Of each frame.
     world_from_camera : sequence of RigidTransform
         Of the same frames.
-    floor : Plane
-        In the camera's axes, which stands still.
+    level : Plane
+        The floor, or a level plane anywhere, in the camera's axes, which stands still.
+    is_floor : bool
+        It is the floor.
     """
     seen = [
         (one, pose)
@@ -61,23 +68,26 @@ def body_motion(
     ]
     if not seen:
         return None
-    heights_m = [floor.signed_distance_m(pose.inverse().apply(one.points_m)) for one, pose in seen]
-    low_m, high_m = np.percentile(np.concatenate(heights_m), TRIMMED)
-    shares = [(height_m - low_m) / max(high_m - low_m, 1e-6) for height_m in heights_m]
-    bands = {
-        name: [
-            _rms_mm(one.behind_m[(share >= low) & (share < high)])
-            for (one, _), share in zip(seen, shares, strict=True)
-        ]
-        for name, (low, high) in BANDS.items()
-    }
     whole = [_rms_mm(one.behind_m) for one, _ in seen]
     return BodyMotion(
         float(np.nanmedian(whole)),
         float(np.nanmax(whole)),
-        {name: float(np.nanmedian(one)) for name, one in bands.items() if np.isfinite(one).any()},
-        _wandered_mm(distances, world_from_camera, floor),
+        _bands_mm(seen, level) if is_floor else {},
+        _wandered_mm(distances, world_from_camera, level),
     )
+
+
+def _bands_mm(seen: Sequence[tuple[Distances, RigidTransform]], floor: Plane) -> dict[str, float]:
+    heights_m = [floor.signed_distance_m(pose.inverse().apply(one.points_m)) for one, pose in seen]
+    high_m = max(float(np.percentile(np.concatenate(heights_m), HIGHEST)), 1e-6)
+    bands = {
+        name: [
+            _rms_mm(one.behind_m[(height_m >= low * high_m) & (height_m < high * high_m)])
+            for (one, _), height_m in zip(seen, heights_m, strict=True)
+        ]
+        for name, (low, high) in BANDS.items()
+    }
+    return {name: float(np.nanmedian(one)) for name, one in bands.items() if np.isfinite(one).any()}
 
 
 def _rms_mm(distances_m: FloatArray) -> float:

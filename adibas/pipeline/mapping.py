@@ -248,7 +248,9 @@ class _Fusing:
             distances = [
                 surfels.distances_m(view, self._poses[shown.index]) for shown, view in prepared
             ]
-        return body_motion(distances, [self._poses[i] for i in indices], self._frames.level)
+        frames = self._frames
+        poses = [self._poses[i] for i in indices]
+        return body_motion(distances, poses, frames.level, is_floor=frames.floor is not None)
 
     def _read(self, indices: list[int]) -> Iterator[tuple[int, SensorFrame]]:
         for index in indices:

@@ -50,7 +50,9 @@ def test_what_frames_differ_by_is_told_by_height():
     share = (1.2 - points_m[:, 1]) / 1.7
     sd_m = np.where(share > 0.85, 0.006, np.where(share > 0.5, 0.003, 0.001))
     poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in range(0, 60, 5)]
-    told = body_motion([Distances(points_m, rng.normal(0.0, sd_m)) for _ in poses], poses, FLOOR)
+    told = body_motion(
+        [Distances(points_m, rng.normal(0.0, sd_m)) for _ in poses], poses, FLOOR, is_floor=True
+    )
     assert told.bands_mm["legs"] == pytest.approx(1.0, rel=0.1)
     assert told.bands_mm["trunk"] == pytest.approx(3.0, rel=0.1)
     assert told.bands_mm["head"] == pytest.approx(6.0, rel=0.1)
@@ -59,18 +61,31 @@ def test_what_frames_differ_by_is_told_by_height():
     assert told.wandered_mm == pytest.approx(0.0, abs=5.0)
 
 
+def test_somebody_seen_from_the_waist_up_has_no_legs():
+    points_m = points_of_a_body(np.random.default_rng(3))
+    upper = points_m[points_m[:, 1] < 1.2 - 0.9]
+    poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in (0, 5, 10)]
+    seen = [Distances(upper, np.full(len(upper), 0.002))] * 3
+    told = body_motion(seen, poses, FLOOR, is_floor=True)
+    assert set(told.bands_mm) == {"trunk", "head"}
+    level = Plane(FLOOR.normal, 0.0)
+    unknown = body_motion(seen, poses, level, is_floor=False)
+    assert unknown.bands_mm == {}
+    assert unknown.residual_mm == pytest.approx(told.residual_mm)
+
+
 def test_steps_over_the_floor_are_told_and_a_bob_is_none():
     points_m = points_of_a_body(np.random.default_rng(2))
     still = Distances(points_m, np.zeros(len(points_m)))
     steps_m = [(0.02 * sign, 0.05 * sign, 2.0) for sign in (-1, 1, -1, 1)]
-    told = body_motion([still] * 4, [turned(0.0, step) for step in steps_m], FLOOR)
+    told = body_motion([still] * 4, [turned(0.0, step) for step in steps_m], FLOOR, is_floor=True)
     assert told.wandered_mm == pytest.approx(20.0, rel=1e-6)
     assert told.residual_mm == 0.0
 
 
 def test_where_hardly_anything_is_seen_nothing_is_told():
     few = Distances(np.zeros((3, 3)), np.zeros(3))
-    assert body_motion([few], [turned(0.0, (0.0, 0.0, 2.0))], FLOOR) is None
+    assert body_motion([few], [turned(0.0, (0.0, 0.0, 2.0))], FLOOR, is_floor=True) is None
 
 
 def test_the_person_alone_becomes_the_surface(tmp_path, capsys):
