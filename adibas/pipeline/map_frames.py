@@ -90,8 +90,11 @@ class MapFrames:
             if index < first:
                 continue
             frame = self._recording.read(index)
-            if frame.depth_raw is None or frame.color is None:
-                self.left_out[index] = NO_DEPTH if frame.depth_raw is None else NO_COLOR
+            # A covered sensor gives an image without a single reading.
+            if frame.depth_raw is None or not frame.depth_raw.any():
+                self.left_out[index] = NO_DEPTH
+            elif frame.color is None:
+                self.left_out[index] = NO_COLOR
             elif last_ns is not None and frame.timestamp_ns <= last_ns:
                 self.left_out[index] = BACKWARD
             else:

@@ -118,7 +118,11 @@ def test_a_jump_to_another_place_leaves_those_frames_out(scene, tmp_path):
 
 @pytest.mark.parametrize(
     ("lacking", "word"),
-    [({"color": None, "color_timestamp_ns": None}, "no colour"), ({"depth_raw": None}, "no depth")],
+    [
+        ({"color": None, "color_timestamp_ns": None}, "no colour"),
+        ({"depth_raw": None}, "no depth"),
+        ({"depth_raw": np.zeros((240, 320), np.uint16)}, "no depth"),
+    ],
 )
 def test_frames_without_depth_or_colour_are_counted_and_a_recording_of_them_refused(
     scene, tmp_path, lacking, word
