@@ -75,7 +75,8 @@ UNNEEDED = (
     "sklearn/datasets/descr/*",
     "sklearn/datasets/images/*",
     "zstandard/_cffi.*",
-    "resources/translations/*.po",  # what translators write; .mo is what is read
+    "resources/translations/*.po",  # what translators write; .mo and .qm are what is read
+    "resources/translations/*.ts",
     "*.dist-info/RECORD",  # what pip is to remove
     "*/tests/*",
 )

@@ -24,6 +24,7 @@ RESOURCES = {"darwin": "Frameworks/resources"}
 """Where they lie in the built folder, where it is not as on Linux."""
 
 WORK = ROOT / "build"
+MANUAL = ROOT / "resources" / "manual" / "index.html"
 SPEC = ROOT / "installers" / "adibas.spec"
 MOST_PACKED = 19
 STRIP = "llvm-strip-22"
@@ -32,6 +33,7 @@ STRIP = "llvm-strip-22"
 
 def freeze() -> Path:
     """Build the whole folder and return it."""
+    need_manual()
     collect()
     if is_for_this_machine():
         lighten(BUILT / "_internal", WORK)
@@ -39,6 +41,12 @@ def freeze() -> Path:
         strip_symbols(BUILT)
     add_kernels(BUILT)
     return BUILT
+
+
+def need_manual() -> None:
+    """End where the manual was not built: the program would have no help but the short one."""
+    if not MANUAL.is_file():
+        raise SystemExit("There is no manual. Build it: python -m installers.manual.build")
 
 
 def collect() -> None:

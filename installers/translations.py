@@ -2,11 +2,13 @@
 
 Run by `make translations`. A text is collected where it is an argument of `_` (`translate`),
 `translate_plural`, `message`, an `AdibasError`, or of a function with a parameter ``message_id``.
-What has no translation yet is told, and left empty for the translator.
+What has no translation yet is told, and left empty for the translator. What Qt itself does not say
+in a language stands in ``qt.ts`` beside the catalogue; Qt's own program compiles it.
 """
 
 import ast
 import inspect
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +17,7 @@ from babel.messages import Catalog
 from babel.messages.extract import extract_from_file
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
+from PySide6 import __file__ as qt_file
 
 from adibas import errors
 from adibas.resources import resource_path
@@ -153,6 +156,13 @@ def untranslated(catalogue: Catalog) -> list[str]:
     return empty
 
 
+def compile_qt(source: Path, compiled: Path) -> None:
+    """Compile what Qt lacks in a language, as Qt reads it."""
+    program = Path(qt_file).with_name("lrelease")
+    command = [program, "-silent", source, "-qm", compiled]
+    subprocess.run(command, check=True)  # noqa: S603
+
+
 def main() -> int:
     """Bring all catalogues up to date; the exit code tells whether a text lacks a translation."""
     n_missing = 0
@@ -166,6 +176,8 @@ def main() -> int:
         n_missing += len(missing)
         for text in missing:
             sys.stderr.write(f"{language}: no translation of {text!r}\n")
+    for source in sorted(resource_path("translations").glob("*/qt.ts")):
+        compile_qt(source, source.with_suffix(".qm"))
     return 1 if n_missing else 0
 
 

@@ -3,7 +3,8 @@
 from PySide6.QtCore import QLibraryInfo, QLocale, Qt, QTranslator
 from PySide6.QtWidgets import QApplication
 
-from adibas.texts import use_language
+from adibas.resources import resource_path
+from adibas.texts import spoken_language, use_language
 from ui.preferences import Preferences, PreferencesFile
 from ui.theme import Theme
 from ui.window import MainWindow
@@ -19,7 +20,7 @@ class Appearance:
         self._theme = theme
         self._window = window
         self._preferences = preferences
-        self._translator = QTranslator()
+        self._translator, self._lacking = QTranslator(), QTranslator()
         self._used = preferences.now
         self._end = preferences.changed.subscribe(self._on_preferences)
         app.styleHints().colorSchemeChanged.connect(self._on_desktop)
@@ -29,7 +30,8 @@ class Appearance:
         """Follow nothing any more."""
         self._end()
         self._app.styleHints().colorSchemeChanged.disconnect(self._on_desktop)
-        self._app.removeTranslator(self._translator)
+        for translator in (self._translator, self._lacking):
+            self._app.removeTranslator(translator)
 
     def _on_preferences(self, now: Preferences) -> None:
         before, self._used = self._used, now
@@ -48,11 +50,17 @@ class Appearance:
         self._window.dress()
 
     def _speak(self) -> None:
-        """Let Qt's own texts and numbers speak, too; every widget is told of the change."""
+        """Let Qt's own texts and numbers speak, too; every widget is told of the change.
+
+        What Qt has not in a language, as two labels of each dialog for files, we have.
+        """
         locale = QLocale(self._preferences.now.language)
         QLocale.setDefault(locale)
         self._window.setLocale(locale)
-        self._app.removeTranslator(self._translator)
+        for translator in (self._translator, self._lacking):
+            self._app.removeTranslator(translator)
         folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
         self._translator.load(locale, "qtbase", "_", folder)  # of Portuguese Qt has qtbase_pt_BR
         self._app.installTranslator(self._translator)
+        if self._lacking.load(str(resource_path("translations", spoken_language(), "qt.qm"))):
+            self._app.installTranslator(self._lacking)

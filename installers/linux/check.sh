@@ -82,6 +82,7 @@ runs_every_part() {  # each brings libraries of its own, which a frozen program 
     runs export dicom "$session" --store demo/store --out d
     runs sessions backup --store demo/store --out s.adibas-backup
     runs sessions restore s.adibas-backup --into restored
+    runs sessions recovery-key --store demo/store --out key.pdf
 }
 make_base() {
     [ -f "$base" ] && return
@@ -122,6 +123,10 @@ told "installed size $megabytes MB, at most $most_megabytes" $size
 page=usr/lib/adibas/_internal/resources/manual/manual/es/first-session.html
 if [ -s "$root/$page" ]; then manual=ok; else manual=no; fi
 told "the manual is there" $manual
+
+plugins=usr/lib/adibas/_internal/PySide6/Qt/plugins/printsupport
+if [ -s "$root/$plugins/libcupsprintersupport.so" ]; then printing=ok; else printing=no; fi
+told "printers can be found" $printing
 
 runs_clean "adibas --version" as_user adibas --version
 cat "$report/stdout"

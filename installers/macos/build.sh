@@ -1,5 +1,6 @@
 #!/bin/bash
-# Builds dist/adibas-VERSION.dmg and tries out the program in it. Needs macOS and Python 3.11 to 3.13.
+# Builds dist/adibas-VERSION.dmg and tries out the program in it. Needs macOS on a processor of Apple
+# (numba is not made for Intel's any more) and Python 3.11 to 3.13.
 # CODESIGN_IDENTITY (a Developer ID) signs it; without one it is signed for this Mac only, and others
 # open it with the context menu. Not run by us yet.
 set -euo pipefail
@@ -8,6 +9,7 @@ cd "$(dirname "$0")/../.."
 python3 -m venv .venv
 .venv/bin/python -m pip install -q --no-deps --require-hashes -r installers/requirements.lock
 .venv/bin/python -m pip install -q --no-deps --no-build-isolation -e .
+.venv/bin/python -m installers.manual.build
 .venv/bin/python -m installers.freezing
 
 app=dist/ADiBAS.app

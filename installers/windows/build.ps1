@@ -7,6 +7,7 @@ Set-Location (Join-Path $PSScriptRoot "..\..")
 python -m venv .venv
 .venv\Scripts\python -m pip install --quiet --no-deps --require-hashes -r installers\requirements.lock
 .venv\Scripts\python -m pip install --quiet --no-deps --no-build-isolation -e .
+.venv\Scripts\python -m installers.manual.build
 .venv\Scripts\python -m installers.freezing
 
 $version = (dist\adibas\adibas.exe --version).Split(" ")[1]

@@ -11,16 +11,19 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+import yaml
 from PIL import Image
 
 from adibas.cli import command_line
 from adibas.recordings import RECORDING_ENDINGS
 from adibas.sessions.migrating import REVISIONS
-from installers import bundle, debian
+from installers import bundle, debian, freezing
 from installers.icon_files import FOLDER, drawn, write_icon
+from installers.manual import build
 from ui import main
 
 LINUX = bundle.ROOT / "installers" / "linux"
+WORKFLOW = bundle.ROOT / ".github" / "workflows" / "installers.yml"
 LIBRARIES = Path(sysconfig.get_path("purelib"))
 MIME = {"mime": "http://www.freedesktop.org/standards/shared-mime-info"}
 RULE = re.compile(r'(ATTR\{id\w+\}=="[0-9a-f]{4}", ){1,2}MODE="0660", GROUP="plugdev", ')
@@ -103,6 +106,7 @@ def test_no_file_that_is_left_out_is_opened(without_left_out):
         (("PySide6/Qt/plugins/platforms/libqxcb.so", "x", "BINARY"), True),
         (("PySide6/Qt/plugins/platforms/libqoffscreen.so", "x", "BINARY"), True),
         (("PySide6/Qt/plugins/platforms/libqvnc.so", "x", "BINARY"), False),
+        (("PySide6/Qt/plugins/printsupport/libcupsprintersupport.so", "x", "BINARY"), True),
         (("PySide6/Qt/plugins/imageformats/libqsvg.so", "x", "BINARY"), True),
         (("PySide6/Qt/plugins/imageformats/libqwebp.so", "x", "BINARY"), False),
         (("PySide6/Qt/translations/qtbase_ca.qm", "x", "DATA"), True),
@@ -116,6 +120,8 @@ def test_no_file_that_is_left_out_is_opened(without_left_out):
         (("sklearn/utils/_repr_html/estimator.css", "x", "DATA"), True),
         (("pyqtgraph/icons/peegee/peegee_512px.png", "x", "DATA"), False),
         (("pyqtgraph/icons/lock.svg", "x", "DATA"), True),
+        (("resources/translations/es/qt.ts", "x", "DATA"), False),
+        (("resources/translations/es/qt.qm", "x", "DATA"), True),
         (("numba-0.68.1.dist-info/RECORD", "x", "DATA"), False),
         (("numba-0.68.1.dist-info/METADATA", "x", "DATA"), True),
         (("libavif-1.so", "pillow.libs/libavif-1.so", "SYMLINK"), False),
@@ -135,8 +141,43 @@ def test_debians_own_libraries_stay_out_but_not_python():
 
 def test_the_package_asks_for_what_is_loaded_by_name_and_not_for_what_tests_need():
     names = debian.listed_packages()
-    assert {"libxcb-cursor0", "libegl1", "libopenni2-0"} <= set(names)
+    assert {"libxcb-cursor0", "libegl1", "libopenni2-0", "libcups2"} <= set(names)
     assert not {"xvfb", "g++", "python3-venv"} & set(names)
+
+
+def test_nothing_is_built_without_the_manual(tmp_path, monkeypatch):
+    monkeypatch.setattr(freezing, "MANUAL", tmp_path / "index.html")
+    monkeypatch.setattr(freezing, "collect", lambda: pytest.fail("it is built"))
+    with pytest.raises(SystemExit, match="Build it: python -m installers"):
+        freezing.freeze()
+
+
+@pytest.mark.parametrize("script", ["windows/build.ps1", "macos/build.sh"])
+def test_other_systems_build_the_manual_before_the_program(script):
+    """On Debian it is a target of the Makefile that `make installer` asks for."""
+    text = (LINUX.parent / script).read_text(encoding="utf-8")
+    modules = re.findall(r"python -m (installers[.\w]+)", text)
+    assert modules == ["installers.manual.build", "installers.freezing"]
+    assert freezing.MANUAL.parent == build.BUILT
+
+
+def test_every_system_has_a_job_that_builds_on_a_machine_which_can():
+    jobs = yaml.safe_load(WORKFLOW.read_text(encoding="utf-8"))["jobs"]
+    commands = {
+        name: [step["run"] for step in job["steps"] if "run" in step] for name, job in jobs.items()
+    }
+    assert commands["linux"][-2:] == ["make installer", "make installer-check"]
+    assert jobs["linux"]["container"]["options"] == "--privileged", "debootstrap mounts"
+    for name, script in (("windows", "windows/build.ps1"), ("macos", "macos/build.sh")):
+        assert commands[name][-1] == f"installers/{script}"
+        assert (LINUX.parent / script).is_file()
+
+
+def test_what_is_not_made_for_a_system_is_not_asked_for_there():
+    """Intel's library for its sensors has no wheel for macOS: pip would end there."""
+    locked = (LINUX.parent / "requirements.lock").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^pyrealsense2==.*", locked, re.MULTILINE)
+    assert "; sys_platform != 'darwin'" in line
 
 
 def test_every_file_of_the_desktop_has_its_place():

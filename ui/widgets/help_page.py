@@ -1,8 +1,9 @@
 """The offline help of one screen, and the way to its page of the manual."""
 
-from PySide6.QtCore import Qt, QUrl
+from PySide6.QtCore import QCoreApplication, Qt, QUrl
 from PySide6.QtGui import QDesktopServices, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
+    QAbstractButton,
     QApplication,
     QDockWidget,
     QLabel,
@@ -23,6 +24,12 @@ LEAST_WIDTH_PX = 320
 SEPARATOR_PX = 8
 FLOATING_LETTERS = 48
 """Wide enough to be read well."""
+
+FRAME_TEXTS = {
+    "qt_dockwidget_floatbutton": ("Float", "Undocks and re-attaches the dock widget"),
+    "qt_dockwidget_closebutton": ("Close", "Closes the dock widget"),
+}
+"""Name and description of a button of the frame, as Qt's catalogues have them."""
 
 
 def read_help(name: str, language: str) -> str:
@@ -83,6 +90,16 @@ class HelpDock(QDockWidget):
         self._problem.hide()  # a sentence of the page or the language before
         self._text.setAccessibleName(_("Help"))
         self._text.setMarkdown(read_help(self._name, spoken_language()))
+        self._name_frame()
+
+    def _name_frame(self) -> None:
+        """Name the buttons of the frame for screen readers; Qt does it once, when they are made."""
+        for name, texts in FRAME_TEXTS.items():
+            button = self.findChild(QAbstractButton, name)
+            if button is not None:
+                title, told = (QCoreApplication.translate("QDockWidget", text) for text in texts)
+                button.setAccessibleName(title)
+                button.setAccessibleDescription(told)
 
     def show_page(self, name: str) -> None:
         """Show the page of a screen; Escape leads back to where the user was."""
