@@ -1,10 +1,17 @@
 """What an axis is stands beside it, all of it, also with large letters."""
 
+from itertools import pairwise
+
+import numpy as np
 import pytest
+from pyqtgraph import TextItem
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QApplication
 
 from adibas.texts import speaking
 from adibas.texts import translate as _
+from ui.comparison.back_content import Backs, SeenBack
+from ui.comparison.back_plots import SpinePlot
 from ui.widgets.plot import Plot
 
 
@@ -38,3 +45,69 @@ def test_a_title_that_is_longer_than_its_axis_goes_on_in_another_line(qtbot, the
     assert title.left() >= -4
     is_long = height_px < 500
     assert ("\n" in axis.label.toPlainText()) == is_long
+
+
+def a_back():
+    height_m = np.linspace(0.8, 1.5, 50)
+    profile_mm = 30.0 * np.sin(9.0 * height_m) - 20.0
+    turns = tuple((name, float(profile_mm[k]), float(height_m[k])) for name, k in TURNS.items())
+    empty = np.zeros((50, 20))
+    return SeenBack(empty, -200.0, 200.0, 0.8, 1.5, height_m, *[profile_mm] * 3, turns, ())
+
+
+TURNS = {"ILS": 2, "LA": 12, "ITL": 24, "KA": 36, "ICT": 47}
+
+
+@pytest.mark.usefixtures("large_letters")
+@pytest.mark.parametrize("width_px", [320, 900])
+def test_the_names_of_turns_stand_in_the_plot_whole(qtbot, theme, width_px):
+    plot = SpinePlot(theme)
+    qtbot.addWidget(plot)
+    plot.resize(width_px, 320)
+    plot.show()
+    plot.show_backs(Backs(None, a_back()), "profile_mm")
+    plot.redraw()  # as when the window gave it its place
+    for _step in range(3):
+        QApplication.processEvents()
+    view = plot._widget.getPlotItem().getViewBox()
+    names = [one for one in view.allChildren() if isinstance(one, TextItem)]
+    assert len(names) == len(TURNS)
+    for name in names:
+        assert plot._widget.sceneRect().contains(name.mapRectToScene(name.boundingRect()))
+    drawn = ink_at_the_right_of(view, plot)
+    assert drawn == (width_px < 500), "beyond the axis where it ends before the names"
+
+
+def ink_at_the_right_of(view, plot):
+    """Say whether letters are drawn between the end of the axis and the edge of the plot."""
+    image = plot._widget.grab().toImage()
+    edge = round(view.mapRectToScene(view.boundingRect()).right()) + 2
+    ink = QColor(plot._theme.tokens.text)
+    return any(
+        image.pixelColor(x, y) == ink
+        for x in range(edge, image.width())
+        for y in range(image.height() // 2)
+    )
+
+
+@pytest.mark.usefixtures("large_letters")
+@pytest.mark.parametrize("width_px", [320, 420, 900])
+def test_numbers_below_a_plot_stand_apart(qtbot, theme, width_px, monkeypatch):
+    plot = SpinePlot(theme)
+    qtbot.addWidget(plot)
+    plot.resize(width_px, 320)
+    plot.show()
+    plot.show_backs(Backs(None, a_back()), "profile_mm")
+    QApplication.processEvents()
+    axis = plot._widget.getAxis("bottom")
+    drawn = []
+    monkeypatch.setattr(axis, "drawPicture", lambda _p, _axis, _ticks, texts: drawn.append(texts))
+    axis.picture = None
+    plot._widget.grab()
+    places = sorted(
+        (box.left(), box.left() + plot.fontMetrics().horizontalAdvance(text))
+        for box, _flags, text in drawn[-1]
+        if text
+    )
+    assert places
+    assert all(end < begin for (_left, end), (begin, _right) in pairwise(places))

@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from PySide6.QtGui import QColor, QGuiApplication
-from PySide6.QtWidgets import QApplication, QCheckBox
+from PySide6.QtWidgets import QApplication, QCheckBox, QMenu, QPushButton
 
 from adibas.markers.lab import rgb_to_lab
 from adibas.resources import resource_path
@@ -127,6 +127,31 @@ def test_the_desktop_decides_where_the_user_leaves_it(monkeypatch):
         assert is_dark("system") is told
         assert is_dark("dark")
         assert not is_dark("light")
+
+
+def height_of_arrow(theme, qtbot, scale):
+    theme.use("light", scale)
+    button = QPushButton()
+    qtbot.addWidget(button)
+    button.setMenu(QMenu(button))
+    button.show()
+    image = button.grab().toImage().copy(*ARROW_EDGES_PX, button.width() - 12, button.height() - 12)
+    ground = QColor(LIGHT.raised)
+    rows = [
+        any(image.pixelColor(x, y) != ground for x in range(image.width()))
+        for y in range(image.height())
+    ]
+    return sum(rows)
+
+
+ARROW_EDGES_PX = (6, 6)
+"""Within the border of a button that has the focus."""
+
+
+def test_the_arrow_of_a_button_with_a_menu_grows_with_the_letters(theme, qtbot):
+    usual, large = (height_of_arrow(theme, qtbot, scale) for scale in (1.0, 2.0))
+    assert usual >= 4
+    assert large >= 1.6 * usual
 
 
 def test_icons_take_the_colour_of_the_theme(theme):

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QGraphicsItem, QWidget
 
 from adibas.arrays import FloatArray
 from adibas.texts import decimal_text, message
@@ -135,6 +135,8 @@ class SpinePlot(Plot):
         import pyqtgraph
 
         tokens = self._theme.tokens
+        clips = QGraphicsItem.GraphicsItemFlag.ItemClipsChildrenToShape
+        plot.getViewBox().setFlag(clips, enabled=False)  # names go on in the margin
         for name, value_mm, height_m in back.turns:
             dot = pyqtgraph.ScatterPlotItem(
                 x=[value_mm], y=[height_m], size=self.fontMetrics().height() / 2,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QBuffer, QByteArray, QEvent, QIODevice, QRect, QRectF, QSize, Qt, Signal
@@ -30,6 +31,8 @@ LINE_PX = 2.0
 TITLE_SHARE = 1.2
 EXPORT_RATIO = 2.0
 MARGIN_PX = 12
+TICK_GAP_PX = 6
+"""Between two numbers below a plot, at the least."""
 ROUNDING = 1e-9
 LETTERS_OF_A_DAY = 14
 """Under the axis, with air."""
@@ -109,6 +112,9 @@ class Plot(QFrame):
             axis.setSIPrefixEnableRanges(())  # below 1 it counts in thousandths all the same
             axis.setStyle(hideOverlappingLabels=self._half_label_px())
             axis.tickStrings = tick_texts
+        across = plot.getAxis("bottom")
+        across.setStyle(maxTextLevel=0)
+        across.tickStrings = partial(_texts_beside_one_another, across, self.fontMetrics())
         margins = (1, MARGIN_PX // 2, self._half_label_px(), 1)
         plot.getPlotItem().layout.setContentsMargins(*margins)
         plot.showGrid(x=False, y=True, alpha=0.25)
@@ -266,6 +272,19 @@ def tick_texts(values: Sequence[float], scale: float, spacing: float) -> list[st
     """Return what stands at the ticks of an axis, with the decimals that tell them apart."""
     n_decimals = max(0, math.ceil(-math.log10(spacing * scale) - ROUNDING))
     return [decimal_text(value * scale, n_decimals) for value in values]
+
+
+def _texts_beside_one_another(
+    axis: Any, metrics: QFontMetrics, values: Sequence[float], scale: float, spacing: float
+) -> list[str]:
+    """Return what stands below a plot; where it is narrow, at every second or third tick alone."""
+    texts = tick_texts(values, scale, spacing)
+    low, high = axis.range
+    room_px = spacing / (high - low) * axis.width()
+    widest_px = max(map(metrics.horizontalAdvance, texts), default=0) + TICK_GAP_PX
+    every = max(1, math.ceil(widest_px / room_px))
+    marked = zip(values, texts, strict=True)
+    return [text if round(value / spacing) % every == 0 else "" for value, text in marked]
 
 
 def spread(values: Sequence[float], unit: str) -> tuple[float, float]:
