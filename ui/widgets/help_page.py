@@ -30,6 +30,8 @@ FRAME_TEXTS = {
     "qt_dockwidget_closebutton": ("Close", "Closes the dock widget"),
 }
 """Name and description of a button of the frame, as Qt's catalogues have them."""
+QT_CONTEXT = QDockWidget.__name__
+"""Where they are in those catalogues; ours do not have them."""
 
 
 def read_help(name: str, language: str) -> str:
@@ -97,7 +99,7 @@ class HelpDock(QDockWidget):
         for name, texts in FRAME_TEXTS.items():
             button = self.findChild(QAbstractButton, name)
             if button is not None:
-                title, told = (QCoreApplication.translate("QDockWidget", text) for text in texts)
+                title, told = (QCoreApplication.translate(QT_CONTEXT, text) for text in texts)
                 button.setAccessibleName(title)
                 button.setAccessibleDescription(told)
 
