@@ -4,8 +4,8 @@ Each figure is the mean over labels of the share of right pixels. What was measu
 ``build/benchmarks/accuracy_limbs.json``: after a break the benchmark goes on there; remove the
 file to measure anew. `ADIBAS_LIMB_FOLDS` (1 to 5) measures the first folds alone.
 
-The shipped models are measured on 300 people, two frames each. A mean tells how sure it is: its
-95 % interval is of means of blocks of ten people drawn with replacement (Efron and Tibshirani, An
+The shipped models are measured on 120 people, two frames each. A mean tells how sure it is: its
+95 % interval is of means of blocks of five people drawn with replacement (Efron and Tibshirani, An
 Introduction to the Bootstrap, 1993, section 13.3), since frames of a person are alike.
 """
 
@@ -31,8 +31,8 @@ from benchmarks.limb_tables import N_FOLDS, TableEffort, hand_rows, table_rows
 from benchmarks.table import Row
 
 PARAMS = LimbParams(step=1)
-BLOCK = 20
-"""Frames of ten people, which are counted and drawn together."""
+BLOCK = 10
+"""Frames of five people, which are counted and drawn together."""
 N_DRAWS = 2000
 
 
@@ -41,7 +41,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
     folds = min(max(int(os.environ.get("ADIBAS_LIMB_FOLDS", N_FOLDS)), 1), N_FOLDS)
     effort = TableEffort(40, 15, 1) if quick else TableEffort(500, 63, folds)
     kept = Kept("quick" if quick else "whole")
-    yield from _shipped_rows(10 if quick else 600, kept)
+    yield from _shipped_rows(10 if quick else 240, kept)
     yield from table_rows(effort, kept)
     yield from hand_rows(effort, kept)
     yield from limb_things.rows(quick=quick)
