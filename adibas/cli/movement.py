@@ -13,11 +13,14 @@ from adibas.cli.recording_options import (
 )
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.data.posture import VIEWS
-from adibas.errors import MarkerError
+from adibas.errors import MarkerError, RecordingError
 from adibas.texts import SpokenNumber, message, translate_plural
 from adibas.texts import translate as _
 
 SUMMARY = message("measure joint angles over time and how far each joint moves")
+
+_TABLE_UNUSED = ("markers", "markerless", "model", "calibration", "view")
+_MARKERS_UNUSED = ("model", "person")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -109,10 +112,32 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _check_markers(arguments: argparse.Namespace, *, is_table: bool) -> None:
+    """See that it is told how joints are found, and nothing that would not be listened to."""
+    if is_table:
+        if options := _given(arguments, _TABLE_UNUSED):
+            raise RecordingError(
+                "{file} is a table of joints that were found already, and has no use for "
+                "{options}. Leave that out, or give the recording.",
+                file=arguments.source.name,
+                options=options,
+            )
+        return
     if arguments.markers and arguments.markerless:
         raise MarkerError("Give --markers or --markerless, not both.")
-    if not (arguments.markers or arguments.markerless or is_table):
+    if not (arguments.markers or arguments.markerless):
         raise MarkerError(
             "How are the joints found? Give --markers led, --markers and a file of colours from "
             "adibas markers learn, or --markerless."
         )
+    if arguments.markers and (options := _given(arguments, _MARKERS_UNUSED)):
+        raise MarkerError(
+            "With --markers there is no use for {options}: the markers of the largest person are "
+            "measured. Leave that out, or give --markerless.",
+            options=options,
+        )
+
+
+def _given(arguments: argparse.Namespace, names: tuple[str, ...]) -> str:
+    """Return those options that were given, as they are typed."""
+    given = [name for name in names if getattr(arguments, name) not in {None, False, ""}]
+    return ", ".join(f"--{name}" for name in given)

@@ -23,7 +23,8 @@ SLOW = message(
 )
 NO_VERTICAL = message(
     "The trunk's angles against the vertical are left out: the vertical is not measured. It is "
-    "known of recordings with a calibration that saw the floor, and not of a table of joints."
+    "known of recordings with a calibration that saw the floor, and of tables of joints that were "
+    "made of these."
 )
 OFTEN_HIDDEN = message(
     "In {percent} % of the time not one joint angle is known. Let the whole body be seen."
@@ -43,8 +44,9 @@ class MovementParams:
     hidden_share : float
         Of the time without any angle, from which on the reader is told: 0.2.
     takes_upright : bool
-        Where the vertical is not known, the picture's upper side stands for it. No: angles
-        against it are left out. Yes where two movements before one camera are compared.
+        The picture's upper side stands for the vertical, known or not. No: angles against a
+        vertical that is not known are left out. Yes where two movements before one camera are
+        compared, of which one may know it and the other not.
     """
 
     lowpass: LowpassParams = field(default_factory=LowpassParams)
@@ -98,8 +100,9 @@ def measure_movement(
     )
     rate_hz = _rate_hz(times_s)
     joints_m = lowpass(measured_m, rate_hz, params.lowpass)
-    up = np.asarray(source.picture_up if source.up is None else source.up, float)
-    is_up_missing = source.up is None and not params.takes_upright
+    measured_up = None if params.takes_upright else source.up
+    up = np.asarray(source.picture_up if measured_up is None else measured_up, float)
+    is_up_missing = measured_up is None and not params.takes_upright
     against = np.full(3, np.nan) if is_up_missing else up
     curves = tuple(_curves(measured_m, joints_m, against, times_s, params.lowpass))
     noise = speed_noise(rate_hz, params.lowpass)
@@ -109,7 +112,7 @@ def measure_movement(
         times_s,
         joints_m,
         up,
-        source.up is not None,
+        measured_up is not None,
         curves,
         ranges,
         tuple(symmetries(ranges, params.least_range_deg)),

@@ -18,7 +18,7 @@ from adibas.data.posture import Provenance
 from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.errors import CalibrationError, MarkerError, RecordingError
+from adibas.errors import CalibrationError, LimbError, MarkerError, RecordingError
 from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import MovementParams, MovementSource, measure_movement
 from adibas.pipeline.calibration_age import check_age
@@ -110,7 +110,8 @@ def measure_moving(
     MarkerError
         No joint was found in any frame, or the colour model fits everything.
     LimbError
-        Nobody was found without markers.
+        Nobody was found without markers, or the view is one from the side, of which they know
+        nothing.
     """
     if request.source.suffix.lower() == JOINT_FILE:
         return _of_table(request, clock)
@@ -142,20 +143,24 @@ def _of_table(request: MovementRequest, clock: Clock) -> Movement:
         asdict(request.movement),
     )
     source = MovementSource(
-        read.origin, provenance, request.patient, None, request.posture.up, notices
+        read.origin, provenance, request.patient, read.up, request.posture.up, notices
     )
     return measure_movement(tracks[person], source, request.movement)
 
 
 def _without_markers(request: MovementRequest, progress: Progress, clock: Clock) -> Movement:
     """Measure what is found in the depth alone; in the depth camera's axes."""
-    view = request.view if request.view in {FRONT, BACK} else ""
+    if request.view not in {"", FRONT, BACK}:
+        raise LimbError(
+            "Without markers --view is anterior or posterior. From the side the program finds out "
+            "which way the patient looks: leave --view out."
+        )
     posed = pose_recording(
         PoseRequest(
             request.source,
             request.model,
             request.calibration,
-            pose=PoseParams(view=view),
+            pose=PoseParams(view=request.view),
             oldest_calibration_days=request.oldest_calibration_days,
             rotation_deg=request.posture.rotation_deg,
         ),

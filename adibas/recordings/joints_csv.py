@@ -1,8 +1,10 @@
 """Joints over time as a table: `joints.csv`, one row a frame and person.
 
 Columns: ``timestamp_s``, optionally ``person``, then ``<joint>_x_m``, ``<joint>_y_m``,
-``<joint>_z_m`` and ``<joint>_confidence`` for each joint; an empty cell means not seen. A last
-column ``origin`` may say where the joints come from: ``markers`` or ``markerless``.
+``<joint>_z_m`` and ``<joint>_confidence`` for each joint; an empty cell means not seen. ``up_x``,
+``up_y``, ``up_z`` may say in every row the direction against gravity in the same axes, as a vector
+of length 1. A last column ``origin`` may say where the joints come from: ``markers`` or
+``markerless``.
 """
 
 import csv
@@ -30,6 +32,9 @@ ROWS_A_BLOCK = 5000
 LATEST_S = 9e9
 """The year 2255: later times do not fit into 64 bits of nanoseconds."""
 ORIGIN = "origin"
+UP = ("up_x", "up_y", "up_z")
+UP_SLACK = 1e-3
+"""By which the parts of one direction may differ from row to row, and its length from 1."""
 PARTS = ("x_m", "y_m", "z_m", "confidence")
 COLUMNS = tuple(f"{joint}_{part}" for joint in JOINT_NAMES for part in PARTS)
 MOST_MORE = 50_000
@@ -40,12 +45,14 @@ MOST_MORE = 50_000
 class JointFile:
     """What a file of joints holds, one track for each person, and what was left out of it.
 
-    `origin` is where the joints come from, as far as every row says the same.
+    `origin` is where the joints come from, and `up` (3,) the direction against gravity in their
+    axes, as far as every row says the same; `up` is None where it is not known.
     """
 
     tracks: tuple[SkeletonTrack, ...]
     notices: tuple[Sentence, ...] = ()
     origin: Origin = "unknown"
+    up: FloatArray | None = None
 
 
 def recording_name(path: Path) -> str:
@@ -68,7 +75,7 @@ def read_joints_csv(path: Path) -> JointFile:
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            people, origin = _read(path, file)
+            people, origin, up = _read(path, file)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingError(
             "{file} cannot be read: {reason}. Check that it is a table of joints (CSV).",
@@ -81,7 +88,7 @@ def read_joints_csv(path: Path) -> JointFile:
         notices += said
         tracks.append(rows.track(kept, int(person)))
     check_steps(path.name, np.sort(np.concatenate([track.times_s for track in tracks])))
-    return JointFile(tuple(tracks), tuple(notices), origin)
+    return JointFile(tuple(tracks), tuple(notices), origin, up)
 
 
 class _Rows:
@@ -128,11 +135,14 @@ class _Rows:
 
 
 def write_joints_csv(
-    path: Path, tracks: Sequence[SkeletonTrack], origin: Origin = "unknown"
+    path: Path,
+    tracks: Sequence[SkeletonTrack],
+    origin: Origin = "unknown",
+    up: FloatArray | None = None,
 ) -> None:
     """Write joints over time, frames of all persons in the order of their times.
 
-    Where `origin` is known, a last column says it in every row.
+    Where `up` is known, three columns say it in every row; where `origin` is, a last one does.
 
     Raises
     ------
@@ -141,9 +151,11 @@ def write_joints_csv(
     """
     with written_whole(path) as unfinished, unfinished.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        is_known = origin != "unknown"
-        writer.writerow(("timestamp_s", "person", *COLUMNS, *([ORIGIN] if is_known else [])))
-        writer.writerows([*row, origin] if is_known else row for row in _rows(tracks))
+        names = (*(UP if up is not None else ()), *((ORIGIN,) if origin != "unknown" else ()))
+        vertical = [] if up is None else [f"{value:.6f}" for value in up.tolist()]
+        told = [*vertical, *([origin] if origin != "unknown" else [])]
+        writer.writerow(("timestamp_s", "person", *COLUMNS, *names))
+        writer.writerows([*row, *told] for row in _rows(tracks))
 
 
 def _rows(tracks: Sequence[SkeletonTrack]) -> Iterator[list[str]]:
@@ -160,8 +172,8 @@ def _rows(tracks: Sequence[SkeletonTrack]) -> Iterator[list[str]]:
         yield [f"{seconds}.{rest:09d}", str(person), *texts]
 
 
-def _read(path: Path, file: TextIO) -> tuple[dict[float, _Rows], Origin]:
-    """Return everybody's rows, and the origin."""
+def _read(path: Path, file: TextIO) -> tuple[dict[float, _Rows], Origin, FloatArray | None]:
+    """Return everybody's rows, the origin, and the direction against gravity."""
     reader = csv.reader(file)
     header = [name.strip() for name in next(reader, [])]
     if "timestamp_s" not in header or not set(header) & set(COLUMNS):
@@ -174,6 +186,7 @@ def _read(path: Path, file: TextIO) -> tuple[dict[float, _Rows], Origin]:
     places = [(k, header.index(name)) for k, name in enumerate(wanted) if name in header]
     found: dict[float, _Rows] = {}
     origins: set[str] = set()
+    vertical = _Vertical()
     while rows := list(islice(reader, ROWS_A_BLOCK)):
         begin = reader.line_num - len(rows) + 1
         lines = [line for line, row in enumerate(rows, begin) if row]
@@ -184,12 +197,37 @@ def _read(path: Path, file: TextIO) -> tuple[dict[float, _Rows], Origin]:
         if ORIGIN in header:
             at = header.index(ORIGIN)
             origins |= {row[at].strip() if at < len(row) else "" for row in rows}
+        if set(UP) <= set(header):
+            told = [_numbers(path, rows, header.index(name), lines) for name in UP]
+            vertical.add(np.array(told))
         _check(path, block)
         for person in np.unique(block[:, 1]):
             found.setdefault(float(person), _Rows()).add(block[block[:, 1] == person])
     if not found:
         raise RecordingError("{file} has no frames. Record again.", file=path.name)
-    return found, _origin_of(origins)
+    return found, _origin_of(origins), vertical.up
+
+
+class _Vertical:
+    """The direction against gravity, as far as all rows agree."""
+
+    def __init__(self) -> None:
+        self._least, self._greatest = np.full(3, np.inf), np.full(3, -np.inf)
+
+    def add(self, told: FloatArray) -> None:
+        """Take what (3, n) rows say."""
+        self._least = np.minimum(self._least, told.min(axis=1))
+        self._greatest = np.maximum(self._greatest, told.max(axis=1))
+
+    @property
+    def up(self) -> FloatArray | None:
+        """Return the (3,) direction; None where rows say none, or not the same one."""
+        if not np.isfinite(self._least).all() or not np.isfinite(self._greatest).all():
+            return None
+        up = 0.5 * (self._least + self._greatest)
+        length = float(np.linalg.norm(up))
+        is_one = bool((self._greatest - self._least <= UP_SLACK).all())
+        return up / length if is_one and abs(length - 1.0) <= UP_SLACK else None
 
 
 def _origin_of(found: set[str]) -> Origin:

@@ -27,7 +27,7 @@ def write_pose(posed: PosedRecording, path: Path, person: int) -> None:
         The disk is full, or the folder cannot be written.
     """
     if path.suffix.lower() == ".csv":
-        write_joints_csv(path, posed.tracks, ORIGIN)
+        write_joints_csv(path, posed.tracks, ORIGIN, posed.up)
         return
     from adibas.reports.motion_files import write_c3d, write_trc
 

@@ -97,3 +97,50 @@ def test_a_name_that_is_no_report_is_refused_before_the_work(joints_file, tmp_pa
     assert main(["movement", str(joints_file), "--out", str(tmp_path / "m.doc")]) == 1
     assert ".c3d" in capsys.readouterr().err
     assert not (tmp_path / "m.doc").exists()
+
+
+def test_a_table_that_tells_the_vertical_gives_the_angles_against_it(tmp_path, capsys):
+    plain, told = tmp_path / "plain.joints.csv", tmp_path / "told.joints.csv"
+    angle_rad = np.radians(12.0)
+    up = np.array([0.0, -np.cos(angle_rad), -np.sin(angle_rad)])
+    write_joints_csv(plain, [bending()], "markerless")
+    write_joints_csv(told, [bending()], "markerless", up)
+    found = {}
+    for path in (plain, told):
+        assert main(["movement", str(path), "--json", "--out", str(tmp_path / "m.csv")]) == 0
+        said = capsys.readouterr()
+        document = json.loads(said.out)
+        found[path] = {one["angle"]: one["greatest_deg"] for one in document["ranges"]}
+        assert document["vertical_measured"] == (path == told)
+        assert ("vertical is not measured" in said.err) == (path == plain)
+    assert "trunk_flexion" not in found[plain]
+    straight = joint_angles(bending().joints_m[0], up)["trunk_flexion"]
+    assert found[told]["trunk_flexion"] == pytest.approx(np.degrees(straight), abs=0.1)
+    assert abs(found[told]["trunk_flexion"]) > 5.0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--markers", "led"], "--markers"),
+        (["--markerless", "--view", "anterior"], "--markerless, --view"),
+        (["--calibration", "c.json"], "--calibration"),
+    ],
+)
+def test_what_a_table_has_no_use_for_is_refused(words, told, joints_file, tmp_path, capsys):
+    out = tmp_path / "m.csv"
+    assert main(["movement", str(joints_file), *words, "--out", str(out)]) == 1
+    assert f"has no use for {told}." in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_person_is_not_chosen_where_markers_are_measured(recording, tmp_path, capsys):
+    words = ["--markers", "led", "--person", "2", "--out", str(tmp_path / "m.csv")]
+    assert main(["movement", str(recording), *words]) == 1
+    assert "no use for --person" in capsys.readouterr().err
+
+
+def test_a_view_from_the_side_is_refused_without_markers(recording, tmp_path, capsys):
+    words = ["--markerless", "--view", "right_lateral", "--out", str(tmp_path / "m.csv")]
+    assert main(["movement", str(recording), *words]) == 1
+    assert "leave --view out" in capsys.readouterr().err

@@ -165,6 +165,10 @@ def test_movements_before_one_camera_are_compared_by_its_upper_side():
     movement = measure_movement(bending(), source(), MovementParams(takes_upright=True))
     assert "trunk_flexion" in by_name(movement.ranges)
     assert not movement.notices
+    tilted = source(up=np.array([0.0, -0.8, -0.6]))
+    told = measure_movement(bending(), tilted, MovementParams(takes_upright=True))
+    assert told.ranges == movement.ranges  # of one the vertical is known, of the other not
+    assert not told.is_up_measured
 
 
 def test_a_slow_recording_is_not_smoothed_and_says_so():

@@ -9,6 +9,7 @@ import pytest
 
 from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
+from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.limb_training import merge_model
 from adibas.pipeline.provenance import identity_of
 from adibas.recordings import create_recording, open_recording
@@ -49,6 +50,10 @@ def test_joints_of_a_simulated_person_are_found_and_marked_as_markerless(
 
     read = read_joints_csv(outs[0])
     assert read.origin == "markerless"
+    with open_recording(path) as recording:
+        calibration = recording.info.calibration
+    up = calibration.color_from_depth.rotation.T @ vertical_of(calibration).up
+    np.testing.assert_allclose(read.up, up, atol=1e-5)
     track = read.tracks[0]
     far_m = np.linalg.norm(track.joints_m - truth_m, axis=2)
     assert np.nanmedian(far_m) < 0.06

@@ -172,3 +172,42 @@ def test_a_broken_table_of_events_is_refused_in_words(tmp_path, content, words):
     path.write_text(content)
     with pytest.raises(RecordingError, match=words):
         read_events_csv(path)
+
+
+UP = np.array([0.6, -0.8, 0.0])
+
+
+def test_the_vertical_and_the_origin_of_a_table_come_back(tmp_path):
+    path = tmp_path / "a.joints.csv"
+    track = track_of(np.arange(3) / 30, np.ones((3, 15, 3)))
+    write_joints_csv(path, [track], "markerless", UP)
+    found = read_joints_csv(path)
+    np.testing.assert_allclose(found.up, UP, atol=1e-6)
+    assert found.origin == "markerless"
+    assert path.read_text().splitlines()[0].endswith("up_x,up_y,up_z,origin")
+    write_joints_csv(path, [track], "markerless")
+    assert read_joints_csv(path).up is None
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("0,-1,0", "0,0,-1"),  # a camera that was turned
+        ("0,-1,0", ",,"),
+        ("0,-2,0", "0,-2,0"),
+        ("0,0,0", "0,0,0"),
+        ("0,-1,inf", "0,-1,inf"),
+    ],
+)
+def test_a_vertical_that_rows_do_not_agree_on_is_not_known(tmp_path, first, second):
+    path = tmp_path / "a.joints.csv"
+    rows = "\n".join(["timestamp_s,head_x_m,up_x,up_y,up_z", f"0,1,{first}", f"1,1,{second}"])
+    path.write_text(rows)
+    assert read_joints_csv(path).up is None
+
+
+def test_a_vertical_that_is_no_number_is_refused_with_its_line(tmp_path):
+    path = tmp_path / "a.joints.csv"
+    path.write_text("timestamp_s,head_x_m,up_x,up_y,up_z\n0,1,0,-1,0\n1,1,0,down,0\n")
+    with pytest.raises(RecordingError, match="line 3"):
+        read_joints_csv(path)
