@@ -145,7 +145,8 @@ def _all_words(
             )
     if request.frames_per_s is None:
         for one in sets:
-            yield one, namer.label(one.positions_m, one.view or request.view, one.diameters_m)
+            view = one.view or request.view
+            yield one, namer.label(one.positions_m, view, one.diameters_m, one.labels)
         return
     if len({one.positions_m.shape[1] for one in sets}) > 1:
         raise FileError(
@@ -155,7 +156,8 @@ def _all_words(
     frames_m = [one.positions_m for one in sets]
     times_s = [number / request.frames_per_s for number in range(len(sets))]
     view = next((one.view for one in sets if one.view), request.view)
-    yield from zip(sets, name_movement(namer, frames_m, times_s, view), strict=True)
+    given = [one.labels for one in sets]
+    yield from zip(sets, name_movement(namer, frames_m, times_s, view, given=given), strict=True)
 
 
 def _with_given(one: PointSet, result: Labelling | TrackedNames) -> PointSet:

@@ -5,14 +5,15 @@ hardly higher, is the doubt.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
 from adibas.data.joints import mirror_order
 from adibas.shapes import labelling_exchange_kernels as exchanging
+from adibas.skeleton.given_names import OPEN, agrees
 from adibas.skeleton.model import PointModel
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.prototype_search import LEAST_POINTS, Found, LabelParams, PrototypeSearch
@@ -58,6 +59,7 @@ def label_points(
     view: str = "",
     params: LabelParams | None = None,
     temperature: float = 1.0,
+    given: IntArray | None = None,
 ) -> Labelling:
     """Name points.
 
@@ -71,6 +73,9 @@ def label_points(
         One of `HEADINGS_RAD` as it was declared; empty: unknown, and the sides are inferred.
     temperature : float
         See `SkeletonModel`.
+    given : (M,) int array or None
+        Names that points have already, see `given_index`. Where nothing that was found agrees with
+        them, nothing is told.
     """
     params = params or LabelParams()
     if not models:
@@ -88,7 +93,25 @@ def label_points(
         for part in models
         for one in PrototypeSearch(part, points, view, params).found(has_mirror=part is models[0])
     ]
+    if given is not None and (given != OPEN).any():
+        kept = (left for one in found for left in _agreeing(one, given))
+        found = sorted(kept, key=lambda one: one.candidate.energy)
     return _named(found, models[0].model, len(points), params, temperature) if found else nothing
+
+
+def _agreeing(one: Found, given: IntArray) -> Iterator[Found]:
+    """Give what is left of a candidate and its alternatives; the likeliest is the candidate."""
+    every = np.vstack([one.candidate.partners[None], one.others])
+    energies = np.append(one.candidate.energy, one.energies)
+    kept = agrees(every, given)
+    if kept.any():
+        every, energies = every[kept], energies[kept]
+        best = int(np.argmin(energies))
+        candidate = replace(
+            one.candidate, partners=every[best].copy(), energy=float(energies[best])
+        )
+        rest = np.arange(len(energies)) != best
+        yield Found(candidate, every[rest], energies[rest])
 
 
 def _named(

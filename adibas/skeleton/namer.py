@@ -1,13 +1,14 @@
 """A skeleton model at work: it chooses its part that fits the points, and keeps it prepared."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from adibas.arrays import FloatArray
+from adibas.arrays import BoolArray, FloatArray
+from adibas.skeleton.given_names import given_index
 from adibas.skeleton.labelling import Labelling, label_points
 from adibas.skeleton.model import SkeletonModel
-from adibas.skeleton.parts_naming import MOST_POINTS, PartsOdds, label_parts
+from adibas.skeleton.parts_naming import MOST_POINTS, Known, PartsOdds, label_parts
 from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
 from adibas.skeleton.prototype_search import LEAST_POINTS, LabelParams
@@ -59,7 +60,11 @@ class Namer:
         return min(found, key=lambda one: one.distance)
 
     def label(
-        self, points_m: FloatArray, view: str = "", diameters_m: FloatArray | None = None
+        self,
+        points_m: FloatArray,
+        view: str = "",
+        diameters_m: FloatArray | None = None,
+        given: Sequence[str] = (),
     ) -> Labelling:
         """Name (M, D) points in metres, y down; see `label_points`.
 
@@ -68,6 +73,10 @@ class Namer:
         diameters_m : (M,) array or None
             Of the markers, as measured; NaN where one is not known. One that is unlike all others
             is hardly a marker.
+        given : sequence of str
+            Of each point the name that it has already, empty where it is to be found; nothing: all
+            are to be found. The other points get names that agree with these; a point with a name
+            that is none of the model's is none of its points.
 
         Raises
         ------
@@ -78,30 +87,44 @@ class Namer:
         points_m = np.ascontiguousarray(points_m, float)
         if not np.isfinite(points_m).all():
             raise ValueError("points are named by places that are known")
-        odds = np.zeros(len(points_m)) if diameters_m is None else size_log_odds(diameters_m)
-        by_parts = self._by_parts(points_m, view, odds)
+        sizes = np.zeros(len(points_m)) if diameters_m is None else size_log_odds(diameters_m)
+        labels = tuple(given) or ("",) * len(points_m)
+        is_other = np.array([bool(one) and one not in self.names for one in labels], bool)
+        if is_other.any():
+            own = [one for one in labels if not one or one in self.names]
+            rest = self._label(points_m[~is_other], view, sizes[~is_other], own)
+            return _with_others(rest, is_other)
+        return self._label(points_m, view, sizes, labels)
+
+    def _label(
+        self, points_m: FloatArray, view: str, sizes: FloatArray, labels: Sequence[str]
+    ) -> Labelling:
+        known = Known(sizes, given_index(labels, self.names))
+        by_parts = self._by_parts(points_m, view, known)
         if by_parts is not None and not is_in_doubt(by_parts):
             return by_parts
-        found = self._by_prototypes(points_m, view, odds)
+        found = self._by_prototypes(points_m, view, known)
         if by_parts is None:
             return found
         return combined(by_parts, found, self.names, self._odds.sure, self._odds.side_sure)
 
-    def _by_parts(self, points_m: FloatArray, view: str, size_odds: FloatArray) -> Labelling | None:
+    def _by_parts(self, points_m: FloatArray, view: str, known: Known) -> Labelling | None:
         """Return names by core and limbs; None where they are not known or none are found."""
         parts = self._model.parts
         is_some = LEAST_POINTS <= len(points_m) <= MOST_POINTS
         if parts is None or points_m.shape[1] != SPACE or not is_some:
             return None
-        return label_parts(parts, self._part("space"), points_m, view, size_odds, self._odds)
+        prepared = self._part("space")
+        return label_parts(parts, prepared, points_m, view, known, self._odds)
 
-    def _by_prototypes(self, points_m: FloatArray, view: str, size_odds: FloatArray) -> Labelling:
+    def _by_prototypes(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
         """Return names by prototypes and neighbours, which know nothing of sizes themselves."""
         parts = self._parts(points_m.shape[1], view)
-        found = label_points(parts, points_m, view, self._params, self._model.temperature)
-        if not size_odds.any():
+        temperature = self._model.temperature
+        found = label_points(parts, points_m, view, self._params, temperature, known.given)
+        if not known.size_odds.any():
             return found
-        masses = with_sizes(found.masses, size_odds)
+        masses = with_sizes(found.masses, known.size_odds)
         sure = self._params.sure
         return named_by(masses, self.names, found.heading_rad, sure, 1.0 - sure)
 
@@ -121,3 +144,22 @@ class Namer:
                 raise ValueError("the model has no points in space")
             self._prepared[key] = prepare(part, self._params.spread)
         return self._prepared[key]
+
+
+def _with_others(rest: Labelling, is_other: BoolArray) -> Labelling:
+    """Return the naming of all points, of which some are none of the model's."""
+    n_points, n_outcomes = len(is_other), rest.masses.shape[1]
+    masses = np.zeros((n_points, n_outcomes))
+    masses[is_other, -1] = 1.0
+    masses[~is_other] = rest.masses
+    confidences = np.ones(n_points)
+    confidences[~is_other] = rest.confidences
+    names, guesses = iter(rest.names), iter(rest.guesses)
+    others = is_other.tolist()
+    return Labelling(
+        tuple(None if other else next(names) for other in others),
+        tuple(None if other else next(guesses) for other in others),
+        confidences,
+        rest.heading_rad,
+        masses,
+    )

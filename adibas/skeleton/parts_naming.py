@@ -13,6 +13,7 @@ from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.labelling_search_kernels import assign_by_tree
 from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
 from adibas.shapes.parts_types import Odds, Pool
+from adibas.skeleton.given_names import OPEN, agrees, nothing_given
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.parts import PartsModel
 from adibas.skeleton.prepared import PreparedModel
@@ -101,6 +102,22 @@ class PartsOdds:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """What is known of M points beside their places.
+
+    Attributes
+    ----------
+    size_odds : (M,) array
+        See `adibas.skeleton.sizes.size_log_odds`.
+    given : (M,) int array
+        See `adibas.skeleton.given_names.given_index`.
+    """
+
+    size_odds: FloatArray
+    given: IntArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PartsFound:
     """What the points could be.
 
@@ -124,7 +141,7 @@ def find_by_parts(
     prepared: PreparedModel,
     points_m: FloatArray,
     view: str,
-    size_odds: FloatArray,
+    known: Known,
     odds: PartsOdds,
 ) -> PartsFound | None:
     """List what (M, 3) points could be; None where no core is found.
@@ -135,27 +152,29 @@ def find_by_parts(
         Of the same names: its tree of neighbours is where the search begins.
     view : str
         As declared; empty: unknown.
-    size_odds : (M,) array
-        See `adibas.skeleton.sizes.size_log_odds`. Places alone decide what is listed.
+    known : Known
+        Places alone decide what is listed, as far as it agrees with the given names.
     """
     points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
     expected = _expected(model, len(points), view, odds, QUICK)
     turns, shifts = list_turns(prepared.model, view)
-    starts = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
+    free = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
+    starts = np.concatenate([free, _forced(free, known.given, model.core.labels)])
     is_whole = len(points) == len(model.names)
-    pool = _searched(model, points, starts, expected) if is_whole else None
+    pool = _searched(model, points, starts, expected, known.given) if is_whole else None
     if pool is not None and len(pool.energies):
-        found = _weighed(model, size_odds, pool, expected, odds)
+        found = _weighed(model, known.size_odds, pool, expected, odds)
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
     expected = _expected(model, len(points), view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
-    pool = _searched(model, points, np.concatenate([starts, laid]), expected)
+    laid = np.concatenate([laid, _forced(laid, known.given, model.core.labels)])
+    pool = _searched(model, points, np.concatenate([starts, laid]), expected, known.given)
     if not len(pool.energies):
         return None
-    return _weighed(model, size_odds, pool, expected, odds)
+    return _weighed(model, known.size_odds, pool, expected, odds)
 
 
 def _is_settled(found: PartsFound, n_names: int) -> bool:
@@ -209,8 +228,22 @@ def _by_neighbours(
     )  # fmt: skip
 
 
-def _searched(model: PartsModel, points: FloatArray, starts: IntArray, expected: Odds) -> Pool:
-    """Return what was found, without the rows that were not filled."""
+def _forced(cores: IntArray, given: IntArray, labels: IntArray) -> IntArray:
+    """Return the (S, C) cores with the points whose names are given in their places."""
+    points = np.flatnonzero(np.isin(given, labels))
+    if not len(points):
+        return cores[:0]
+    forced = cores.copy()
+    forced[np.isin(forced, np.flatnonzero(given != OPEN))] = -1
+    for point in points:
+        forced[:, labels == given[point]] = point
+    return forced
+
+
+def _searched(
+    model: PartsModel, points: FloatArray, starts: IntArray, expected: Odds, given: IntArray
+) -> Pool:
+    """Return what was found and agrees with the names that are given."""
     pool = Pool(
         np.empty(MOST_WAYS),
         np.empty(MOST_WAYS),
@@ -220,7 +253,10 @@ def _searched(model: PartsModel, points: FloatArray, starts: IntArray, expected:
     starts = np.ascontiguousarray(starts)
     search_parts(points, starts, model.core, model.limbs, expected, pool)
     n = int(pool.n_filled[0])
-    return Pool(pool.energies[:n], pool.headings[:n], pool.partners[:n], pool.n_filled)
+    kept = agrees(pool.partners[:n], given)
+    return Pool(
+        pool.energies[:n][kept], pool.headings[:n][kept], pool.partners[:n][kept], pool.n_filled
+    )
 
 
 def _weighed(
@@ -264,7 +300,7 @@ def label_parts(
     prepared: PreparedModel,
     points_m: FloatArray,
     view: str = "",
-    size_odds: FloatArray | None = None,
+    known: Known | None = None,
     odds: PartsOdds | None = None,
 ) -> Labelling | None:
     """Name (M, 3) points in metres, y down; None where no core is found.
@@ -272,8 +308,8 @@ def label_parts(
     See `find_by_parts` for the parameters.
     """
     odds = odds or PartsOdds()
-    size_odds = np.zeros(len(points_m)) if size_odds is None else size_odds
-    found = find_by_parts(model, prepared, points_m, view, size_odds, odds)
+    known = known or Known(np.zeros(len(points_m)), nothing_given(len(points_m)))
+    found = find_by_parts(model, prepared, points_m, view, known, odds)
     if found is None:
         return None
     n_points, n_names = len(points_m), len(model.names)

@@ -6,8 +6,9 @@ ambiguous. A point that comes back within a second where it was expected goes on
 gathered.
 """
 
+import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,6 +132,7 @@ def name_movement(
     times_s: Iterable[float],
     view: str = "",
     params: TrackingParams | None = None,
+    given: Sequence[Sequence[str]] | None = None,
 ) -> tuple[TrackedNames, ...]:
     """Name the points of a whole recording: what earlier and later frames say of each counts.
 
@@ -142,13 +144,17 @@ def name_movement(
         Ascending.
     view : str
         As declared; empty: inferred.
+    given : sequence of sequence of str, or None
+        Of each point of each frame the name that it has already, or an empty one; see
+        `Namer.label`.
     """
     params = params or TrackingParams()
     onward, backward = _Tracks(params), _Tracks(params)
     frames = []
     before = []
-    for points_m, time_s in zip(frames_m, times_s, strict=True):
-        masses = namer.label(points_m, view).masses
+    labels = itertools.repeat(()) if given is None else given
+    for points_m, time_s, known in zip(frames_m, times_s, labels, strict=given is not None):
+        masses = namer.label(points_m, view, given=known).masses
         words = np.log(np.maximum(masses, params.least_mass))
         frames.append((points_m, time_s, words))
         before.append(onward.follow(points_m, time_s, words))
