@@ -28,6 +28,11 @@ def nothing_given(n_points: int) -> IntArray:
     return np.full(n_points, OPEN)
 
 
+def has_names(given: IntArray) -> bool:
+    """Say whether the name of any point is given."""
+    return bool((given != OPEN).any())
+
+
 def agrees(partners: IntArray, given: IntArray) -> BoolArray:
     """Return (P,): which ways to name (P, N), each name's point, give the points what they have."""
     points = np.flatnonzero(given != OPEN)

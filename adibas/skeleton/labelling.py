@@ -13,7 +13,7 @@ import numpy as np
 from adibas.arrays import FloatArray, IntArray, check_shape, read_only
 from adibas.data.joints import mirror_order
 from adibas.shapes import labelling_exchange_kernels as exchanging
-from adibas.skeleton.given_names import OPEN, agrees
+from adibas.skeleton.given_names import agrees, has_names
 from adibas.skeleton.model import PointModel
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.prototype_search import LEAST_POINTS, Found, LabelParams, PrototypeSearch
@@ -93,7 +93,7 @@ def label_points(
         for part in models
         for one in PrototypeSearch(part, points, view, params).found(has_mirror=part is models[0])
     ]
-    if given is not None and (given != OPEN).any():
+    if given is not None and has_names(given):
         kept = (left for one in found for left in _agreeing(one, given))
         found = sorted(kept, key=lambda one: one.candidate.energy)
     return _named(found, models[0].model, len(points), params, temperature) if found else nothing

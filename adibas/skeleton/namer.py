@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray
-from adibas.skeleton.given_names import given_index
+from adibas.skeleton.given_names import given_index, nothing_given
 from adibas.skeleton.labelling import Labelling, label_points
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.parts_naming import MOST_POINTS, Known, PartsOdds, label_parts
@@ -88,18 +88,14 @@ class Namer:
         if not np.isfinite(points_m).all():
             raise ValueError("points are named by places that are known")
         sizes = np.zeros(len(points_m)) if diameters_m is None else size_log_odds(diameters_m)
-        labels = tuple(given) or ("",) * len(points_m)
-        is_other = np.array([bool(one) and one not in self.names for one in labels], bool)
-        if is_other.any():
-            own = [one for one in labels if not one or one in self.names]
-            rest = self._label(points_m[~is_other], view, sizes[~is_other], own)
-            return _with_others(rest, is_other)
-        return self._label(points_m, view, sizes, labels)
+        if not any(given):
+            return self._label(points_m, view, Known(sizes, nothing_given(len(points_m))))
+        is_other = np.array([bool(one) and one not in self.names for one in given], bool)
+        own = [one for one in given if not one or one in self.names]
+        known = Known(sizes[~is_other], given_index(own, self.names))
+        return _with_others(self._label(points_m[~is_other], view, known), is_other)
 
-    def _label(
-        self, points_m: FloatArray, view: str, sizes: FloatArray, labels: Sequence[str]
-    ) -> Labelling:
-        known = Known(sizes, given_index(labels, self.names))
+    def _label(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
         by_parts = self._by_parts(points_m, view, known)
         if by_parts is not None and not is_in_doubt(by_parts):
             return by_parts

@@ -13,7 +13,7 @@ from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.labelling_search_kernels import assign_by_tree
 from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
 from adibas.shapes.parts_types import Odds, Pool
-from adibas.skeleton.given_names import OPEN, agrees, nothing_given
+from adibas.skeleton.given_names import OPEN, agrees, has_names, nothing_given
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.parts import PartsModel
 from adibas.skeleton.prepared import PreparedModel
@@ -230,9 +230,9 @@ def _by_neighbours(
 
 def _forced(cores: IntArray, given: IntArray, labels: IntArray) -> IntArray:
     """Return the (S, C) cores with the points whose names are given in their places."""
-    points = np.flatnonzero(np.isin(given, labels))
-    if not len(points):
+    if not has_names(given):
         return cores[:0]
+    points = np.flatnonzero(np.isin(given, labels))
     forced = cores.copy()
     forced[np.isin(forced, np.flatnonzero(given != OPEN))] = -1
     for point in points:
@@ -253,7 +253,7 @@ def _searched(
     starts = np.ascontiguousarray(starts)
     search_parts(points, starts, model.core, model.limbs, expected, pool)
     n = int(pool.n_filled[0])
-    kept = agrees(pool.partners[:n], given)
+    kept = agrees(pool.partners[:n], given) if has_names(given) else slice(None)
     return Pool(
         pool.energies[:n][kept], pool.headings[:n][kept], pool.partners[:n][kept], pool.n_filled
     )
