@@ -26,6 +26,7 @@ SEED = 2000
 N_BODIES, N_POSES, N_SETS = 8, 20, 400
 N_THESIS = 9
 """Points of the thesis' figure for shape context."""
+THESIS_FIT_MS, THESIS_MATCH_MS = 300.0, 1500.0
 FIT_SD_M = 0.02
 """Of a marker beside its joint."""
 
@@ -54,13 +55,10 @@ def rows(*, quick: bool) -> Iterable[Row]:
     half = len(people.shapes_m) // 2
     model = learn_distribution(JOINT_NAMES, people.shapes_m[:half])
     named = list(islice(cycle(people.shapes_m[half:]), n_sets))
-    yield Row(
-        f"active shape model laid onto 15 named points, to the end, {n_sets} sets",
-        _median_ms(lambda points_m: fit_shape(model, points_m, FIT_SD_M), named),
-        "ms",
-        1.0,
-        "goal <=",
-    )
+    fit_ms = _median_ms(lambda points_m: fit_shape(model, points_m, FIT_SD_M), named)
+    what = f"active shape model laid onto 15 named points, to the end, {n_sets} sets"
+    yield Row(what, fit_ms, "ms", 1.0, "goal <=")
+    yield Row(what, fit_ms, "ms", THESIS_FIT_MS, "thesis <")
     first = people.shapes_m[0, :, :2]
     for n_points in (N_THESIS, len(first)):
         flat = [one[:n_points, :2] for one in islice(cycle(people.shapes_m), n_sets)]
@@ -68,13 +66,11 @@ def rows(*, quick: bool) -> Iterable[Row]:
         def match(points: FloatArray, *, n_points: int = n_points) -> object:
             return match_shapes(first[:n_points], points[rng.permutation(n_points)])
 
-        yield Row(
-            f"shape context, {n_points} points, three rounds with thin plates, {n_sets} sets",
-            _median_ms(match, flat),
-            "ms",
-            3.0,
-            "goal <=",
-        )
+        match_ms = _median_ms(match, flat)
+        what = f"shape context, {n_points} points, three rounds with thin plates, {n_sets} sets"
+        yield Row(what, match_ms, "ms", 3.0, "goal <=")
+        if n_points == N_THESIS:
+            yield Row(what, match_ms, "ms", THESIS_MATCH_MS, "thesis <")
 
 
 def _sets(shapes_m: FloatArray, rng: np.random.Generator) -> Iterable[tuple[str, FloatArray]]:

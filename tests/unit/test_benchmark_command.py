@@ -5,7 +5,8 @@ import json
 import pytest
 
 from adibas.cli import main
-from benchmarks import reliability_kills
+from benchmarks import accuracy_posture, reliability_kills
+from benchmarks.posture_trial import Result
 from benchmarks.table import Row
 
 
@@ -43,3 +44,20 @@ def test_an_amount_of_accuracy_is_refused_and_unknown_names_are_told(capsys):
     assert "for reliability alone" in capsys.readouterr().err
     assert main(["benchmark", "reliability", "nothing"]) == 1
     assert "kills" in capsys.readouterr().err
+
+
+def test_the_posture_figures_stand_beside_the_published_ones(monkeypatch):
+    one = Result(
+        0, 15, 15, 0, [[0.001, 0.001, 0.3, 0.3]], [[0.01, 0.01, 0.3, 1.0]], [[0.01, 0.0, 0.3, 1.0]]
+    )
+    monkeypatch.setattr(accuracy_posture, "run_all", lambda *_asked: [one])
+    published = {
+        (row.reference_name, row.unit): (row.ours, row.reference)
+        for row in accuracy_posture.rows(quick=True)
+        if row.name.endswith("as published")
+    }
+    assert published["thesis", "%"] == (100.0, 76.3)
+    assert published["thesis", "mm"] == (pytest.approx(1.0), 2.3)
+    assert published["SAPO, on an object", "mm"] == (pytest.approx(1.0), 1.8)
+    assert published["SAPO, on an object", "deg"] == (pytest.approx(0.573, abs=1e-3), 0.11)
+    assert published["thesis", "deg"][1] == 3.7
