@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adibas.cli.console import Console
-from adibas.cli.options import add_json, add_out
+from adibas.cli.options import add_json
 from adibas.cli.protocol_options import add_protocol, wished_protocol
 from adibas.cli.recording_options import (
     add_calibration,
@@ -51,7 +51,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_patient(parser)
     add_report_options(parser)
     endings = "|".join(f"report{kind}" for kind in KINDS)
-    add_out(parser, endings, _("report to write; an older one is replaced"))
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        action="append",
+        metavar=endings,
+        help=_("report to write; an older one is replaced; may be given several times"),
+    )
     add_json(parser)
 
 
@@ -63,7 +70,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.session_report import report_of_analysis
     from adibas.reports.json_report import posture_to_json
 
-    check_report(arguments.out, KINDS)
+    for path in arguments.out:
+        check_report(path, KINDS)
     protocol = wished_protocol(arguments)
     request = PostureRequest(
         recording=arguments.recording,
@@ -81,7 +89,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         analysis = analyse_recording(request, progress)
     pictures = PictureChoice(arguments.pictures)
     report = report_of_analysis(analysis, arguments.language, pictures, arguments.rotation)
-    write_report(report, arguments.out)
+    for path in arguments.out:
+        write_report(report, path)
     for notice in analysis.notices:
         console.warn(_(notice))
     for reason, count in Counter(one.reason for one in analysis.rejected).most_common():
@@ -90,16 +99,15 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     n_markers, n_distances, n_angles = (
         len(found) for found in (analysis.markers, analysis.distances, analysis.angles)
     )
-    console.say(
-        _("{file}: {markers}, {distances}, {angles}.").format(
-            file=arguments.out,
-            markers=translate_plural("{n} marker", "{n} markers", n_markers).format(n=n_markers),
-            distances=translate_plural("{n} distance", "{n} distances", n_distances).format(
-                n=n_distances
-            ),
-            angles=translate_plural("{n} angle", "{n} angles", n_angles).format(n=n_angles),
-        )
-    )
+    counts = {
+        "markers": translate_plural("{n} marker", "{n} markers", n_markers).format(n=n_markers),
+        "distances": translate_plural("{n} distance", "{n} distances", n_distances).format(
+            n=n_distances
+        ),
+        "angles": translate_plural("{n} angle", "{n} angles", n_angles).format(n=n_angles),
+    }
+    for path in arguments.out:
+        console.say(_("{file}: {markers}, {distances}, {angles}.").format(file=path, **counts))
     console.give(posture_to_json(analysis))
     return 0
 

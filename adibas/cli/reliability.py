@@ -41,11 +41,13 @@ def tell_reliability(store: "SessionStore", arguments: argparse.Namespace, conso
     found = reliability_in_clinic(store, wish, operator)
     reasons: dict[str, int] = {}
     documents = []
+    units = {one.measure_id: one.unit for one in wish.protocol.measures}
     for (view, measure_id), one in found.by_measure.items():
-        console.say(f"{view}  {measure_id}  {_line(one)}")
+        unit = units[measure_id]
+        console.say(f"{view}  {measure_id}  {_line(one, unit)}")
         for reason in one.reasons:
             reasons[reason.text] = reasons.get(reason.text, 0) + 1
-        documents.append({"view": view, "id": measure_id, **_document(one)})
+        documents.append({"view": view, "id": measure_id, "unit": unit, **_document(one)})
     if not found.by_measure:
         console.warn(
             _(
@@ -67,19 +69,19 @@ def _others(store: "SessionStore") -> str:
     return ", ".join(sorted({one.operator for one in sessions if one.operator}))
 
 
-def _line(one: "Reliability") -> str:
+def _line(one: "Reliability", unit: str) -> str:
     parts = [
         f"n = {one.n_patients}",
-        f"SEM {_number(one.sem)}",
-        f"MDC95 {_number(one.mdc95)}",
+        f"SEM {_number(one.sem, unit)}",
+        f"MDC95 {_number(one.mdc95, unit)}",
         f"ICC(2,1) {_correlation(one.icc_2_1)}",
         f"ICC(3,1) {_correlation(one.icc_3_1)}",
     ]
     return "  ".join(parts)
 
 
-def _number(value: float | None) -> str:
-    return DASH if value is None else decimal_text(value, 2)
+def _number(value: float | None, unit: str) -> str:
+    return DASH if value is None else f"{decimal_text(value, 2)} {unit}"
 
 
 def _correlation(found: "Correlation | None") -> str:

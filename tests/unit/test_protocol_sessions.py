@@ -387,6 +387,10 @@ def test_the_command_line_tells_how_measures_repeat(clinic, tmp_path, capsys):
     assert len(plotted["means"]) == len(plotted["differences"]) == 10
     assert plotted["limits"][0] < plotted["bias"] < plotted["limits"][1]
     assert "do not differ" in captured.err
+    assert (one["unit"], found["ANT.LLD"]["unit"]) == ("deg", "cm")
+    assert main(["sessions", "reliability", *options, "--operator", "op"]) == 0
+    (line,) = (row for row in capsys.readouterr().out.splitlines() if " ANT.ACR.H " in row)
+    assert f"SEM {one['sem']:.2f} deg  MDC95 {one['mdc95']:.2f} deg" in line
     assert main(["sessions", "reliability", *options, "--operator", "nobody"]) == 0
     told = capsys.readouterr().err
     assert "No session of nobody has a measure of this protocol" in told
