@@ -7,7 +7,10 @@ from adibas.data.frames import SensorFrame, SourceInfo
 from adibas.errors import SensorError
 from adibas.sensors.pace import Pacer
 from adibas.sensors.ports import DEFAULT_OPTIONS, READ_TIMEOUT_S, DepthCamera, SensorOptions
-from adibas.simulation.scenes import open_scene, scene_names
+from adibas.simulation.boards_scenes import BoardScene
+from adibas.simulation.boards_wall import WallScene
+from adibas.simulation.crowds import CrowdScene, crowd_names, open_crowd
+from adibas.simulation.scenes import SimulatedScene, open_scene, scene_names
 
 N_RENDERERS = 2
 """Frames in work side by side, ahead of `read`."""
@@ -25,7 +28,8 @@ class SimulatorCamera(DepthCamera):
     Parameters
     ----------
     scene : str, optional
-        One of `scene_names()`; the first one by default.
+        One of `scene_names()`, the first one by default; or of `crowd_names()`, which are several
+        people and furniture in depth alone.
     options : SensorOptions
         `seed` of the noise, `is_paced`, and `color_size`: 640 x 480, or 1280 x 1024 for any other.
 
@@ -36,15 +40,14 @@ class SimulatorCamera(DepthCamera):
     """
 
     def __init__(self, scene: str | None = None, options: SensorOptions = DEFAULT_OPTIONS) -> None:
-        names = scene_names()
+        names = (*scene_names(), *crowd_names())
         if scene is not None and scene not in names:
             raise SensorError(
                 "The simulator has no scene {scene}. Choose one of: {scenes}.",
                 scene=scene,
                 scenes=", ".join(names),
             )
-        size = (480, 640) if options.color_size == SMALL_COLOR else (1024, 1280)
-        self._scene = open_scene(scene or names[0], seed=options.seed, color_size=size)
+        self._scene = _opened(scene or names[0], options)
         self._pacer = Pacer() if options.is_paced else None
         self._next_index = 0
         self._renderers = ThreadPoolExecutor(N_RENDERERS, thread_name_prefix="simulator")
@@ -102,3 +105,12 @@ class SimulatorCamera(DepthCamera):
 
     def _render(self, index: int) -> SensorFrame:
         return self._scene.frame(index).sensor_frame
+
+
+def _opened(
+    scene: str, options: SensorOptions
+) -> SimulatedScene | BoardScene | WallScene | CrowdScene:
+    if scene in crowd_names():
+        return open_crowd(scene, options.seed)
+    size = (480, 640) if options.color_size == SMALL_COLOR else (1024, 1280)
+    return open_scene(scene, seed=options.seed, color_size=size)

@@ -8,6 +8,7 @@ from adibas.pipeline.recording import record
 from adibas.recordings import open_recording
 from adibas.recordings.decoding import to_rgbd
 from adibas.sensors import SensorOptions, open_source
+from adibas.simulation.crowds import crowd_names, open_crowd
 from adibas.simulation.scenes import open_scene, scene_names
 
 
@@ -57,8 +58,23 @@ def test_it_is_recorded_for_the_seconds_asked(tmp_path):
 def test_an_unknown_scene_lists_those_that_exist():
     with pytest.raises(SensorError) as told:
         open_source("simulator:moon")
-    for name in scene_names():
+    for name in (*scene_names(), *crowd_names()):
         assert name in str(told.value)
+
+
+@pytest.mark.parametrize("name", crowd_names())
+def test_several_people_and_furniture_are_recorded_in_depth_alone(tmp_path, name):
+    with open_source(f"simulator:{name}", SensorOptions(seed=2)) as camera:
+        summary = record(camera, tmp_path / f"{name}.mcap", seconds=0.1)
+    scene = open_crowd(name, 2)
+    with open_recording(summary.path) as recording:
+        assert recording.info.calibration.floor is not None
+        assert len(recording) >= 3
+        for index in range(3):
+            frame = recording.read(index)
+            assert frame.color is None
+            expected = scene.frame(index).sensor_frame
+            np.testing.assert_array_equal(frame.depth_raw, expected.depth_raw)
 
 
 def test_what_is_closed_while_it_is_read_says_so():
