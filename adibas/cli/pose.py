@@ -101,6 +101,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     for notice in posed.notices:
         console.warn(notice.text)
     _tell(posed, arguments.out, console)
+    if not arguments.view:
+        _tell_sides(posed, console)
     console.give(pose_to_json(posed, arguments.out))
     return 0
 
@@ -114,6 +116,21 @@ def _person(wanted: int | None, posed: "PosedRecording") -> int:
             people=", ".join(map(str, people)),
         )
     return people[0] if wanted is None else wanted
+
+
+def _tell_sides(posed: "PosedRecording", console: Console) -> None:
+    """Say which side of everybody is seen, and how sure that is: left and right hang on it."""
+    for track, facts in zip(posed.tracks, posed.facts, strict=True):
+        console.say(
+            _(
+                "Person {person}: the front is seen in {front:.0f} % of the frames, found out with "
+                "a confidence of {sure:.0f} %."
+            ).format(
+                person=track.person,
+                front=100 * facts.front_share,
+                sure=100 * facts.view_confidence,
+            )
+        )
 
 
 def _tell(posed: "PosedRecording", paths: list[Path], console: Console) -> None:

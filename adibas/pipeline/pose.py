@@ -27,6 +27,7 @@ from adibas.movement.measuring import CAMERA_UP
 from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.frame_notices import counted
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.person_facts import PersonFacts, facts_of, unsure_sides
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
@@ -87,25 +88,6 @@ class PoseRequest:
     access: RecordingAccess = FILES
     oldest_calibration_days: int | None = None
     rotation_deg: int = 0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PersonFacts:
-    """What is known of one person at the end.
-
-    Attributes
-    ----------
-    stature_m : float
-        By the lengths of the bones.
-    front_share : float
-        Of the frames in which the front was thought to be seen.
-    n_exchanged : int
-        Frames in which the sides were exchanged back.
-    """
-
-    stature_m: float
-    front_share: float
-    n_exchanged: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,7 +157,7 @@ def pose_recording(
             progress(number, len(wanted))
         notice = recording.notice
     tracks, facts = found.tracks()
-    notices = found.notices(len(wanted))
+    notices = (*found.notices(len(wanted)), *unsure_sides(tracks, facts))
     if notice is not None:
         notices = (Sentence(message("{notice}"), {"notice": notice}), *notices)
     if not tracks:
@@ -282,14 +264,11 @@ class _Found:
             smooth_track(kept[person], number, self._request.smoothing)
             for number, person in enumerate(longest, 1)
         )
-        return tracks, tuple(self._facts(person, kept[person]) for person in longest)
-
-    def _facts(self, person: int, frames: list[tuple[int, ChosenJoints]]) -> PersonFacts:
-        follower = self._estimator.follower(person)
-        fronts = [one.front_probability > 0.5 for _, one in frames]  # noqa: PLR2004
-        return PersonFacts(
-            follower.size.stature_m, float(np.mean(fronts)), follower.sides.n_exchanged
+        sides = self._request.pose.follow.sides
+        facts = (
+            facts_of(self._estimator.follower(person), kept[person], sides) for person in longest
         )
+        return tracks, tuple(facts)
 
     def notices(self, n_frames: int) -> tuple[Sentence, ...]:
         """Return what was said most often."""

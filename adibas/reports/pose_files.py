@@ -9,7 +9,8 @@ import numpy as np
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.movement import Origin
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.pipeline.pose import PersonFacts, PosedRecording, movement_of
+from adibas.pipeline.person_facts import PersonFacts
+from adibas.pipeline.pose import PosedRecording, movement_of
 from adibas.recordings.joints_csv import write_joints_csv
 
 ORIGIN: Origin = "markerless"
@@ -66,6 +67,8 @@ def _person(track: SkeletonTrack, facts: PersonFacts) -> dict[str, Any]:
         "to_s": float(track.times_s[-1]),
         "stature_m": round(facts.stature_m, DIGITS),
         "front_share": round(facts.front_share, DIGITS),
+        "view_confidence": round(facts.view_confidence, DIGITS),
+        "against_share": round(facts.against_share, DIGITS),
         "sides_exchanged_frames": facts.n_exchanged,
         "mean_confidence": round(float(known.mean()), DIGITS) if len(known) else None,
         "seen_share": {

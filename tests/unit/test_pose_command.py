@@ -11,11 +11,15 @@ from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.limb_training import merge_model
+from adibas.pipeline.person_facts import facts_of
+from adibas.pipeline.pose_model import shipped_joint_model
 from adibas.pipeline.provenance import identity_of
 from adibas.recordings import create_recording, open_recording
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.resources import resource_path
 from adibas.simulation.scenes import open_scene
+from adibas.skeleton.following import ChosenJoints, PersonFollower
+from adibas.skeleton.sides import SideParams
 
 N_FRAMES = 6
 
@@ -66,6 +70,43 @@ def test_joints_of_a_simulated_person_are_found_and_marked_as_markerless(
     parameters = ezc3d.c3d(str(outs[2]))["parameters"]["POINT"]
     assert parameters["LABELS"]["value"] == list(JOINT_NAMES)
     assert set(parameters["DESCRIPTIONS"]["value"]) == {"markerless"}
+
+
+def test_whether_a_back_is_seen_is_said_to_be_unsure_and_can_be_declared(tmp_path, capsys):
+    path, out = tmp_path / "back.mcap", tmp_path / "joints.csv"
+    scene = record(path, "posterior")
+    assert main(["pose", str(path), "--out", str(out)]) == 0
+    told = capsys.readouterr()
+    assert "Left and right of person 1 may be exchanged" in told.err
+    assert "with a confidence of" in told.out
+    assert main(["pose", str(path), "--view", "posterior", "--out", str(out)]) == 0
+    told = capsys.readouterr()
+    assert "may be exchanged" not in told.err
+    assert "with a confidence of" not in told.out
+    found_m = read_joints_csv(out).tracks[0].joints_m
+    truth_m = np.stack([scene.frame(k).truth.joints_m for k in range(N_FRAMES)])
+    left, right = (JOINT_NAMES.index(f"{side}_shoulder") for side in ("left", "right"))
+    to_own_m = np.linalg.norm(found_m[:, left] - truth_m[:, left], axis=1)
+    assert (to_own_m < np.linalg.norm(found_m[:, left] - truth_m[:, right], axis=1)).all()
+
+
+@pytest.mark.parametrize(
+    ("front", "is_shown_from_front", "is_sure"),
+    [(0.98, True, True), (0.02, False, True), (0.84, True, False), (0.05, True, False)],
+)
+def test_sides_are_sure_where_the_view_is_and_they_are_as_of_that_view(
+    front, is_shown_from_front, is_sure
+):
+    joints_m = np.full((len(JOINT_NAMES), 3), np.nan)
+    left, right = (JOINT_NAMES.index(f"{side}_shoulder") for side in ("left", "right"))
+    joints_m[left] = 0.2 if is_shown_from_front else -0.2, 0.0, 2.0
+    joints_m[right] = -joints_m[left, 0], 0.0, 2.0
+    confidence = np.where(np.isfinite(joints_m[:, 0]), 0.9, np.nan)
+    frames = [(k, ChosenJoints(joints_m, confidence, front)) for k in range(5)]
+    follower = PersonFollower(shipped_joint_model().proportions)
+    facts = facts_of(follower, frames, SideParams())
+    assert facts.view_confidence == pytest.approx(max(front, 1 - front))
+    assert facts.is_view_sure == is_sure
 
 
 def test_an_empty_room_gives_a_sentence_and_no_file(tmp_path, capsys):
