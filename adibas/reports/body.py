@@ -1,4 +1,4 @@
-"""The report on a body's surface: the back in numbers and pictures."""
+"""The report on a body's surface: body and back in numbers and pictures."""
 
 from pathlib import Path
 
@@ -58,5 +58,5 @@ def write_stored_body(
         raise ReportError("Reports on the back end in .pdf or .xlsx. Give the file such a name.")
     store.require(Permission.REPORT, session.session_id)
     body = stored_body(store, session, progress)
-    store.note_export("back", session.session_id)
+    store.note_export("body" if body.back is None else "back", session.session_id)
     write_body(body, path, language)

@@ -21,6 +21,7 @@ from adibas.data.patients import Identity
 from adibas.pipeline import stored_body
 from adibas.pipeline.stored_body import stored_back
 from adibas.reports.body_numbers import on_paper
+from adibas.sessions.audit_words import kind_text
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.texts import decimal_text
 from tests.unit.standing_bodies import add_body_session, unheard
@@ -256,6 +257,31 @@ def test_the_report_on_the_later_back_is_written_and_the_log_tells_it(
     assert patient in told
     exports = [one for one in store.audit.entries() if one.action == "export"]
     assert [one.subject for one in exports] == [session.session_id]
+
+
+def test_a_body_without_a_back_has_a_report_of_its_own(screen, store, patient, tmp_path):
+    session = add_body_session(store, patient, ("anterior", "right_lateral", "left_lateral"))
+    screen.entered()
+    body = page(screen, BODY)
+    told = [one.text() for one in body.findChildren(QLabel) if one.isVisible()]
+    (stature_mm,) = [
+        int(text.partition("Stature: ")[2].split()[0]) for text in told if "Stature: " in text
+    ]
+    assert 1000 < stature_mm < 2200
+    button = next(one for one in body.findChildren(QPushButton) if one.isVisible())
+    button.click()
+    dialog = screen.findChild(QFileDialog)
+    assert dialog.windowTitle() == "Report on the body"
+    dialog.selectFile(str(tmp_path / "mine"))
+    dialog.accept()
+    read = " ".join(one.extract_text() for one in PdfReader(tmp_path / "mine.pdf").pages)
+    words = " ".join(read.split())
+    assert "Report on the body" in words
+    assert "Least girth of the trunk" in words
+    assert str(stature_mm) in words
+    (left,) = [one for one in store.audit.entries() if one.action == "export"]
+    assert left.subject == session.session_id
+    assert kind_text(left.detail["kind"]) == "the measures of the body"
 
 
 def test_where_there_is_no_back_there_is_no_report(screen, store, patient):

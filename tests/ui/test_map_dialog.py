@@ -14,6 +14,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
 from adibas.pipeline.recording_access import FILES
 from adibas.recordings import open_recording
+from adibas.sessions.audit_words import kind_text
 from tests.ui import window_user
 from tests.unit.room_recordings import INFO, room_frames, written
 from tests.unit.store_samples import add_patient
@@ -194,6 +195,7 @@ def test_what_is_watched_out_of_the_store_is_mapped_and_the_log_says_so(
     screen.closed()
     (logged,) = [one for one in store.audit.entries() if one.action == "export"]
     assert (logged.subject, logged.detail) == (session.session_id, {"kind": "map"})
+    assert kind_text(logged.detail["kind"]) == "a map in 3-D"
 
 
 def test_in_the_real_window_a_map_grows_is_stopped_and_goes_on_with_keys(open_window, room):

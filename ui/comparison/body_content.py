@@ -26,6 +26,8 @@ class SeenBody:
         The joined surface, seen from behind.
     views : tuple of str
         What it is joined from.
+    stature_mm : float or None
+        To the crown; None where every view cuts the head off.
     apart_mm : float or None
         Root mean square distance between the views; None of a single one.
     landmarks_apart_mm : mapping
@@ -36,6 +38,7 @@ class SeenBody:
 
     space: Space
     views: tuple[str, ...]
+    stature_mm: float | None
     apart_mm: float | None
     landmarks_apart_mm: dict[str, float]
     measures: tuple[BodyMeasure, ...]
@@ -64,6 +67,7 @@ def seen_body(body: "MeasuredBody") -> SeenBody:
     return SeenBody(
         space,
         tuple(body.n_frames),
+        None if body.stature_m is None else 1e3 * body.stature_m,
         None if joined is None else 1e3 * joined.rms_m,
         {mark.name: 1e3 * mark.apart_m for mark in body.landmarks if mark.apart_m is not None},
         body.girths,

@@ -131,7 +131,7 @@ class ComparisonPresenter:
         self._workspace.jobs.start(_("Writing the picture"), work, done, stop="tells")
 
     def save_report(self, path: Path) -> None:
-        """Write the report on the back of the later session, as its ending says."""
+        """Write the report on body and back of the later session, as its ending says."""
         store, later = self._workspace.store, self._choices.later
         language = self._workspace.preferences.now.language
         if later is None:

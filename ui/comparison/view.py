@@ -69,7 +69,8 @@ class ComparisonScreen(Screen):
         self._go.clicked.connect(lambda: presenter.go_to(self._nothing[1]))
         self._pictures.view_chosen.connect(presenter.pictures.choose_view)
         self._back.seen.connect(presenter.back.look)
-        self._back.report_asked.connect(self._ask_report)
+        self._back.report_asked.connect(lambda: self._ask_report(_("Report on the back"), "back"))
+        self._body.report_asked.connect(lambda: self._ask_report(_("Report on the body"), "body"))
         self._body.seen.connect(presenter.body.look)
         self._differences.trend_asked.connect(self._show_trend)
         self._repeats.operator_chosen.connect(presenter.choose_operator)
@@ -151,10 +152,10 @@ class ComparisonScreen(Screen):
         self._pages.setCurrentWidget(self._trends)
         self._trends.choose(key)
 
-    def _ask_report(self) -> None:
-        """Ask where the report on the back goes."""
+    def _ask_report(self, title: str, name: str) -> None:
+        """Ask where the report on body and back goes."""
         kinds = "PDF (*.pdf);;Excel (*.xlsx)"
-        dialog = self._file_dialog(_("Report on the back"), kinds, "back.pdf")
+        dialog = self._file_dialog(title, kinds, f"{name}.pdf")
         dialog.fileSelected.connect(lambda path: self._presenter.save_report(Path(path)))
         dialog.open()
 
