@@ -1,5 +1,7 @@
 """The pages of the back and of the body: measured when looked at, over a real store."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from openpyxl import load_workbook
@@ -23,12 +25,14 @@ from adibas.pipeline.stored_body import stored_back
 from adibas.reports.body_numbers import on_paper
 from adibas.sessions.audit_words import kind_text
 from adibas.surface.asymmetry import asymmetry_m
+from adibas.surface.merging import BodySurface
 from adibas.texts import decimal_text
 from tests.unit.standing_bodies import add_body_session, unheard
 from tests.unit.store_samples import add_patient
 from tests.unit.turning_bodies import add_turn, turn_images
 from ui.comparison.back_content import seen_back
 from ui.comparison.back_plots import AsymmetryMap, SpinePlot
+from ui.comparison.body_content import seen_body
 from ui.comparison.screen import build_comparison_screen
 from ui.widgets.scrolled import Scrolled
 from ui.widgets.space import Space
@@ -172,6 +176,18 @@ def test_the_joined_body_is_turned_and_its_girths_stand_below(qtbot, screen, sto
     before = space.grab().toImage()
     qtbot.keyClick(space, Qt.Key.Key_Right)
     assert space.grab().toImage() != before
+
+
+def test_a_body_without_colours_is_shown_by_its_shape():
+    normals = np.array([[0.0, 0.0, 1.0], [0.9, 0.1, -0.42], [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    colors = np.array([[np.nan] * 3, [np.nan] * 3, [np.nan] * 3, [10.0, 200.0, 30.0]])
+    surface = BodySurface(np.zeros((4, 3)), normals, np.ones(4), np.ones(4), colors)
+    whole = SimpleNamespace(surface=surface, joined=None)
+    body = SimpleNamespace(whole=whole, landmarks=(), n_frames={}, stature_m=None, girths=())
+    behind, slanted, before, colored = seen_body(body).space.colors_rgb.tolist()
+    assert behind == before
+    assert behind[0] > slanted[0] + 60
+    assert colored == [10, 200, 30]
 
 
 def test_a_turn_is_shown_as_the_body_that_it_gives(screen, store, patient):

@@ -5,15 +5,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from adibas.arrays import UInt8Array
 from adibas.data.body_measures import BodyMeasure
 from adibas.reports.body_numbers import GREY
 from ui.widgets.space import Space
 
 if TYPE_CHECKING:
     from adibas.pipeline.body import MeasuredBody
+    from adibas.surface.merging import BodySurface
 
 AHEAD = np.array([1.0, -1.0, -1.0])
 """From patient axes (right, up, back) to those of who stands behind: right, down, away."""
+LIGHT = np.array([0.35, 0.45, 0.82])
+DARKEST = 0.3
+"""Share of the grey that is left where the light only grazes a place without a colour."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +63,7 @@ def seen_body(body: "MeasuredBody") -> SeenBody:
     surface, joined = body.whole.surface, body.whole.joined
     space = Space(
         surface.points_m * AHEAD,
-        np.nan_to_num(surface.colors, nan=GREY).astype(np.uint8),
+        _colors_of(surface),
         {
             mark.name: np.mean(list(mark.places_m.values()), axis=0) * AHEAD
             for mark in body.landmarks
@@ -72,3 +77,11 @@ def seen_body(body: "MeasuredBody") -> SeenBody:
         {mark.name: 1e3 * mark.apart_m for mark in body.landmarks if mark.apart_m is not None},
         body.girths,
     )
+
+
+def _colors_of(surface: "BodySurface") -> UInt8Array:
+    """Return the colours; where none is known grey as two lights show the shape, not an outline."""
+    lit = np.abs(surface.normals @ LIGHT) / np.linalg.norm(LIGHT)
+    grey = GREY * (DARKEST + (1.0 - DARKEST) * lit[:, None])
+    colors: UInt8Array = np.where(np.isnan(surface.colors), grey, surface.colors).astype(np.uint8)
+    return colors
