@@ -67,6 +67,10 @@ class BodyError(AdibasError):
     """The surface of the body cannot be had from what was recorded."""
 
 
+class MapError(AdibasError):
+    """A map cannot be made with what is installed."""
+
+
 class ReportError(AdibasError):
     """A report cannot be written."""
 

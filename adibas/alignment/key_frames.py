@@ -8,6 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 
 from adibas.alignment.camera_track import Following, KeyFrameParams, Track, size_of
+from adibas.alignment.gtsam_graph import optimise_by_gtsam
 from adibas.alignment.joint_fit import JointFit
 from adibas.alignment.pairing import Aligner, ByPictures, Moment, Unaligned
 from adibas.alignment.pose_graph import Edge, Graph, optimise
@@ -237,4 +238,6 @@ class Tracker:
         return edges
 
     def _graph(self) -> Graph:
-        return optimise(self._world_from_key, self._edges, self._params.graph)
+        params = self._params.graph
+        solve = optimise_by_gtsam if params.solver == "gtsam" else optimise
+        return solve(self._world_from_key, self._edges, params)

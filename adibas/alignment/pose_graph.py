@@ -6,6 +6,7 @@ Source: thesis, section 5.2.1 (loop closure); Grisetti et al., A Tutorial on Gra
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy import sparse
@@ -17,6 +18,7 @@ from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
 
 N_UNKNOWNS = 6
 DOUBT_RATIO = 3.0
+Solver = Literal["scipy", "gtsam"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,11 +62,14 @@ class GraphParams:
         unknowns make 6 on average, and motions are known worse than they say. The search begins
         without doubt and comes to it step by step, for drift makes right loops look wrong (Yang
         et al., Graduated Non-Convexity, 2020).
+    solver : "scipy" or "gtsam"
+        Who solves it: SciPy, or another's library, an optional extra (`gtsam_graph`).
     """
 
     rounds: int = 40
     least_step: float = 1e-7
     doubt: float = 36.0
+    solver: Solver = "scipy"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

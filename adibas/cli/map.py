@@ -43,6 +43,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=_("map the person alone, who turns before a camera that stands still"),
     )
+    parser.add_argument(
+        "--pose-graph",
+        choices=("scipy", "gtsam"),
+        default="scipy",
+        help=_("who spreads the drift over loops; gtsam is the extra pip install 'adibas[gtsam]'"),
+    )
     add_json(parser)
 
 
@@ -84,6 +90,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _map_and_write(arguments: argparse.Namespace, console: Console) -> "MappedRecording":
+    from adibas.alignment.camera_track import KeyFrameParams
+    from adibas.alignment.pose_graph import GraphParams
     from adibas.pipeline.mapping import MapRequest, forget_unfinished, map_recording
     from adibas.reports.map_files import write_ply, write_trajectory
 
@@ -92,6 +100,7 @@ def _map_and_write(arguments: argparse.Namespace, console: Console) -> "MappedRe
         arguments.calibration,
         arguments.frames,
         arguments.body,
+        tracking=KeyFrameParams(graph=GraphParams(solver=arguments.pose_graph)),
         out=arguments.out,
     )
     with console.progress(_("Mapping")) as progress:

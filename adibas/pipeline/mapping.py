@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from adibas.alignment.camera_track import KeyFrameParams, path_length_m
+from adibas.alignment.gtsam_graph import check_gtsam
 from adibas.alignment.pairing import TEXTS
 from adibas.alignment.surfels import Surface, SurfelMap, SurfelParams
 from adibas.alignment.views import View, ViewParams, prepare_view
@@ -135,7 +136,11 @@ def map_recording(
         There is none of both cameras, or one for another resolution.
     FileError
         What is unfinished cannot be kept.
+    MapError
+        The pose graph was to be solved by a library that is not installed.
     """
+    if request.tracking.graph.solver == "gtsam":
+        check_gtsam()
     with request.access.open(request.recording) as recording:
         wanted = wanted_frames(recording, request.frames)
         calibration = calibration_of(recording, request.calibration)

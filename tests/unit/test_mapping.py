@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from adibas.alignment import gtsam_graph, key_frames
 from adibas.alignment.camera_track import KeyFrameParams
+from adibas.alignment.pose_graph import GraphParams, optimise
 from adibas.alignment.surfels import SurfelParams
 from adibas.cli.command_line import main
 from adibas.errors import RecordingError
+from adibas.pipeline import mapping
 from adibas.pipeline.mapping import MapRequest, map_recording
 from adibas.reports.map_files import ROW
 from adibas.simulation.furnished_room import FurnishedRoom
@@ -80,6 +83,31 @@ def test_frames_of_different_rooms_are_not_put_together(tmp_path):
     path = written(tmp_path / "two.mcap", two)
     with pytest.raises(RecordingError, match="No two frames could be put together"):
         map_recording(MapRequest(path), lambda _done, _total: None)
+
+
+def test_the_graph_is_solved_by_the_library_that_is_asked_for(taken, monkeypatch):
+    asked = []
+
+    def solve(world_from, edges, params):
+        asked.append(len(edges))
+        return optimise(world_from, edges, params)
+
+    monkeypatch.setattr(key_frames, "optimise_by_gtsam", solve)
+    monkeypatch.setattr(mapping, "check_gtsam", lambda: None)
+    tracking = KeyFrameParams(graph=GraphParams(solver="gtsam"))
+    assert (
+        map_recording(MapRequest(taken[0], tracking=tracking), lambda _done, _total: None).n_loops
+        > 0
+    )
+    assert asked
+
+
+def test_without_the_library_the_command_says_how_to_get_it(taken, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(gtsam_graph, "MODULE", "no_such_library")
+    out = tmp_path / "m.ply"
+    assert main(["map", str(taken[0]), "--out", str(out), "--pose-graph", "gtsam"]) == 1
+    assert "pip install 'adibas[gtsam]'" in capsys.readouterr().err
+    assert not out.exists()
 
 
 def test_a_surface_that_does_not_fit_in_says_so(taken):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from adibas.alignment.gtsam_graph import optimise_by_gtsam
 from adibas.alignment.joint_fit import moved
 from adibas.alignment.pose_graph import Edge, optimise
 from adibas.geometry.rigid import IDENTITY, RigidTransform, rotation_vector
@@ -52,6 +53,25 @@ def test_exact_motions_bring_disturbed_poses_home():
     start = [truth[0], *(moved(pose, 0.1 * rng.standard_normal(6)) for pose in truth[1:])]
     graph = optimise(start, [*edges_of(truth, rng), loop])
     assert error_of(graph.world_from, truth) < 1e-6
+
+
+@pytest.mark.parametrize("has_wrong_loop", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_gtsam_finds_the_same_poses(seed, has_wrong_loop):
+    pytest.importorskip("gtsam")
+    truth, rng = ring(), np.random.default_rng(seed)
+    edges = edges_of(truth, rng, sd=0.01)
+    uneven = rng.normal(size=(6, 6))
+    information = 1e4 * (np.eye(6) + uneven @ uneven.T / 30.0)
+    exact = truth[N - 1].inverse() @ truth[0]
+    edges.append(Edge(N - 1, 0, exact, information, is_doubtful=True))
+    if has_wrong_loop:
+        far = moved(truth[8].inverse() @ truth[2], np.full(6, 0.5))
+        edges.append(Edge(8, 2, far, information, is_doubtful=True))
+    ours = optimise(chained(edges[: N - 1]), edges)
+    theirs = optimise_by_gtsam(chained(edges[: N - 1]), edges)
+    assert error_of(ours.world_from, theirs.world_from) < 5e-4
+    np.testing.assert_allclose(theirs.weights, np.round(ours.weights))
 
 
 def test_a_closed_loop_takes_most_of_the_drift_away():
