@@ -5,13 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from adibas.alignment.camera_track import Track
 from adibas.alignment.joint_fit import moved
 from adibas.alignment.key_frames import Tracker
 from adibas.alignment.pose_graph import Edge
 from adibas.cli.command_line import main
 from adibas.clock import NS_PER_S
 from adibas.errors import RecordingError
-from adibas.pipeline.mapping import MapRequest, map_recording
+from adibas.geometry.rigid import IDENTITY
+from adibas.pipeline.map_following import Followed
+from adibas.pipeline.mapping import MapRequest, _check, map_recording
 from adibas.simulation.furnished_room import FurnishedRoom
 from tests.unit.room_recordings import frame, pose, room_frames, written
 
@@ -183,5 +186,12 @@ def test_a_loop_that_closes_wrongly_counts_nothing_and_is_told(scene, tmp_path, 
 def test_a_path_that_most_loops_deny_is_refused(scene, tmp_path, monkeypatch):
     frames, _poses = scene
     spoil_loops(monkeypatch, all_of_them=True)
-    with pytest.raises(RecordingError, match="contradicts itself"):
+    with pytest.raises(RecordingError, match=r"contradicts itself.*map the person alone\."):
         mapped(written(tmp_path / "loops.mcap", frames))
+
+
+def test_whose_turn_is_denied_is_told_to_turn_and_not_to_move_the_camera(tmp_path):
+    track = Track((IDENTITY, IDENTITY), {}, 2, 1, 8, 0)
+    followed = Followed(np.arange(2), np.arange(2), track, (), ())
+    with pytest.raises(RecordingError, match=r"of 9 views .* 8 do not .*person turn more slowly"):
+        _check(MapRequest(tmp_path / "turn.mcap", is_body=True), followed)
