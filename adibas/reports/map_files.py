@@ -89,6 +89,15 @@ def map_to_json(mapped: MappedRecording) -> dict[str, Any]:
 
 def motion_sentence(motion: BodyMotion) -> Sentence:
     """Say how a person was not rigid."""
+    if motion.wandered_mm is None:
+        return Sentence(
+            message(
+                "Single frames lie {residual} mm from the joined surface (root mean square, noise "
+                "included; the worst {largest} mm). How far the body moved over the floor is not "
+                "known: it was not seen from all around."
+            ),
+            {"residual": motion.residual_mm, "largest": motion.largest_mm},
+        )
     return Sentence(
         message(
             "Single frames lie {residual} mm from the joined surface (root mean square, noise "
@@ -108,5 +117,5 @@ def _motion_to_json(motion: BodyMotion) -> dict[str, Any]:
         "residual_mm": round(motion.residual_mm, DIGITS),
         "largest_mm": round(motion.largest_mm, DIGITS),
         "bands_mm": {name: round(value, DIGITS) for name, value in motion.bands_mm.items()},
-        "wandered_mm": round(motion.wandered_mm, DIGITS),
+        "wandered_mm": None if motion.wandered_mm is None else round(motion.wandered_mm, DIGITS),
     }

@@ -16,7 +16,7 @@ from adibas.pipeline.map_body import body_motion
 from adibas.pipeline.map_frames import MapFrames
 from adibas.pipeline.mapping import MapRequest, map_recording
 from adibas.recordings import create_recording
-from adibas.reports.map_files import ROW
+from adibas.reports.map_files import ROW, motion_sentence
 from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 
@@ -49,7 +49,7 @@ def test_what_frames_differ_by_is_told_by_height():
     points_m = points_of_a_body(rng)
     share = (1.2 - points_m[:, 1]) / 1.7
     sd_m = np.where(share > 0.85, 0.006, np.where(share > 0.5, 0.003, 0.001))
-    poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in range(0, 60, 5)]
+    poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in range(0, 360, 30)]
     told = body_motion(
         [Distances(points_m, rng.normal(0.0, sd_m)) for _ in poses], poses, FLOOR, is_floor=True
     )
@@ -59,6 +59,26 @@ def test_what_frames_differ_by_is_told_by_height():
     assert told.residual_mm == pytest.approx(1e3 * np.sqrt(np.mean(sd_m**2)), rel=0.05)
     assert told.residual_mm <= told.largest_mm < 1.1 * told.residual_mm
     assert told.wandered_mm == pytest.approx(0.0, abs=5.0)
+
+
+@pytest.mark.parametrize(
+    ("last_deg", "is_told"), [(2.0, True), (90.0, False), (180.0, False), (360.0, True)]
+)
+def test_who_turns_on_the_spot_is_not_said_to_move_over_the_floor(last_deg, is_told):
+    """Each frame shows the half that faces the camera, and the axis stands still."""
+    whole_m = points_of_a_body(np.random.default_rng(4))
+    poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in np.linspace(0.0, last_deg, 30)]
+    seen = [
+        Distances(half_m, np.zeros(len(half_m)))
+        for half_m in (whole_m[pose.inverse().apply(whole_m)[:, 2] < 2.0] for pose in poses)
+    ]
+    told = body_motion(seen, poses, FLOOR, is_floor=True)
+    if is_told:
+        assert told.wandered_mm < 5.0
+        assert "moved" in motion_sentence(told).text
+    else:
+        assert told.wandered_mm is None
+        assert "not seen from all around" in motion_sentence(told).text
 
 
 def test_somebody_seen_from_the_waist_up_has_no_legs():
