@@ -65,16 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     for action in (showing, exporting, calling):
         action.add_argument("session", metavar=_("SESSION"), help=_("its id, as `list` shows it"))
-    add_report_options(exporting)
-    add_protocol(exporting)
-    exporting.add_argument(
-        "--compared-with",
-        default="",
-        metavar=_("SESSION"),
-        help=_("id of an earlier session of the patient: the report tells what changed"),
-    )
-    add_out(exporting, _("DIR"), _("folder to write into"))
-    add_overwrite(exporting, _("replace what an earlier export left in that folder"))
+    _add_export_options(exporting)
     repeating = add("reliability", _("How well measures repeat in this clinic."), tell_reliability)
     add_reliability_arguments(repeating)
     calling.add_argument("--no", action="store_true", help=_("it is no repeat"))
@@ -104,6 +95,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_retention_arguments(
         add("retention", _("Patients whose time is over, and when the disk is full."), retain)
     )
+
+
+def _add_export_options(exporting: argparse.ArgumentParser) -> None:
+    add_report_options(exporting)
+    add_protocol(exporting)
+    exporting.add_argument(
+        "--compared-with",
+        default="",
+        metavar=_("SESSION"),
+        help=_("id of an earlier session of the patient: the report tells what changed"),
+    )
+    exporting.add_argument(
+        "--with-notes",
+        action="store_true",
+        help=_(
+            "tell the session's notes where the pictures hide who it is, too; they are left out "
+            "then if not given, because people are named in notes"
+        ),
+    )
+    add_out(exporting, _("DIR"), _("folder to write into"))
+    add_overwrite(exporting, _("replace what an earlier export left in that folder"))
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
@@ -185,16 +197,17 @@ def _export(store: "SessionStore", arguments: argparse.Namespace, console: Conso
     reports = [folder / name for name in REPORTS] if session.capture_ids else []
     _make_place([*paths, *reports], folder, is_allowed=arguments.overwrite)
     pictures = PictureChoice(arguments.pictures)
-    _export_recordings(store, recordings, paths, console)
-    if recordings and pictures is not PictureChoice.AS_IS:
-        console.warn(
-            _(
-                "The recordings show the patient as the camera did, the face too: --pictures is "
-                "for the report alone."
-            )
-        )
+    is_hidden = pictures is not PictureChoice.AS_IS
+    _export_recordings(store, recordings, paths, console, depth_only=is_hidden)
+    if recordings and is_hidden:
+        console.say(_("The recordings hold the depth alone: in colour the face would be seen."))
     if reports:
-        wish = ReportWish(arguments.language, pictures, protocol, arguments.compared_with)
+        with_notes = arguments.with_notes or not is_hidden
+        wish = ReportWish(
+            arguments.language, pictures, protocol, arguments.compared_with, with_notes
+        )
+        if session.notes and not with_notes:
+            console.say(_("The notes on the session are left out; --with-notes tells them."))
         for path in _export_reports(store, session, reports, wish):
             paths.append(path)
             console.say(str(path))
@@ -221,10 +234,14 @@ def _export_recordings(
     recordings: "Sequence[RecordingFacts]",
     paths: Sequence[Path],
     console: Console,
+    *,
+    depth_only: bool,
 ) -> None:
     for facts, path in zip(recordings, paths, strict=True):
         with console.progress(path.name) as progress:
-            summary = store.recordings.export(facts.recording_id, path, progress)
+            summary = store.recordings.export(
+                facts.recording_id, path, progress, depth_only=depth_only
+            )
         if summary.notice:
             console.warn(summary.notice)
         text = translate_plural(

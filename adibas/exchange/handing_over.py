@@ -90,7 +90,9 @@ def prepare(store: SessionStore, wish: HandoverWish) -> Handover:
     session = store.sessions.get(wish.session_id)
     if wish.order is not None:
         check_same_patient(wish.order, store.patients.get(session.patient).identity)
-    report_wish = ReportWish(wish.language, wish.shown, wish.protocol)
+    report_wish = ReportWish(
+        wish.language, wish.shown, wish.protocol, with_notes=wish.with_identity
+    )
     report = stored_report(store, session.session_id, report_wish)
     person = store.patients.get(session.patient) if wish.with_identity else None
     return hand_over(session.session_id, report, person, wish.order)

@@ -34,12 +34,15 @@ class ReportWish:
         What to measure; None: the protocol that the session names, in the sensor's plane.
     compared_with : str
         Id of an earlier session whose measures stand beside; empty for none.
+    with_notes : bool
+        Tell the session's notes: people are named in notes.
     """
 
     language: str
     pictures: PictureChoice = PictureChoice.AS_IS
     protocol: ProtocolWish | None = None
     compared_with: str = ""
+    with_notes: bool = True
 
 
 def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> SessionReport:
@@ -67,6 +70,8 @@ def stored_report(store: SessionStore, session_id: str, wish: ReportWish) -> Ses
         _with_notices(shown, notices) for shown in _measured(store, session, captures, protocol)
     )
     report = report_of_session(session, reports, wish.language, wish.pictures)
+    if not wish.with_notes:
+        report = replace(report, notes="")
     if not wish.compared_with:
         return report
     return replace(report, comparison=_compared(store, wish.compared_with, session, protocol))

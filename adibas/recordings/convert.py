@@ -1,10 +1,11 @@
 """One recording format into another, without a change to what was measured."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from adibas.data.frames import SensorFrame
 from adibas.errors import RecordingError
 from adibas.progress import Progress
 from adibas.recordings import create_recording, open_recording
@@ -65,9 +66,15 @@ def write_all(
     target: Path,
     *,
     plain: bool = False,
+    depth_only: bool = False,
     progress: Progress | None = None,
 ) -> ConversionSummary:
     """Write the frames of an open recording as `target`, as `convert` does.
+
+    Parameters
+    ----------
+    depth_only : bool
+        Leave colour and infrared out, in which a face is seen, and frames that have nothing else.
 
     Raises
     ------
@@ -77,10 +84,23 @@ def write_all(
     options = RecordingOptions(is_plain=plain, is_live=False)
     with create_recording(target, reader.info, options) as writer:
         for number, frame in enumerate(reader, 1):
-            writer.write(frame)
+            if not depth_only:
+                writer.write(frame)
+            elif frame.depth_raw is not None:
+                writer.write(_depth_of(frame))
             if progress is not None:
                 progress(number, len(reader))
+        if depth_only and not writer.n_frames:
+            raise RecordingError(
+                "{file} would hold nothing: there is no depth in the recording. Export it with "
+                "pictures as they are, or not at all.",
+                file=target.name,
+            )
     return ConversionSummary(writer.n_frames, writer.n_dropped, reader.notice)
+
+
+def _depth_of(frame: SensorFrame) -> SensorFrame:
+    return replace(frame, color=None, color_timestamp_ns=None, infrared_raw=None)
 
 
 def remove_unfinished_copies(reader: RecordingReader, target: Path) -> None:

@@ -113,6 +113,8 @@ class SealedRecordings(SealedFolder):
         key: bytes,
         path: Path,
         progress: Progress | None = None,
+        *,
+        depth_only: bool = False,
     ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 
@@ -124,6 +126,8 @@ class SealedRecordings(SealedFolder):
             Its ending chooses the format, as `adibas convert` does.
         progress : callable, optional
             Called with (frames done, frames in all).
+        depth_only : bool
+            Leave out in what a face is seen; see `write_all`.
 
         Returns
         -------
@@ -140,7 +144,7 @@ class SealedRecordings(SealedFolder):
         with self.open(recording_id, key) as reader:
             remove_unfinished_copies(reader, path)
             is_mcap = path.suffix.lower() == ".mcap"
-            return write_all(reader, path, plain=is_mcap, progress=progress)
+            return write_all(reader, path, plain=is_mcap, depth_only=depth_only, progress=progress)
 
     def unfinished(self) -> set[str]:
         """Return the ids of recordings that are being made, or that a crash left so."""

@@ -257,11 +257,21 @@ class Recordings:
             return tuple(_facts(row) for row in transaction.execute(theirs))
 
     def export(
-        self, recording_id: str, path: Path, progress: Progress | None = None
+        self,
+        recording_id: str,
+        path: Path,
+        progress: Progress | None = None,
+        *,
+        depth_only: bool = False,
     ) -> ConversionSummary:
         """Write a recording without seal as `path`; as .mcap any Foxglove reader shows it.
 
         The log gets its line before anything is written.
+
+        Parameters
+        ----------
+        depth_only : bool
+            Leave colour and infrared out, in which a face is seen.
 
         Returns
         -------
@@ -278,10 +288,16 @@ class Recordings:
         self._audit.require(Permission.EXPORT, recording_id)
         with self._database.logging() as transaction:
             row = _found(transaction, recording_id)
+            told = {"pictures": "depth"} if depth_only else {}
             self._audit.write(
-                transaction, "export", recording_id, kind="recording", session=row.session_id
+                transaction,
+                "export",
+                recording_id,
+                kind="recording",
+                session=row.session_id,
+                **told,
             )
-        return self.sealed.export(recording_id, row.key, path, progress)
+        return self.sealed.export(recording_id, row.key, path, progress, depth_only=depth_only)
 
     def register(self, writer: StoredRecordingWriter) -> None:
         """List a recording whose file is whole."""

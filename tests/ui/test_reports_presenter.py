@@ -185,6 +185,42 @@ def test_pictures_are_shown_as_wished(presenter, view, workspace, saved):
     assert (view.show_preview.call_args.args[1][0].picture_rgb != plain).any()
 
 
+def test_notes_are_left_out_where_the_pictures_hide_who_it_is(
+    presenter, view, workspace, store, saved
+):
+    store.sessions.change(saved[1].session_id, notes="Marta says her knee hurts")
+    look_at(workspace, saved)
+    presenter.enter()
+
+    def is_told():
+        return "Marta" in str(view.show_preview.call_args.args[0])
+
+    assert is_told()
+    for choice in (PictureChoice.DEPTH, PictureChoice.BLURRED):
+        presenter.choose_pictures(choice)
+        assert not view.show_wish.call_args.args[0].with_notes
+    presenter.choose_pictures(PictureChoice.DEPTH)
+    assert not is_told()
+    presenter.choose_notes(with_notes=True)
+    assert is_told()
+    presenter.choose_pictures(PictureChoice.AS_IS)
+    presenter.choose_notes(with_notes=False)
+    assert not is_told()
+
+
+def test_more_sessions_than_are_listed_are_told(presenter, view, store, saved, monkeypatch):
+    monkeypatch.setattr(reports, "MOST_SESSIONS", 2)
+    presenter.enter()
+    assert view.show_sessions.call_args.kwargs == {"n_newest": None}
+    saved_session(store)
+    presenter.enter()
+    assert view.show_sessions.call_args.kwargs == {"n_newest": None}
+    saved_session(store)
+    presenter.enter()
+    assert view.show_sessions.call_args.kwargs == {"n_newest": 2}
+    assert saved[1].session_id not in {line.session_id for line in lines(view)}
+
+
 def test_what_cannot_be_previewed_says_why(presenter, view, store, saved):
     session = store.sessions.start(saved[0].pseudonym, SessionSetup())
     presenter.choose_sessions((session.session_id,))

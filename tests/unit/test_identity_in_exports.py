@@ -9,20 +9,25 @@ import io
 import json
 import zipfile
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import zstandard
+from mcap.reader import make_reader
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 from pydicom import Dataset
 from reportlab.pdfgen.canvas import Canvas
 
 from adibas.cli import main
-from adibas.recordings import create_recording
+from adibas.errors import RecordingError
+from adibas.recordings import create_recording, open_recording
+from adibas.recordings.convert import write_all
 from adibas.reports import pdf
 from benchmarks.fuzz_seeds import recording
 from benchmarks.identity_search import found_below, found_in, secrets_of
+from tests.ui.review_scene import saved_session
 from tests.unit.exchange_samples import add_clinic_session
 from tests.unit.recorded_frames import INFO, make_frames
 from tests.unit.store_samples import IDENTITY, NAME, open_sample
@@ -80,6 +85,60 @@ def test_reports_and_recordings_of_a_session_bear_the_pseudonym_alone(folder, se
     assert {path.suffix for path in out.iterdir()} == {".mcap", ".xlsx", ".pdf", ".json"}
     assert found_below(out, SECRETS) == {}
     assert found_below(out, [session.patient]) != {}
+
+
+def test_a_name_in_the_notes_stays_here_where_the_pictures_hide_who_it_is(folder, tmp_path, capsys):
+    with open_sample(folder) as store:
+        _patient, session, _captures = saved_session(store)  # with depth, to be shown
+        store.sessions.change(session.session_id, notes=f"{NAME} came with her mother")
+    command = ["sessions", "export", session.session_id, "--store", str(folder)]
+    hidden = ["--pictures", "depth", "--out"]
+    assert main([*command, *hidden, str(tmp_path / "hidden")]) == 0
+    assert found_below(tmp_path / "hidden", SECRETS) == {}
+    assert "notes on the session are left out" in capsys.readouterr().out
+    assert main([*command, "--with-notes", *hidden, str(tmp_path / "told")]) == 0
+    assert {"report.pdf", "report.xlsx", "posture.json"} <= found_below(
+        tmp_path / "told", [NAME]
+    ).keys()
+
+
+@pytest.mark.parametrize("pictures", ["depth", "blurred"])
+def test_a_recording_that_leaves_where_the_face_is_hidden_holds_the_depth_alone(
+    folder, session, tmp_path, monkeypatch, pictures
+):
+    monkeypatch.setattr("adibas.cli.sessions._export_reports", lambda *_: ())
+    command = ["sessions", "export", session.session_id, "--store", str(folder)]
+    assert main([*command, "--pictures", pictures, "--out", str(tmp_path)]) == 0
+    whole = make_frames(2)
+    assert all(frame.color is not None for frame in whole)
+    with (tmp_path / "recording-01.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    counts = summary.statistics.channel_message_counts
+    topics = {summary.channels[number].topic for number, n_messages in counts.items() if n_messages}
+    assert "/depth" in topics
+    assert not topics & {"/color", "/infrared"}
+    with open_recording(tmp_path / "recording-01.mcap") as reader:
+        for frame, was in zip(reader, whole, strict=True):
+            assert (frame.depth_raw == was.depth_raw).all()
+            assert frame.timestamp_ns == was.timestamp_ns
+            assert frame.color is None
+            assert frame.infrared_raw is None
+    with open_sample(folder) as store:
+        lines = [one for one in store.audit.entries() if one.action == "export"]
+        assert [one.detail["pictures"] for one in lines if "pictures" in one.detail] == ["depth"]
+
+
+def test_a_recording_without_depth_does_not_leave_where_the_face_is_hidden(tmp_path):
+    colored = [replace(one, depth_raw=None, infrared_raw=None) for one in make_frames(2)]
+    with create_recording(tmp_path / "a.mcap", INFO) as writer:
+        for frame in colored:
+            writer.write(frame)
+    with (
+        open_recording(tmp_path / "a.mcap") as reader,
+        pytest.raises(RecordingError, match="there is no depth"),
+    ):
+        write_all(reader, tmp_path / "b.mcap", depth_only=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mcap"]
 
 
 def test_the_store_itself_shows_nobody(folder, session):

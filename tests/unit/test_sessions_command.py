@@ -132,7 +132,7 @@ def test_export_writes_what_any_reader_opens_and_a_line_in_the_log(run, folder, 
 
 
 @pytest.mark.parametrize("pictures", ["as-is", "blurred", "depth"])
-def test_who_hides_the_face_in_the_report_is_told_that_the_recordings_show_it(
+def test_who_hides_the_face_in_the_report_is_told_that_the_recordings_hold_the_depth_alone(
     run, folder, tmp_path, pictures
 ):
     with open_sample(folder) as store:
@@ -140,8 +140,8 @@ def test_who_hides_the_face_in_the_report_is_told_that_the_recordings_show_it(
         with store.recordings.create(session.session_id, INFO) as writer:
             writer.write(make_frames(1)[0])
     out = ("--out", str(tmp_path / "out"), "--pictures", pictures)
-    code, _, err = run("export", session.session_id, *out)
-    assert (code, "the face too" in err) == (0, pictures != "as-is")
+    code, said, _ = run("export", session.session_id, *out)
+    assert (code, "the depth alone" in said) == (0, pictures != "as-is")
 
 
 def test_export_replaces_nothing_by_mistake(run, session, tmp_path):

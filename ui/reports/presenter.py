@@ -53,14 +53,20 @@ class PreviewPage:
 class ReportsView(Protocol):
     """The screen, as this presenter needs it."""
 
-    def show_sessions(self, lines: tuple[SessionLine, ...]) -> None:
-        """Offer sessions; those chosen are reported."""
+    def show_sessions(self, lines: tuple[SessionLine, ...], *, n_newest: int | None) -> None:
+        """Offer sessions; those chosen are reported.
+
+        Parameters
+        ----------
+        n_newest : int or None
+            There are older ones than so many that were looked through; None: it is all of them.
+        """
 
     def show_earlier(self, sessions: tuple[Session, ...], chosen: str) -> None:
         """Offer what the report can be compared with; none chosen: with nothing."""
 
     def show_wish(self, wish: ReportWish) -> None:
-        """Show language and pictures in use."""
+        """Show language, pictures and notes in use."""
 
     def show_preview(self, head: Pairs, pages: tuple[PreviewPage, ...]) -> None:
         """Show what the report of the first chosen session will say."""
@@ -136,8 +142,13 @@ class ReportsPresenter:
         self._change(replace(self._wish, language=language))
 
     def choose_pictures(self, pictures: PictureChoice) -> None:
-        """Show so much of the patient."""
-        self._change(replace(self._wish, pictures=pictures))
+        """Show so much of the patient; notes, in which people are named, follow."""
+        with_notes = pictures is PictureChoice.AS_IS
+        self._change(replace(self._wish, pictures=pictures, with_notes=with_notes))
+
+    def choose_notes(self, *, with_notes: bool) -> None:
+        """Tell the notes on the session, or not."""
+        self._change(replace(self._wish, with_notes=with_notes))
 
     def write(self, folder: Path, kinds: tuple[str, ...]) -> None:
         """Write the chosen reports in every kind into a folder; nothing there is replaced."""
@@ -206,16 +217,18 @@ class ReportsPresenter:
         """List what can be reported; among many patients the names take a while."""
         store, current = self._workspace.store, self._workspace.session
 
-        def work(_control: JobControl) -> tuple[tuple[Session, str], ...]:
+        def work(_control: JobControl) -> tuple[tuple[tuple[Session, str], ...], int | None]:
             return _sessions_and_names(store, current)
 
-        def done(found: tuple[tuple[Session, str], ...]) -> None:
+        def done(listed: tuple[tuple[tuple[Session, str], ...], int | None]) -> None:
+            found, n_newest = listed
             self._choose_of({one.session_id for one, _who in found})
             self._view.show_sessions(
                 tuple(
                     SessionLine(one.session_id, who, one, one.session_id in self._chosen)
                     for one, who in found
-                )
+                ),
+                n_newest=n_newest,
             )
             if not found:
                 self._view.show_no_preview(
@@ -267,13 +280,18 @@ def earlier_sessions(store: SessionStore, session_id: str) -> tuple[Session, ...
 
 def _sessions_and_names(
     store: SessionStore, current: Session | None
-) -> tuple[tuple[Session, str], ...]:
-    """Return the sessions that have captures, newest first, each with its patient's name."""
-    sessions = list(store.sessions.recent(MOST_SESSIONS))
+) -> tuple[tuple[tuple[Session, str], ...], int | None]:
+    """Return the sessions that have captures, newest first, each with its patient's name.
+
+    With them comes of how many they are where there are older ones.
+    """
+    newest = store.sessions.recent(MOST_SESSIONS + 1)
+    sessions = list(newest[:MOST_SESSIONS])
     if current is not None and all(one.session_id != current.session_id for one in sessions):
         sessions.insert(0, current)
     names = store.patients.names()
-    return tuple((one, names.get(one.patient, one.patient)) for one in sessions if one.capture_ids)
+    found = tuple((one, names.get(one.patient, one.patient)) for one in sessions if one.capture_ids)
+    return found, MOST_SESSIONS if len(newest) > MOST_SESSIONS else None
 
 
 def preview(report: SessionReport) -> tuple[Pairs, tuple[PreviewPage, ...]]:

@@ -59,7 +59,11 @@ class ReportsScreen(Screen):
         super().__init__(parent)
         self._title = QLabel(self)
         self._title.setProperty("kind", "title")
-        self._sessions = WrappedLines(self)
+        self._sessions, self._older = WrappedLines(self), QLabel(self)
+        self._older.setWordWrap(True)
+        self._older.hide()
+        self._n_newest = 0
+        self._notes = QCheckBox(self)
         self._language, self._pictures, self._earlier = (QComboBox(self) for _number in range(3))
         self._earlier_sessions: tuple[Session, ...] = ()
         self._kinds = {kind: QCheckBox(self) for kind in KINDS}
@@ -86,6 +90,7 @@ class ReportsScreen(Screen):
         panel = SidePanel(self)
         panel.column.addWidget(sessions)
         panel.column.addWidget(self._sessions, 1)
+        panel.column.addWidget(self._older)
         for label, widget in (
             (language, self._language),
             (pictures, self._pictures),
@@ -94,6 +99,8 @@ class ReportsScreen(Screen):
             label.setBuddy(widget)
             panel.column.addWidget(label)
             panel.column.addWidget(widget)
+            if widget is self._pictures:
+                panel.column.addWidget(self._notes)
         sessions.setBuddy(self._sessions)
         panel.column.addWidget(files)
         for box in self._kinds.values():
@@ -124,6 +131,7 @@ class ReportsScreen(Screen):
         self._pictures.activated.connect(
             lambda _i: presenter.choose_pictures(PictureChoice(self._pictures.currentData()))
         )
+        self._notes.clicked.connect(lambda is_on: presenter.choose_notes(with_notes=is_on))
         self._write.clicked.connect(self._ask_folder)
         self._export.clicked.connect(presenter.export)
         self._open.clicked.connect(self._open_folder)
@@ -143,6 +151,11 @@ class ReportsScreen(Screen):
             box.setText(_(KINDS[kind]))
         for index, choice in enumerate(PictureChoice):
             self._pictures.setItemText(index, _(PICTURES[choice]))
+        self._notes.setText(_("With the &notes on the session"))
+        self._notes.setToolTip(
+            _("People are named in notes: they are left out where the pictures hide who it is.")
+        )
+        self._word_older()
         self._word_earlier()
         self._write.setText(_("&Write the report..."))
         self._export.setText(_("Export (FHIR, DICOM)..."))
@@ -169,7 +182,9 @@ class ReportsScreen(Screen):
     def closed(self) -> None:
         self._presenter.close()
 
-    def show_sessions(self, lines: tuple[SessionLine, ...]) -> None:
+    def show_sessions(self, lines: tuple[SessionLine, ...], *, n_newest: int | None) -> None:
+        self._n_newest = n_newest or 0
+        self._word_older()
         self._sessions.blockSignals(True)
         self._sessions.clear()
         for line in lines:
@@ -193,6 +208,7 @@ class ReportsScreen(Screen):
     def show_wish(self, wish: ReportWish) -> None:
         self._language.setCurrentIndex(self._language.findData(wish.language))
         self._pictures.setCurrentIndex(list(PictureChoice).index(wish.pictures))
+        self._notes.setChecked(wish.with_notes)
 
     def show_preview(self, head: Pairs, pages: tuple[PreviewPage, ...]) -> None:
         self._head, self._pages = head, pages
@@ -212,6 +228,13 @@ class ReportsScreen(Screen):
 
     def ask_export(self, session_id: str) -> None:
         self.export_asked.emit(session_id)
+
+    def _word_older(self) -> None:
+        told = _(
+            "Of the newest {n} sessions. An older one is listed once it is opened on Patients."
+        )
+        self._older.setText(told.format(n=self._n_newest))
+        self._older.setVisible(bool(self._n_newest))
 
     def _word_earlier(self) -> None:
         chosen = self._earlier.currentData() or ""
