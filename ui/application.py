@@ -16,7 +16,7 @@ from adibas.sessions import default_store_folder
 from adibas.texts import translate as _
 from adibas.texts import use_language
 from ui.appearance import Appearance
-from ui.closing import OrderlyClose
+from ui.closing import OrderlyClose, close_at_once
 from ui.crash import install_crash_report
 from ui.drafts import Drafts
 from ui.frame_bridge import CallBridge
@@ -144,9 +144,7 @@ class Application:
         self._watch.set_minutes(0)
         self._closing.finish()
         self._idle.close()
-        for dialog in self.window.findChildren(QDialog):
-            if dialog.isVisible():
-                dialog.close()  # what it keeps by itself when it is closed is kept
+        close_at_once(lambda: self.window.findChildren(QDialog))
         self._close_store()
         self.jobs.close()
         self._take_hook_away()
@@ -194,9 +192,9 @@ class Application:
     def _close_other_windows(self) -> None:
         """Close dialogs, menus and tips: they may show a patient."""
         QToolTip.hideText()
-        for widget in self._app.topLevelWidgets():
-            if widget is not self.window and widget.isVisible():
-                widget.close()
+        close_at_once(
+            lambda: (one for one in self._app.topLevelWidgets() if one is not self.window)
+        )
 
     def _unsaved_elsewhere(self) -> tuple[str, ...]:
         """Name what would be lost and stands on no screen."""

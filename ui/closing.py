@@ -1,9 +1,9 @@
 """Closing asks before anything is lost, and waits for what runs, or asks where that is long."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from PySide6.QtCore import QObject, Qt, QTimer
-from PySide6.QtWidgets import QMessageBox, QWidget
+from PySide6.QtWidgets import QDialog, QMessageBox, QWidget
 
 from adibas.texts import translate as _
 from ui.idle import IdleCall
@@ -11,6 +11,22 @@ from ui.jobs import JobRunner
 
 PATIENCE_MS = 400
 """So long the window just waits: a question that vanishes at once helps nobody."""
+
+
+def close_at_once(find: Callable[[], Iterable[QWidget]]) -> None:
+    """Close what is seen; what is kept by itself when it is closed is kept.
+
+    Parameters
+    ----------
+    find : callable
+        Gives what is to be closed.
+    """
+    for widget in list(find()):
+        if widget.isVisible():
+            widget.close()
+    for widget in list(find()):  # it asks whether to close, and nobody may answer now
+        if widget.isVisible() and isinstance(widget, QDialog):
+            widget.done(QDialog.DialogCode.Rejected)
 
 
 class OrderlyClose(QObject):

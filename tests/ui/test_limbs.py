@@ -440,6 +440,17 @@ def test_the_editor_asks_before_it_closes_with_labels_that_cannot_be_kept(editor
     assert kept(folder, 0).any()
 
 
+def test_the_editor_closes_once_it_is_said_that_the_labels_may_be_lost(editor, folder):
+    button(editor, "Paint beside the person, too").click()
+    editor.page.presenter.click(25, 15)
+    folder.write_text("a file in the place of the folder")
+    editor.findChild(QDialogButtonBox).buttons()[0].click()
+    box = editor.findChild(QMessageBox)
+    (lose,) = [one for one in box.buttons() if one.text() == "Close"]
+    lose.click()
+    assert not editor.isVisible()
+
+
 @pytest.mark.usefixtures("large_letters")
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_the_editor_has_a_letter_for_each_control_and_room_for_large_ones(

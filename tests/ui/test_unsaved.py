@@ -5,7 +5,7 @@ import json
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QComboBox, QLineEdit, QMessageBox, QPlainTextEdit
+from PySide6.QtWidgets import QComboBox, QDialog, QLineEdit, QMessageBox, QPlainTextEdit
 
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
@@ -275,6 +275,55 @@ def test_a_coding_scheme_that_is_being_changed_is_asked_for(user, tmp_path):
     kind.activated.emit(kind.currentIndex())
     assert "The coding scheme" in asked(user)
     lose(user)
+
+
+def change_scheme(user, tmp_path):
+    """Open the coding scheme and change the kind of a behaviour."""
+    open_recording(user, tmp_path)
+    user.screen._edit_scheme()
+    (dialog,) = visible_dialogs(SchemeDialog)
+    kind = dialog.findChildren(QComboBox)[0]
+    kind.setCurrentIndex(1 - kind.currentIndex())
+    kind.activated.emit(kind.currentIndex())
+    return dialog
+
+
+def test_the_scheme_asks_before_its_own_cancel_loses_what_was_changed(user, tmp_path):
+    dialog = change_scheme(user, tmp_path)
+    fields = dialog._fields
+    QTest.keyClick(dialog, Key.Key_Escape)
+    (question,) = visible_dialogs(QMessageBox)
+    assert "The coding scheme was changed" in question.text()
+    QTest.keyClick(question, Key.Key_Escape)
+    assert visible_dialogs(QDialog) == [dialog]
+    assert dialog._fields == fields
+    QTest.keyClick(dialog, Key.Key_Escape)
+    (question,) = visible_dialogs(QMessageBox)
+    (close,) = [one for one in question.buttons() if one.text().replace("&", "") == "Close"]
+    QTest.mouseClick(close, Qt.MouseButton.LeftButton)
+    user.until(lambda: not visible_dialogs(QDialog))
+
+
+def test_a_scheme_that_was_not_changed_closes_at_once(user, tmp_path):
+    open_recording(user, tmp_path)
+    user.screen._edit_scheme()
+    (dialog,) = visible_dialogs(SchemeDialog)
+    QTest.keyClick(dialog, Key.Key_Escape)
+    assert not visible_dialogs(QDialog)
+
+
+def test_a_lock_waits_for_no_answer_of_a_dialog(user, tmp_path):
+    change_scheme(user, tmp_path)
+    user.application.lock()
+    assert not visible_dialogs(QDialog)
+    user.until(lambda: user.application.workspace is None)
+
+
+def test_who_ends_the_program_waits_for_no_answer_of_a_dialog(user, tmp_path):
+    change_scheme(user, tmp_path)
+    user.application.end()
+    user.until(lambda: not user.window.isVisible())
+    assert not visible_dialogs(QDialog)
 
 
 def test_a_field_that_was_left_for_the_question_takes_the_next_key(user):

@@ -29,6 +29,7 @@ from ui.behaviour.scheme import (
     without,
 )
 from ui.widgets.flow import in_a_flow
+from ui.widgets.question import ask
 from ui.widgets.scrolled import Scrolled
 
 NAMES_LETTERS, FIELD_LETTERS = 20, 28
@@ -154,6 +155,14 @@ class SchemeDialog(QDialog):
     def unsaved(self) -> tuple[str, ...]:
         """Name the scheme, once it was changed."""
         return () if self._fields == self._opened else (_("The coding scheme"),)
+
+    def reject(self) -> None:
+        """Close; what was changed is lost after a question alone."""
+        if self.unsaved():
+            question = _("The coding scheme was changed and is not in use yet. Close and lose it?")
+            ask(self, question, _("Close"), super().reject)
+        else:
+            super().reject()
 
     def _show_names(self, row: int) -> None:
         self._is_showing = True

@@ -18,5 +18,6 @@ def ask(parent: QWidget, question: str, consent: str, act: Callable[[], None]) -
     yes.setProperty("danger", "true")
     box.setDefaultButton(box.addButton(_("Cancel"), QMessageBox.ButtonRole.RejectRole))
     box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    yes.clicked.connect(act)
+    # Qt would look a bound `super().reject` up by its name, and come to the one that asks again.
+    yes.clicked.connect(lambda _is_checked: act())
     box.open()
