@@ -1,13 +1,15 @@
 """What all screens share: the store, who is being looked at, and what the user was told. No Qt."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 from adibas.data.patients import Patient
 from adibas.errors import AdibasError, ServerAwayError
-from adibas.texts import describe
+from adibas.texts import describe, message
+from adibas.texts import translate as _
 from ui.events import Event
 from ui.ports import Jobs, LiveSource
 from ui.preferences import PreferencesFile
@@ -19,6 +21,10 @@ if TYPE_CHECKING:  # compiler and database come later: the window is usable befo
     from adibas.sessions.conflicts import Decision
     from ui.disputes import Dispute
 
+HIDDEN_MEANWHILE = message(
+    "Somebody else deleted this patient or session meanwhile. What you saved is kept in it, but it "
+    "is hidden: restore it on Patients to see it again."
+)
 NoticeKind = Literal["good", "warning", "bad"]
 Save = Callable[["tuple[Decision, ...]"], None]
 """Saves something as it was decided; nothing is decided at first."""
@@ -109,6 +115,7 @@ class Workspace:
         self.dispute_found: Event[[Dispute]] = Event()
         self._offered: _Attempt | None = None
         self._told_here = ""
+        self._told_hidden = ""
 
     def choose_patient(self, patient: Patient | None) -> None:
         """Look at a patient; a session of another one is left."""
@@ -257,9 +264,24 @@ class Workspace:
             self._tell_or_ask(error, attempt)
         else:
             attempt.ended()
+            self._tell_if_hidden()
             return True
         attempt.ended()
         return False
+
+    def _tell_if_hidden(self) -> None:
+        """Tell once that somebody hid meanwhile what was just changed: it is saved, and not seen.
+
+        A hidden one is never looked at otherwise.
+        """
+        if self.session is None or self.session.session_id == self._told_hidden:
+            return
+        session_id, pseudonym = self.session.session_id, self.session.patient
+        with suppress(AdibasError):  # what was saved is saved; the next step tells what fails
+            session = self.store.sessions.get(session_id)
+            if session.is_deleted or self.store.patients.get(pseudonym).is_deleted:
+                self._told_hidden = session_id
+                self.tell_here("warning", _(HIDDEN_MEANWHILE))
 
     def _tell_or_ask(self, error: AdibasError, attempt: "_Attempt") -> None:
         from adibas.sessions.conflicts import ConflictError

@@ -26,7 +26,7 @@ from adibas.sessions.schema import RECORDINGS
 from adibas.sessions.sealed_files import SealedFiles
 from adibas.sessions.sealed_recordings import SealedRecordings, SealedRecordingWriter
 from adibas.sessions.sealing import KEY_SIZE
-from adibas.sessions.visits import found_session
+from adibas.sessions.visits import session_in_sight
 
 logger = logging.getLogger(__name__)
 
@@ -161,12 +161,12 @@ class Recordings:
         ConsentError
             No consent of the patient stands that a capture needs; nothing was begun.
         StoreError
-            There is no such session, the store is read-only, or the disk is full.
+            There is no such session, or it is hidden; the store is read-only, or the disk is full.
         """
         self._audit.require(Permission.TAKE_SESSIONS, session_id)
         recording_id, key = uuid.uuid4().hex, secrets.token_bytes(KEY_SIZE)
         with changing_with_consent(self._database, self._audit, session_id) as transaction:
-            require_consent(transaction, found_session(transaction, session_id).pseudonym)
+            require_consent(transaction, session_in_sight(transaction, session_id).pseudonym)
             add_row(
                 transaction,
                 RECORDINGS,

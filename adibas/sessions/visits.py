@@ -41,12 +41,13 @@ class Sessions:
         ConsentError
             No consent stands that a capture needs.
         StoreError
-            There is no such patient, the store is read-only, or the disk is full.
+            There is no such patient, or it is hidden; the store is read-only, or the disk is full.
         """
         self._audit.require(Permission.TAKE_SESSIONS, pseudonym)
         session_id = uuid.uuid4().hex
         with changing_with_consent(self._database, self._audit, pseudonym) as transaction:
-            found_patient(transaction, pseudonym)
+            if found_patient(transaction, pseudonym).is_deleted:
+                raise _hidden()
             require_consent(transaction, pseudonym)
             add_row(
                 transaction,
@@ -205,6 +206,25 @@ def found_session(transaction: Transaction, session_id: str) -> Row:
             session_id=session_id,
         )
     return row
+
+
+def session_in_sight(transaction: Transaction, session_id: str) -> Row:
+    """Return the row of a session that can be recorded in, or raise StoreError.
+
+    What somebody hid meanwhile, at another workstation perhaps, takes nothing new that nobody
+    would see.
+    """
+    row = found_session(transaction, session_id)
+    if row.is_deleted or found_patient(transaction, row.pseudonym).is_deleted:
+        raise _hidden()
+    return row
+
+
+def _hidden() -> StoreError:
+    return StoreError(
+        "This patient or session was deleted meanwhile and is hidden, so nothing more is recorded. "
+        "Restore it on Patients, or begin another session."
+    )
 
 
 def _session(transaction: Transaction, row: Row) -> Session:

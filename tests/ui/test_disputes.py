@@ -10,9 +10,11 @@ from PySide6.QtWidgets import QLabel, QPushButton, QRadioButton
 
 from adibas.data.corrections import MarkerCorrection
 from adibas.data.patients import Identity
-from adibas.errors import ServerAwayError
+from adibas.data.sessions import SessionSetup
+from adibas.errors import ServerAwayError, StoreError
 from adibas.sessions.conflicts import Conflict
 from tests.ui.review_scene import DOTS, entered_review, saved_session
+from tests.unit.recorded_frames import INFO
 from ui.disputes import Dispute, undecided
 from ui.patients.content import PatientEntry
 from ui.patients.form_presenter import FormPresenter, FormView
@@ -163,6 +165,45 @@ def test_a_marker_that_nobody_decided_on_is_as_saved_and_the_other_place_is_on_r
     assert next(one.u for one in markers if one.label == LABEL) == 31.0
     kinds = [line.detail.get("correction") for line in store.audit.entries(3)]
     assert "set aside" in kinds
+
+
+@pytest.fixture
+def hidden(store, saved):
+    """Hides the session, or its patient, as somebody else does at another workstation."""
+
+    def hide(what):
+        patient, session, _captures = saved
+        if what == "session":
+            store.sessions.delete(session.session_id)
+        else:
+            store.patients.delete(patient.pseudonym)
+
+    return hide
+
+
+@pytest.mark.parametrize("what", ["session", "patient"])
+def test_who_goes_on_in_what_somebody_hid_meanwhile_is_told_once_and_loses_nothing(
+    notes, store, saved, told, hidden, what
+):
+    hidden(what)
+    type_notes(notes, "the left knee")
+    assert store.sessions.get(saved[1].session_id).notes == "the left knee"
+    ((kind, sentence),) = told
+    assert kind == "warning"
+    assert "deleted this patient or session meanwhile" in sentence
+    type_notes(notes, "the left knee hurts")
+    assert len(told) == 1
+
+
+@pytest.mark.parametrize("what", ["session", "patient"])
+def test_nothing_is_recorded_into_what_somebody_hid_meanwhile(store, saved, hidden, what):
+    hidden(what)
+    with pytest.raises(StoreError, match="deleted meanwhile and is hidden"):
+        store.recordings.create(saved[1].session_id, INFO)
+    assert store.recordings.of_session(saved[1].session_id) == ()
+    if what == "patient":
+        with pytest.raises(StoreError, match="deleted meanwhile and is hidden"):
+            store.sessions.start(saved[0].pseudonym, SessionSetup())
 
 
 def test_other_corrections_of_somebody_else_come_along_with_a_word(review, store, saved, told):

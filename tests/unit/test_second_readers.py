@@ -1,7 +1,7 @@
-"""What goes to other programs is opened by readers that others wrote: of C3D, TRC, ELAN and BORIS.
+"""What goes to other programs is opened by readers that others wrote: of C3D, TRC and ELAN.
 
-Each is another one than the library with which the file was written. MCAP's own library reads
-recordings in `test_mcap_recordings.py`.
+Each is another one than the library with which the file was written. For BORIS there is no library;
+its projects are read by its rule. MCAP's own library reads recordings in `test_mcap_recordings.py`.
 """
 
 import json
@@ -17,6 +17,7 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
 from adibas.movement.joint_angles import INDEX
 from adibas.movement.measuring import measure_movement
+from adibas.recordings.boris_writing import write_boris
 from adibas.recordings.elan_writing import write_elan
 from adibas.reports.motion_files import upright_axes
 from adibas.reports.movement import write_movement
@@ -89,3 +90,35 @@ def test_elan_files_are_read_by_a_library_of_others(tmp_path):
     }
     assert {one.name for one in ETHOGRAM.behaviours} <= set(found)
     assert read.get_parameters_for_tier("seated@peer")["PARTICIPANT"] == "peer"
+
+
+def test_a_project_of_boris_says_what_lasted_to_who_pairs_its_events_as_boris_does(tmp_path):
+    """Written after BORIS' own rule: events of one subject, code and modifiers begin and end.
+
+    BORIS 8.27 itself opened such a file and found its states paired; it is no library.
+    """
+    one = coding(
+        ("fidgets", 0, 4, "child", ("pen",)),
+        ("fidgets", 2, 5, "child"),
+        ("nods", 3, 3),
+        ("seated", 6, 9.25, "peer"),
+    )
+    write_boris(tmp_path / "c.boris", [one])
+    project = json.loads((tmp_path / "c.boris").read_text("utf-8"))
+    kinds = {each["code"]: each["type"] for each in project["behaviors_conf"].values()}
+    begun, found = {}, []
+    for time_s, *what, _comment in project["observations"]["session 1"]["events"]:
+        name = tuple(what)
+        if kinds[what[1]] == "Point event":
+            found.append((*name, time_s, time_s))
+        elif name in begun:
+            found.append((*name, begun.pop(name), time_s))
+        else:
+            begun[name] = time_s
+    assert not begun
+    assert sorted(found) == [
+        ("", "nods", "None", 3.0, 3.0),
+        ("child", "fidgets", "None|None", 2.0, 5.0),
+        ("child", "fidgets", "pen|None", 0.0, 4.0),
+        ("peer", "seated", "", 6.0, 9.25),
+    ]
