@@ -29,7 +29,7 @@ Pixels: TypeAlias = list[tuple[float, float]]
 def main() -> None:
     """Go through the session and print its figures."""
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    way, folder, started_s = sys.argv[1], Path(sys.argv[2]), float(sys.argv[4])
+    way, folder, started_s = sys.argv[1], Path(sys.argv[2]).resolve(), float(sys.argv[4])
     stickers = [(float(u), float(v)) for u, v in json.loads(sys.argv[3])]
     from ui.collector import put_off
 
@@ -38,7 +38,8 @@ def main() -> None:
 
     reports = folder / "reports"
     reports.mkdir()
-    hand = _open_window(QApplication([]), folder, reports)
+    os.chdir(reports)  # the folder that the dialog proposes
+    hand = _open_window(QApplication([]), folder)
     hand.waited_s = time.time() - started_s
     (_by_mouse if way == "mouse" else _by_keys)(hand, stickers)
     total_s = time.time() - started_s
@@ -48,7 +49,7 @@ def main() -> None:
     os._exit(0)
 
 
-def _open_window(app: "QApplication", folder: Path, reports: Path) -> "Hand":
+def _open_window(app: "QApplication", folder: Path) -> "Hand":
     """Open the window over an empty folder, on a desktop without a keyring."""
     from keyring import set_keyring
     from keyring.backends import fail
@@ -60,7 +61,7 @@ def _open_window(app: "QApplication", folder: Path, reports: Path) -> "Hand":
 
     set_keyring(fail.Keyring())  # type: ignore[no-untyped-call]
     preferences = PreferencesFile(folder / "preferences.json")
-    preferences.change(language="en", report_folder=str(reports))
+    preferences.change(language="en")
     application = Application(app, preferences, folder / "store")
     application.start()
     application.window.activateWindow()

@@ -51,8 +51,6 @@ class Preferences:
         Of sessions that begin; empty = none.
     store : str
         Folder of the store; empty = the usual one.
-    report_folder : str
-        Where reports were written last.
     backup_folder : str
         Where backups are made every few days; empty = none are.
     backup_days, backup_keep : int
@@ -77,7 +75,6 @@ class Preferences:
     wand_length_mm: float = 500.0
     protocol: str = ""
     store: str = ""
-    report_folder: str = ""
     backup_folder: str = ""
     backup_days: int = 7
     backup_keep: int = 4

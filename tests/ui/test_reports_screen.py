@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from adibas.texts import use_language
+from benchmarks.identity_search import found_below
 from tests.ui.review_scene import saved_session
 from ui.reports.pages_bar import PagesBar
 from ui.reports.screen import build_reports_screen
@@ -137,12 +138,21 @@ def test_what_is_ticked_is_written_and_its_folder_opened(screen, tmp_path, monke
     assert [Path(url.toLocalFile()) for url in opened] == [tmp_path / "out"]
 
 
-def test_the_dialog_begins_where_reports_were_written_last(screen, workspace, tmp_path):
-    workspace.preferences.change(report_folder=str(tmp_path))
+def test_the_dialog_begins_where_reports_were_written_last_and_no_file_tells_it(screen, tmp_path):
+    """Many folders are called after a patient."""
+    folder = tmp_path / "Rosa Ibarra"
+    folder.mkdir()
     QTest.mouseClick(button(screen, "Write the report..."), LEFT)
-    (dialog,) = [one for one in QApplication.topLevelWidgets() if isinstance(one, QFileDialog)]
-    assert Path(dialog.directory().absolutePath()) == tmp_path
+    accept(folder)
+    QTest.mouseClick(button(screen, "Write the report..."), LEFT)
+    dialogs = [one for one in QApplication.topLevelWidgets() if isinstance(one, QFileDialog)]
+    (dialog,) = [one for one in dialogs if one.isVisible()]
+    assert Path(dialog.directory().absolutePath()) == folder
     dialog.reject()
+    for path in folder.iterdir():
+        path.unlink()
+    folder.rmdir()
+    assert found_below(tmp_path, ["Rosa", "Ibarra"]) == {}
 
 
 def test_without_a_choice_there_is_no_preview(screen):

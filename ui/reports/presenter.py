@@ -93,6 +93,7 @@ class ReportsPresenter:
         self._is_seen = False
         self._seen_session: str | None = None
         self._is_language_chosen = False
+        self._folder = ""
         self._ends = [
             workspace.session_changed.subscribe(self._on_session),
             workspace.preferences.changed.subscribe(self._on_preferences),
@@ -122,8 +123,11 @@ class ReportsPresenter:
 
     @property
     def folder(self) -> str:
-        """Where reports were written last; empty before the first."""
-        return self._workspace.preferences.now.report_folder
+        """Where reports were written last since the store was opened; empty before the first.
+
+        It is written down nowhere: many folders are called after a patient.
+        """
+        return self._folder
 
     def choose_sessions(self, session_ids: tuple[str, ...]) -> None:
         """Report these."""
@@ -156,7 +160,7 @@ class ReportsPresenter:
             self._workspace.tell("warning", _("Choose a session, and a kind of file."))
             return
         store, chosen, wish = self._workspace.store, self._chosen, self._wish
-        self._workspace.preferences.change(report_folder=str(folder))
+        self._folder = str(folder)
 
         def work(control: JobControl) -> tuple[Path, ...]:
             store.note_export("report", *chosen)  # first: half a report has left the store, too
