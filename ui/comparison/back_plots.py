@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QGraphicsItem, QWidget
+from PySide6.QtWidgets import QWidget
 
 from adibas.arrays import FloatArray
 from adibas.texts import decimal_text, message
 from adibas.texts import translate as _
 from ui.comparison.back_content import Backs, SeenBack
 from ui.theme import Theme
-from ui.widgets.plot import LINE_PX, Plot
+from ui.widgets.plot import LINE_PX, MARGIN_PX, Plot
 
 if TYPE_CHECKING:
     from pyqtgraph import PlotWidget
@@ -32,6 +32,11 @@ LARGEST_MM = 20.0
 HALF_WIDTH_MM = 210.0
 MM_PER_M = 1000.0
 PADDING = 0.03
+NAME_GAP, LONGEST_NAME = 0.2, "ICT"
+"""Between a turn's dot and its name, as a share of the name."""
+
+LETTERS_AT_THE_LEFT = 4
+"""Heights of a letter that the numbers and the title beside the plot take at the most."""
 
 
 class AsymmetryMap(Plot):
@@ -124,9 +129,23 @@ class SpinePlot(Plot):
         least = LEAST_REACH[self._curve]
         low, high = min(float(every.min()), -least), max(float(every.max()), least)
         heights_m = np.concatenate([back.height_m for back in shown])
-        plot.setXRange(low, high, padding=PADDING)
+        plot.setXRange(low, high + self._room_for_names(high - low), padding=PADDING)
         plot.setYRange(float(heights_m.min()), float(heights_m.max()), padding=PADDING)
         self.name_axes(plot, _(ACROSS[self._curve]), _("Height over the floor [m]"))
+
+    def right_margin_px(self) -> int:
+        """Return less where the names of turns have room in the plot: numbers are no dates."""
+        usual_px = super().right_margin_px()
+        return 2 * usual_px // 3 if self._curve == "profile_mm" else usual_px
+
+    def _room_for_names(self, span: float) -> float:
+        """Return how much longer the axis is for a name beside its end, in its own unit."""
+        if self._curve != "profile_mm":
+            return 0.0
+        metrics = self.fontMetrics()
+        name_px = (1 + NAME_GAP) * (metrics.horizontalAdvance(LONGEST_NAME) + MARGIN_PX)
+        plot_px = self.width() - LETTERS_AT_THE_LEFT * metrics.height() - self.right_margin_px()
+        return span * name_px / max(plot_px - name_px, name_px)
 
     def _values(self, back: SeenBack) -> FloatArray:
         return _curve_of(back, self._curve)
@@ -135,14 +154,12 @@ class SpinePlot(Plot):
         import pyqtgraph
 
         tokens = self._theme.tokens
-        clips = QGraphicsItem.GraphicsItemFlag.ItemClipsChildrenToShape
-        plot.getViewBox().setFlag(clips, enabled=False)  # names go on in the margin
         for name, value_mm, height_m in back.turns:
             dot = pyqtgraph.ScatterPlotItem(
                 x=[value_mm], y=[height_m], size=self.fontMetrics().height() / 2,
                 brush=QColor(tokens.accent), pen=None,
             )  # fmt: skip
-            text = pyqtgraph.TextItem(name, color=QColor(tokens.text), anchor=(-0.2, 0.5))
+            text = pyqtgraph.TextItem(name, color=QColor(tokens.text), anchor=(-NAME_GAP, 0.5))
             text.setFont(self.font())
             text.setPos(value_mm, height_m)
             for item in (dot, text):

@@ -115,10 +115,14 @@ class Plot(QFrame):
         across = plot.getAxis("bottom")
         across.setStyle(maxTextLevel=0)
         across.tickStrings = partial(_texts_beside_one_another, across, self.fontMetrics())
-        margins = (1, MARGIN_PX // 2, self._half_label_px(), 1)
+        margins = (1, MARGIN_PX // 2, self.right_margin_px(), 1)
         plot.getPlotItem().layout.setContentsMargins(*margins)
         plot.showGrid(x=False, y=True, alpha=0.25)
         self.draw(plot)
+
+    def right_margin_px(self) -> int:
+        """Return what is kept free beside the plot for the last text below it."""
+        return self._half_label_px()
 
     def name_axes(self, plot: "PlotWidget", across: str, up: str) -> None:
         """Write what the axes are; a title longer than its axis goes on in another line."""
