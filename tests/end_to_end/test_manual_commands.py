@@ -5,6 +5,7 @@ import runpy
 import shlex
 import shutil
 import sys
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
@@ -12,9 +13,13 @@ import pytest
 from adibas.cli import main
 from adibas.cli.command_line import build_parser
 from adibas.pipeline import demo as demo_session
+from adibas.resources import resource_path
+from installers.bundle import ROOT
 from installers.manual.pictures import MANUAL
 
 FENCE = re.compile(r"```\n(.*?)```", re.DOTALL)
+IN_SENTENCE = re.compile(r"`adibas ([^`\d][^`]*)`")
+WORD, OPTION = re.compile(r"[a-z][a-z-]*"), re.compile(r"--[a-z-]+")
 FIRST = ("commands", "markers", "behaviour")
 """Pages that make what the others use."""
 PAGES = sorted(
@@ -104,14 +109,20 @@ def test_few_commands_are_only_read():
     assert len(RUN) > 4 * (len(commands()) - len(RUN))
 
 
-def test_every_command_in_a_sentence_is_known():
-    names = {
-        name
-        for path in Path(MANUAL).rglob("*.md")
-        for name in re.findall(r"`adibas (\w+)", path.read_text(encoding="utf-8"))
-    }
-    assert len(names) > 3
-    for name in names:
+def test_every_command_in_a_sentence_is_known(capsys):
+    """With its subcommand and its options: in the manual, the window's help and all pages."""
+    pages = [ROOT / "README.md", *Path(ROOT / "docs").rglob("*.md")]
+    pages += resource_path("help").rglob("*.md")
+    named = {one for page in pages for one in IN_SENTENCE.findall(page.read_text("utf-8"))}
+    assert len(named) > 50
+    for command in sorted(named - {"FILE"}):
+        words = command.replace("|", " ").split()
+        path = list(takewhile(WORD.fullmatch, words))
         with pytest.raises(SystemExit) as ended:
-            build_parser().parse_args([name, "--help"])
-        assert ended.value.code == 0
+            build_parser().parse_args([*path[:2], "--help"])
+        told = capsys.readouterr().out
+        assert ended.value.code == 0, command
+        is_command = f"usage: adibas {' '.join(path[:2])} " in told
+        assert is_command or f"usage: adibas {path[0]} " in told, command
+        options = {one for word in words for one in OPTION.findall(word)}
+        assert {one for one in options if one not in told} == set(), command
