@@ -96,7 +96,7 @@ def _measures(body: MeasuredBody) -> list[tuple[Value, ...]]:
         low, high = interval if interval is not None else (None, None)
         remark = _(measure.reason) if measure.reason else None
         told = (_(definition.name), _(definition.meaning))
-        rows.append((*told, value, low, high, unit, definition.source, remark))
+        rows.append((*told, value, low, high, _(unit), definition.source, remark))
     return rows
 
 

@@ -83,7 +83,7 @@ def _row(measure: BodyMeasure) -> tuple[str, str, str, str, str, str]:
     meaning = _(definition.meaning)
     if value is None:
         reason = _(measure.reason) if measure.reason else ""
-        return _(definition.name), meaning, "", reason, unit, definition.source
+        return _(definition.name), meaning, "", reason, _(unit), definition.source
     digits = DIGITS_TO_READ[definition.quantity]
     between = "" if interval is None else " … ".join(decimal_text(end, digits) for end in interval)
     return (
@@ -91,6 +91,6 @@ def _row(measure: BodyMeasure) -> tuple[str, str, str, str, str, str]:
         meaning,
         decimal_text(value, digits),
         between,
-        unit,
+        _(unit),
         definition.source,
     )
