@@ -66,15 +66,14 @@ def measure_rows(body: MeasuredBody) -> list[tuple[str, str, str, str, str, str]
 
 def landmark_rows(body: MeasuredBody) -> list[tuple[str, str, str, str, str, str]]:
     """Return name, place in millimetres, views and how far these are apart of each landmark."""
-    return [
-        (
-            landmark_text(mark.name),
-            *(decimal_text(1e3 * float(value), 1) for value in mark.fused.position_m),
-            ", ".join(view_name(view) for view in mark.places_m),
-            "" if mark.apart_m is None else decimal_text(1e3 * mark.apart_m, 1),
-        )
-        for mark in body.landmarks
-    ]
+    rows = []
+    for mark in body.landmarks:
+        right, height, back = (1e3 * value for value in mark.fused.position_m.tolist())
+        views = ", ".join(view_name(view) for view in mark.places_m)
+        apart = "" if mark.apart_m is None else decimal_text(1e3 * mark.apart_m, 1)
+        place = decimal_text(right, 1), decimal_text(height, 1), decimal_text(back, 1)
+        rows.append((landmark_text(mark.name), *place, views, apart))
+    return rows
 
 
 def _row(measure: BodyMeasure) -> tuple[str, str, str, str, str, str]:
