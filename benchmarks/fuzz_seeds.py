@@ -180,7 +180,7 @@ def joints(path: Path, _variant: str) -> None:
         SkeletonTrack(times, rng.normal(size=(3, 15, 3)), rng.random((3, 15)), person)
         for person in (1, 2)
     ]
-    write_joints_csv(path, tracks, "markerless")
+    write_joints_csv(path, tracks, "markerless", np.array([0.0, -1.0, 0.0]))
 
 
 def points(path: Path, _variant: str) -> None:
