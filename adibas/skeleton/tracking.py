@@ -6,7 +6,6 @@ ambiguous. A point that comes back within a second where it was expected goes on
 gathered.
 """
 
-import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -152,8 +151,8 @@ def name_movement(
     onward, backward = _Tracks(params), _Tracks(params)
     frames = []
     before = []
-    labels = itertools.repeat(()) if given is None else given
-    for points_m, time_s, known in zip(frames_m, times_s, labels, strict=given is not None):
+    for number, (points_m, time_s) in enumerate(zip(frames_m, times_s, strict=True)):
+        known = () if given is None else given[number]
         masses = namer.label(points_m, view, given=known).masses
         words = np.log(np.maximum(masses, params.least_mass))
         frames.append((points_m, time_s, words))
