@@ -84,6 +84,12 @@ IMPORTERS = (
     Importer("backup", "a.backup", seeds.backup, readers.backup, is_text=False),
     Importer("backup pieces", "a.pieces", seeds.backup_pieces, readers.backup_pieces,
              is_text=False),
+    Importer("labelled limbs", "limbs/labels.json", models.limb_folder, readers.limb_folder),
+    Importer("progress of labelling", "limbs/progress.json", models.limb_folder,
+             readers.limb_folder),
+    Importer("image of limbs", "limbs/*.labels.png", models.limb_folder, readers.limb_folder,
+             is_text=False),
+    Importer("names of markers", "a.csv", models.names_of_markers, readers.names_of_markers),
     Importer("key file", "store/key.json", seeds.key_file, readers.key_file),
 )  # fmt: skip
 

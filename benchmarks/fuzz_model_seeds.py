@@ -11,8 +11,10 @@ from adibas.forests.files import save_forest
 from adibas.forests.forest import Forest
 from adibas.gestures.model_file import read_model, shipped_gestures
 from adibas.gestures.model_file import write_model as write_gestures
+from adibas.limbs.training_set import FolderHeader
 from adibas.markers.color_files import write_colors
 from adibas.markers.color_model import ColorModel
+from adibas.pipeline.limb_label_files import LabelFiles
 from adibas.resources import resource_path
 from benchmarks.fuzz_seeds import in_one
 
@@ -28,6 +30,24 @@ def gesture_model(path: Path, _variant: str) -> None:
     examples = tuple(one[:3] for one in model.examples[:2])
     owners = model.owners[:2]
     write_gestures(path, replace(model, method="dtw", judge=None, examples=examples, owners=owners))
+
+
+LIMB_HEADER = FolderHeader(("left arm", "right arm"), 0.001, 500.0, 500.0, 7.5, 5.5, {"00000": "a"})
+LIMB_SIZE = (12, 16)
+
+
+def limb_folder(path: Path, _variant: str) -> None:
+    """Write a folder of limbs on one depth image."""
+    path.mkdir(exist_ok=True)
+    labels = np.zeros(LIMB_SIZE, np.uint8)
+    labels[3:9, 4:8], labels[3:9, 8:12] = 1, 2
+    files = LabelFiles(path, "a.mcap", 2, LIMB_SIZE, LIMB_HEADER)
+    files.keep(0, np.full(LIMB_SIZE, 2000, np.uint16), labels, is_done=True)
+
+
+def names_of_markers(path: Path, _variant: str) -> None:
+    """Write a table of names for markers."""
+    path.write_text("marker,label\nm01,c7\nm02,t12\n", encoding="utf-8")
 
 
 def forest(path: Path, _variant: str) -> None:

@@ -12,10 +12,13 @@ from adibas.errors import RecordingError
 from adibas.exchange.servers import read_servers
 from adibas.forests.files import load_forest
 from adibas.gestures.model_file import read_model as read_gestures
+from adibas.limbs.training_set import LimbFolder
 from adibas.markers.color_files import read_colors
 from adibas.measures.protocol_file import check_protocol
 from adibas.pipeline.calibrating import read_images
+from adibas.pipeline.labels import read_labels
 from adibas.pipeline.learning import read_picture
+from adibas.pipeline.limb_label_files import LabelFiles
 from adibas.pipeline.pose_model import read_joint_model
 from adibas.recordings import open_recording
 from adibas.recordings.codings import read_codings
@@ -29,6 +32,7 @@ from adibas.sessions.key_file import read_key_file
 from adibas.sessions.restoring import extract
 from adibas.skeleton.model_files import read_model
 from adibas.skeleton.points_csv import read_points
+from benchmarks import fuzz_model_seeds as models
 from benchmarks import fuzz_seeds as seeds
 
 MOST_FRAMES = 50
@@ -91,6 +95,14 @@ def backup_pieces(path: Path) -> None:
         extract(opened, seeds.KEY, Path(folder))
 
 
+def limb_folder(path: Path) -> None:
+    """Open a folder of labelled limbs to train with, and to go on labelling in."""
+    images = LimbFolder(path)
+    for index in range(len(images)):
+        images.read(index)
+    LabelFiles(path, "a.mcap", 2, models.LIMB_SIZE, images.header).kept(0)
+
+
 def board_picture(path: Path) -> None:
     """Read a picture of a board."""
     for _image in read_images([path]):
@@ -127,3 +139,4 @@ joint_model = read_joint_model
 colors = read_colors
 servers = read_servers
 key_file = read_key_file
+names_of_markers = read_labels

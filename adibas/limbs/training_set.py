@@ -6,6 +6,8 @@ k of the list is value k + 1. ``people`` in ``labels.json`` says who is in an im
 
 import hashlib
 import json
+import math
+import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,10 +19,15 @@ import numpy as np
 from adibas.arrays import AnyArray, Float32Array, IntArray, UInt8Array, UInt16Array
 from adibas.data.joints import mirror_order
 from adibas.errors import LimbError
-from adibas.files import written_whole
+from adibas.files import DAMAGED_JSON, written_whole
 from adibas.forests.samples import TrainingImages
 
 HEADER = "labels.json"
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+PNG_HEAD = struct.Struct(">8s8xII")
+MOST_PIXELS_PER_BYTE = 1032
+"""Of a packed image: zlib cannot do more."""
+
 DEPTH, LABELS = ".depth.png", ".labels.png"
 
 
@@ -86,13 +93,13 @@ def read_header(folder: Path) -> FolderHeader:
             "{folder} has no labels.json. Choose a folder of labelled depth images.",
             folder=folder.name,
         ) from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, OverflowError, *DAMAGED_JSON) as error:
         raise LimbError(
             "labels.json in {folder} cannot be used: labels, depth_unit_m, fx, fy, cx and cy must "
             "be in it.",
             folder=folder.name,
         ) from error
-    if not header.labels or header.fx <= 0 or header.depth_unit_m <= 0:
+    if not header.labels or not all(0 < one < math.inf for one in (header.fx, header.depth_unit_m)):
         raise LimbError(
             "labels.json in {folder} cannot be used: it has no labels, or fx or depth_unit_m is "
             "not above zero.",
@@ -113,6 +120,24 @@ def write_image(folder: Path, name: str, depth: UInt16Array, labels: UInt8Array)
         payload: AnyArray = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1]
         with written_whole(folder / f"{name}{ending}") as unfinished:
             unfinished.write_bytes(payload.tobytes())
+
+
+def decoded_png(payload: UInt8Array) -> AnyArray | None:
+    """Return the image in a PNG file; None where it is damaged.
+
+    A head that promises more than its file can hold is not believed: room for it would be taken.
+    """
+    head = payload[: PNG_HEAD.size].tobytes()
+    if len(head) < PNG_HEAD.size:
+        return None
+    signature, width, height = PNG_HEAD.unpack(head)
+    if signature != PNG_SIGNATURE or width * height > MOST_PIXELS_PER_BYTE * payload.size:
+        return None
+    try:
+        image: AnyArray | None = cv2.imdecode(payload, cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        return None
+    return image
 
 
 class LimbFolder:
@@ -212,8 +237,7 @@ class LimbFolder:
         return depth_m, labels, self.header.fx
 
     def _image(self, name: str, ending: str) -> AnyArray:
-        payload = self._payload(f"{name}{ending}")
-        image = cv2.imdecode(payload, cv2.IMREAD_UNCHANGED) if payload.size else None
+        image = decoded_png(self._payload(f"{name}{ending}"))
         if image is None:
             raise LimbError(
                 "{file} in {folder} is damaged. Remove it and its labels, or copy it again.",

@@ -23,6 +23,7 @@ from adibas.limbs.training_set import (
     HEADER,
     LABELS,
     FolderHeader,
+    decoded_png,
     read_header,
     write_header,
     write_image,
@@ -114,8 +115,7 @@ class LabelFiles:
         return None
 
     def _read(self, path: Path) -> UInt8Array:
-        payload = np.fromfile(path, np.uint8)
-        image = cv2.imdecode(payload, cv2.IMREAD_UNCHANGED) if payload.size else None
+        image = decoded_png(np.fromfile(path, np.uint8))
         if image is None or image.shape != self._size or image.dtype != np.uint8:
             raise LimbError(
                 "{file} in {folder} is damaged, or of another size than the recording. Remove it.",
@@ -220,7 +220,7 @@ def _read_done(folder: Path, name: str) -> frozenset[int]:
         document: Any = json.loads(path.read_text("utf-8"))
         check_document(document, FORMAT, VERSION)
         of, done = str(document["recording"]), frozenset(map(int, document["done"]))
-    except (OSError, KeyError, TypeError, AttributeError, *DAMAGED_JSON) as error:
+    except (OSError, KeyError, TypeError, AttributeError, OverflowError, *DAMAGED_JSON) as error:
         raise _damaged(folder) from error
     if of != name:
         raise LimbError(

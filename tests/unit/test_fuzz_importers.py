@@ -68,11 +68,25 @@ DEEP = b"[" * 100_000
 
 
 @named("boris", "gesture model", "skeleton model", "joint model", "ethogram", "calibration",
-       "protocol", "marker colours", "servers", "key file", "tum adibas.json")  # fmt: skip
+       "protocol", "marker colours", "servers", "key file", "tum adibas.json", "labelled limbs",
+       "progress of labelling")  # fmt: skip
 @pytest.mark.parametrize("data", [LONG_NUMBER, DEEP, b"\xff", b"", b"null", b"NaN"])
 def test_texts_that_no_json_parser_likes_are_refused(trial, data):
     # A protocol's mistakes are told in a list, and a folder without notes is another program's.
     assert trial.give(data) in ("read", "refused")
+
+
+@named("labelled limbs")
+@pytest.mark.parametrize("number", [b"1" + b"0" * 400, b"Infinity", b"NaN", b"-1"])
+def test_a_length_that_no_camera_has_is_refused(trial, number):
+    assert trial.give(trial.whole[0].replace(b"500.0", number, 1)) == "refused"
+
+
+@named("progress of labelling")
+def test_a_frame_whose_number_is_without_end_is_refused(trial):
+    data = trial.whole[0]
+    assert b"[0]" in data
+    assert trial.give(data.replace(b"[0]", b"[Infinity]")) == "refused"
 
 
 def test_a_long_number_among_the_details_of_a_coding_is_refused():
