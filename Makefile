@@ -48,6 +48,7 @@ train: setup
 	$(BIN)/adibas limbs train --simulator --seed 7101 --frames 64000 \
 		--context resources/models/limbs-15.npz --out resources/models/limbs-15.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
+	$(BIN)/python -m adibas.pipeline.facing_training
 	$(BIN)/python -m adibas.pipeline.likeness_training
 	$(BIN)/python -m adibas.pipeline.reliability_training
 

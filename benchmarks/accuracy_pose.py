@@ -5,7 +5,7 @@ Printed by ``adibas benchmark accuracy limbs`` as well.
 
 from collections.abc import Iterable
 
-from benchmarks import pose_odd, pose_real, pose_scenes
+from benchmarks import pose_odd, pose_real, pose_scenes, pose_sides
 from benchmarks.table import Row
 
 
@@ -13,4 +13,5 @@ def rows(*, quick: bool) -> Iterable[Row]:
     """Measure; with `quick` a part of each."""
     yield from pose_real.rows(quick=quick)
     yield from pose_scenes.rows(quick=quick)
+    yield from pose_sides.rows(quick=quick)
     yield from pose_odd.rows(quick=quick)

@@ -19,6 +19,7 @@ from adibas.data.frames import depth_in_metres
 from adibas.limbs.facing import front_evidence
 from adibas.limbs.model import load_model
 from adibas.limbs.proposals import part_points, propose_joints
+from adibas.pipeline.facing_file import shipped_facing
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import forest_segmenter
 from adibas.pipeline.pose_model import shipped_joint_model
@@ -89,6 +90,6 @@ def _follow(name: str, n_frames: int, watch: _Watch) -> None:
         points = watch.timed("points", partial(part_points, depth_m, parts, rays))
         proposals = watch.timed("modes", partial(propose_joints, points, joints.offsets))
         time_s = frame.timestamp_ns / NS_PER_S
-        facing = watch.timed("facing", partial(front_evidence, points))
+        facing = watch.timed("facing", partial(front_evidence, points, shipped_facing()))
         cloud = watch.timed("cloud", points.cloud)
         watch.timed("choice", partial(follower.follow, proposals, time_s, facing, cloud))

@@ -7,8 +7,8 @@ from adibas.data.joint_proposals import JointProposals
 from adibas.data.limbs import LimbParts
 from adibas.data.part_cloud import PartCloud
 from adibas.limbs.facing import FacingParams, front_evidence
-from adibas.limbs.joint_offsets import JointOffsets
 from adibas.limbs.proposals import ProposalParams, part_points, propose_joints
+from adibas.pipeline.pose_model import JointModel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ def evidence_of(
     depth_m: Float32Array,
     parts: LimbParts,
     rays: Float32Array,
-    offsets: JointOffsets,
+    model: JointModel,
     proposing: ProposalParams | None = None,
     facing: FacingParams | None = None,
 ) -> PersonEvidence:
@@ -46,5 +46,6 @@ def evidence_of(
         The labels are not those of the whole body.
     """
     points = part_points(depth_m, parts, rays, proposing)
-    proposals = propose_joints(points, offsets, proposing)
-    return PersonEvidence(proposals, front_evidence(points, facing), points.cloud())
+    proposals = propose_joints(points, model.offsets, proposing)
+    front = 0.0 if model.facing is None else front_evidence(points, model.facing, facing)
+    return PersonEvidence(proposals, front, points.cloud())

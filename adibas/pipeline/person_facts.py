@@ -52,12 +52,12 @@ class PersonFacts:
 
 
 def facts_of(
-    follower: PersonFollower, frames: Sequence[tuple[int, ChosenJoints]], sides: SideParams
+    follower: PersonFollower, frames: Sequence[ChosenJoints], sides: SideParams
 ) -> PersonFacts:
-    """Return what is known of somebody in some frames, each with its time."""
-    front = np.array([one.front_probability for _, one in frames])
+    """Return what is known of somebody in some frames; axes of a camera that stands upright."""
+    front = np.array([one.front_probability for one in frames])
     is_front = front > 0.5  # noqa: PLR2004  (more likely than not)
-    shown = np.array([sideways(one.joints_m, sides.wide_share) for _, one in frames])
+    shown = np.array([sideways(one.joints_m, sides.wide_share) for one in frames])
     return PersonFacts(
         follower.size.stature_m,
         float(is_front.mean()),

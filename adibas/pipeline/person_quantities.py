@@ -28,7 +28,7 @@ def describer(camera: CameraCalibration) -> Describe:
     def described(
         depth_m: Float32Array, mask: BoolArray, parts: LimbParts, seen: PersonEvidence | None = None
     ) -> FloatArray:
-        seen = seen or evidence_of(depth_m, parts, rays, model.offsets)
+        seen = seen or evidence_of(depth_m, parts, rays, model)
         at_first_sight = PersonFollower(model.proportions)
         joints = at_first_sight.follow(seen.proposals, 0.0, seen.front, seen.cloud)
         return np.concatenate(

@@ -34,11 +34,12 @@ from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
-from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
+from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_joints
 from adibas.progress import Progress
 from adibas.recordings.clock_jumps import check_steps
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.following import ChosenJoints
+from adibas.skeleton.settled_sides import settled
 from adibas.skeleton.smoothing import Smoother, SmoothingParams
 from adibas.texts import Message, message
 from adibas.timeseries.lowpass import even_times, resample
@@ -238,7 +239,6 @@ class _Found:
 
     def _look(self, depth_m: Float32Array, timestamp_ns: int) -> None:
         now = self._estimator.look(self.turn.picture(depth_m), timestamp_ns / NS_PER_S)
-        now = turned_pose(now, self.turn.inverse())
         for notice in {notice.message: notice for notice in now.notices}.values():
             self._said[notice.message] += 1
             self._sentences[notice.message] = notice
@@ -260,15 +260,16 @@ class _Found:
             if sum(one.n_seen >= self._request.least_joints for _, one in frames) >= least
         }
         longest = sorted(kept, key=lambda person: -len(kept[person]))
-        tracks = tuple(
-            smooth_track(kept[person], number, self._request.smoothing)
-            for number, person in enumerate(longest, 1)
-        )
         sides = self._request.pose.follow.sides
-        facts = (
-            facts_of(self._estimator.follower(person), kept[person], sides) for person in longest
-        )
-        return tracks, tuple(facts)
+        tracks, facts = [], []
+        for number, person in enumerate(longest, 1):
+            times_ns, chosen = zip(*kept[person], strict=True)
+            upright = settled(chosen, sides)
+            facts.append(facts_of(self._estimator.follower(person), upright, sides))
+            turned = [turned_joints(one, self.turn.inverse()) for one in upright]
+            frames = list(zip(times_ns, turned, strict=True))
+            tracks.append(smooth_track(frames, number, self._request.smoothing))
+        return tuple(tracks), tuple(facts)
 
     def notices(self, n_frames: int) -> tuple[Sentence, ...]:
         """Return what was said most often."""

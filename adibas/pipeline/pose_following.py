@@ -279,10 +279,8 @@ class PoseEstimator:
         return Judgement(is_person, () if is_person else (Sentence(UNLIKE),))
 
     def _evidence(self, depth_m: Float32Array, parts: LimbParts) -> PersonEvidence:
-        rays, offsets = viewing_rays(self.camera), self._joints.offsets
-        return evidence_of(
-            depth_m, parts, rays, offsets, self._params.proposals, self._params.facing
-        )
+        rays, params = viewing_rays(self.camera), self._params
+        return evidence_of(depth_m, parts, rays, self._joints, params.proposals, params.facing)
 
     def _named(self, depth_m: Float32Array, seen: list[_Seen], time_s: float) -> list[PersonNow]:
         tops_m = np.array([one.top_m for one in seen])

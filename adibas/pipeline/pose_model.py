@@ -12,8 +12,10 @@ from typing import Any
 
 from adibas.errors import FileError
 from adibas.files import DAMAGED_JSON, check_document, written_whole
+from adibas.limbs.facing import Facing
 from adibas.limbs.joint_offsets import JointOffsets, offsets_from_json, offsets_to_json
 from adibas.limbs.model import LimbModel
+from adibas.pipeline.facing_file import shipped_facing
 from adibas.pipeline.reliability_file import shipped_reliability
 from adibas.resources import resource_path
 from adibas.skeleton.proportions import (
@@ -36,11 +38,14 @@ class JointModel:
     proportions : Proportions
     reliability : Reliability or None
         Makes shares of right joints out of confidences; None: they stay as they are.
+    facing : Facing or None
+        Tells front from back; None: labels and places alone do.
     """
 
     offsets: JointOffsets
     proportions: Proportions
     reliability: Reliability | None = None
+    facing: Facing | None = None
 
 
 def write_joint_model(path: Path, model: JointModel, provenance: Mapping[str, object]) -> None:
@@ -89,7 +94,8 @@ def _model_of(document: Mapping[str, Any]) -> JointModel:
 @functools.cache
 def shipped_joint_model() -> JointModel:
     """Return the model that is part of the program; it is read once."""
-    return read_joint_model(resource_path("models", "joints.json"))
+    model = read_joint_model(resource_path("models", "joints.json"))
+    return replace(model, facing=shipped_facing())
 
 
 def joint_model_for(model: LimbModel) -> JointModel:

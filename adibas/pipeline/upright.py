@@ -15,6 +15,7 @@ from adibas.geometry.planes import Plane
 from adibas.geometry.quarter_turns import QUARTERS, QuarterTurn
 from adibas.measures.sight_plane import up_of_picture
 from adibas.pipeline.pose_following import PersonNow, PoseNow
+from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.picture import Picture
 
 LEAST_ACROSS = 0.25
@@ -75,6 +76,11 @@ def turned_parts(parts: LimbParts, turn: QuarterTurn) -> LimbParts:
     )
 
 
+def turned_joints(one: ChosenJoints, turn: QuarterTurn) -> ChosenJoints:
+    """Return joints in the axes of the turned picture."""
+    return replace(one, joints_m=turn.points(one.joints_m))
+
+
 def turned_pose(now: PoseNow, turn: QuarterTurn) -> PoseNow:
     """Return everybody in the pixels and axes of the turned picture."""
     if turn.n_quarters == 0:
@@ -89,8 +95,8 @@ def _turned_person(one: PersonNow, turn: QuarterTurn) -> PersonNow:
         one.person,
         turn.picture(one.pixels),
         turned_parts(one.parts, turn),
-        replace(one.joints, joints_m=turn.points(one.joints.joints_m)),
-        replace(one.raw, joints_m=turn.points(one.raw.joints_m)),
+        turned_joints(one.joints, turn),
+        turned_joints(one.raw, turn),
         Picture(
             turned_camera(seen.camera, turn), turn.box(seen.box, size), turn.edges(seen.is_cut)
         ),

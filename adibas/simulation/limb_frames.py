@@ -77,6 +77,8 @@ class FrameSettings:
         Of the person from the camera.
     step : int
         Rows and columns of the sensor for one of the image: 1, or 2 as models are trained.
+    turned_rad : float
+        Added to every heading: half a turn shows backs.
     """
 
     has_clutter: bool = True
@@ -84,6 +86,7 @@ class FrameSettings:
     farthest_turn_rad: float = _FAR_TURNED_RAD
     distance_m: tuple[float, float] = (1.1, 4.2)
     step: int = STEP
+    turned_rad: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -194,7 +197,7 @@ class LimbFrames:
         is_far_turned = rng.random() < 0.1  # noqa: PLR2004  (a share, ours)
         most = settings.farthest_turn_rad if is_far_turned else _TURNED_RAD
         heading = rng.uniform(-1.0, 1.0) * min(most, settings.farthest_turn_rad)
-        posed = dressed.body.posed(_turned(pose, heading))
+        posed = dressed.body.posed(_turned(pose, settings.turned_rad + heading))
         from_world = _camera_pose(rng, posed, settings.distance_m)
         things = random_things(rng, posed, what[1]) if settings.has_clutter else ()
         scene = self._drawn(dressed, posed, from_world, things, rng)

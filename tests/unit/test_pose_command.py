@@ -102,7 +102,7 @@ def test_sides_are_sure_where_the_view_is_and_they_are_as_of_that_view(
     joints_m[left] = 0.2 if is_shown_from_front else -0.2, 0.0, 2.0
     joints_m[right] = -joints_m[left, 0], 0.0, 2.0
     confidence = np.where(np.isfinite(joints_m[:, 0]), 0.9, np.nan)
-    frames = [(k, ChosenJoints(joints_m, confidence, front)) for k in range(5)]
+    frames = [ChosenJoints(joints_m, confidence, front) for _k in range(5)]
     follower = PersonFollower(shipped_joint_model().proportions)
     facts = facts_of(follower, frames, SideParams())
     assert facts.view_confidence == pytest.approx(max(front, 1 - front))

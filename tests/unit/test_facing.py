@@ -1,0 +1,166 @@
+"""Front from back by the shape of the body; sides of a recording's first frames."""
+
+import json
+
+import numpy as np
+import pytest
+
+from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
+from adibas.limbs.facing import (
+    Facing,
+    FacingParams,
+    facing_from_json,
+    facing_to_json,
+    front_evidence,
+)
+from adibas.limbs.facing_quantities import QUANTITIES, describe_shape
+from adibas.limbs.proposals import PartPoints
+from adibas.pipeline.facing_file import shipped_facing
+from adibas.pipeline.facing_training import described, held_out_share, learn_facing
+from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.skeleton.following import ChosenJoints
+from adibas.skeleton.settled_sides import settled
+from adibas.skeleton.sides import SideParams
+
+UNSEEN_SEED = 6590
+BACK_BULGE_M = 0.03
+
+
+def block(low, high, depth_m, n=6):
+    """Points of a part in a box across the look, at a depth that may depend on the height."""
+    x, y = np.meshgrid(np.linspace(low[0], high[0], n), np.linspace(low[1], high[1], n))
+    z = np.vectorize(depth_m)(y) if callable(depth_m) else np.full_like(x, depth_m)
+    return np.column_stack([x.ravel(), y.ravel(), z.ravel(), np.full(x.size, 4e-4)])
+
+
+def parts_of(blocks):
+    """Points as `part_points` gives them; what is not in `blocks` is not seen."""
+    given = [blocks.get(name, np.empty((0, 4))) for name in BODY_PART_NAMES]
+    starts = np.concatenate([[0], np.cumsum([len(one) for one in given])])
+    return PartPoints(BODY_PART_NAMES, np.concatenate(given), starts, np.empty((0, 0, 4)))
+
+
+@pytest.fixture
+def somebody():
+    """2 m away, feet and all; the left side is at the picture's right."""
+    blocks = {
+        "head": block((-0.08, -0.9), (0.08, -0.7), 1.95),
+        "torso": block((-0.2, -0.6), (0.2, 0.0), 2.0, n=20),
+    }
+    for side, x in (("left", 0.15), ("right", -0.15)):
+        blocks[f"{side}_upper_leg"] = block(
+            (x - 0.05, 0.0), (x + 0.05, 0.4), lambda y: 2.0 + y / 10
+        )
+        blocks[f"{side}_lower_leg"] = block((x - 0.05, 0.4), (x + 0.05, 0.8), 2.05)
+        blocks[f"{side}_foot"] = block((x - 0.05, 0.8), (x + 0.05, 0.85), 1.97, n=12)
+        blocks[f"{side}_upper_arm"] = block((2 * x, -0.5), (2 * x + 0.05, -0.2), 2.0)
+        blocks[f"{side}_lower_arm"] = block((2 * x, -0.2), (2 * x + 0.05, 0.05), 1.94)
+        blocks[f"{side}_hand"] = block((2 * x, 0.05), (2 * x + 0.05, 0.15), 1.92)
+    return blocks
+
+
+def test_quantities_are_metres_between_parts(somebody):
+    found = dict(zip(QUANTITIES, describe_shape(parts_of(somebody)), strict=True))
+    expected = {"toes": 0.08, "head": -0.05, "loin": 0.0, "seat": 0.0, "shins": 0.03}
+    expected |= {"forearms": -0.06, "hands": -0.02}
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, abs=1e-9), name
+    assert found["hips"] == pytest.approx(0.008, abs=1e-9)  # the mean of its upper 0.16 m
+    assert found["thighs"] == pytest.approx(0.024, abs=1e-9)
+
+
+def test_what_bulges_out_of_the_trunk_is_before_its_plane(somebody):
+    somebody["torso"] = block(
+        (-0.2, -0.6), (0.2, 0.0), lambda y: 2.0 - (BACK_BULGE_M if y > -0.12 else 0.0), n=20
+    )
+    found = dict(zip(QUANTITIES, describe_shape(parts_of(somebody)), strict=True))
+    assert found["seat"] < -0.005
+    assert found["loin"] > 0.0
+
+
+def test_which_side_is_called_left_changes_nothing(somebody):
+    other = {"left": "right", "right": "left"}
+    exchanged = {
+        "_".join([other.get(side, side), *rest]): points
+        for (side, *rest), points in ((name.split("_"), one) for name, one in somebody.items())
+    }
+    np.testing.assert_allclose(
+        describe_shape(parts_of(exchanged)), describe_shape(parts_of(somebody)), atol=1e-12
+    )
+
+
+def test_what_is_not_seen_tells_nothing(somebody):
+    only_head = parts_of({"head": somebody["head"]})
+    assert np.isnan(describe_shape(only_head)).all()
+    facing = Facing(np.ones(9), np.ones(9), np.ones(9), 0.25)
+    assert facing.log_odds(np.full(9, np.nan)) == 0.25
+    assert front_evidence(only_head, facing, FacingParams(share=0.2)) == pytest.approx(0.05)
+
+
+def test_one_frame_tells_no_more_than_it_may(somebody):
+    facing = Facing(np.zeros(9), np.full(9, 1e-3), np.full(9, -10.0), 0.0)
+    assert front_evidence(parts_of(somebody), facing) in (-0.5, 0.5)
+
+
+def test_people_whom_nobody_learned_from_are_told_from_behind():
+    """By the shipped weights, on labels that the shipped model of limbs finds."""
+    quantities, is_front, people = described(UNSEEN_SEED, 10, shipped_model())
+    odds = shipped_facing().log_odds(quantities)
+    assert ((odds > 0) == is_front).mean() > 0.75
+    is_sure = np.abs(odds) > 2
+    assert ((odds > 0) == is_front)[is_sure].mean() > 0.9
+    assert 0 <= held_out_share(quantities, is_front, people) <= 100
+
+
+def test_weights_that_are_learned_tell_apart_what_differs():
+    rng = np.random.default_rng(5)
+    is_front = np.arange(400) % 2 == 0
+    quantities = rng.normal(size=(400, len(QUANTITIES)))
+    quantities[:, 1] += np.where(is_front, -1.5, 1.5)
+    quantities[rng.random(quantities.shape) < 0.1] = np.nan
+    facing = learn_facing(quantities, is_front, {"seed": 5})
+    assert np.abs(facing.weights).argmax() == 1
+    assert facing.weights[1] < 0
+    assert ((facing.log_odds(quantities) > 0) == is_front).mean() > 0.85
+
+
+def test_the_shipped_weights_are_of_the_shipped_labels():
+    made = shipped_facing().provenance["limbs_created_utc"]
+    assert shipped_model().is_made(made)
+
+
+def test_a_file_of_other_quantities_is_refused():
+    document = json.loads(json.dumps(facing_to_json(shipped_facing())))
+    again = facing_from_json(document)
+    np.testing.assert_array_equal(again.weights, shipped_facing().weights)
+    with pytest.raises(ValueError, match="other quantities"):
+        facing_from_json(document | {"quantities": ["toes"]})
+
+
+def seen(front, left_is_at):
+    """One frame: the shoulders, the left one at x = 0.2 or -0.2, and how probably it is a front."""
+    joints_m = np.full((len(JOINT_NAMES), 3), np.nan)
+    for side, x in (("left", left_is_at), ("right", -left_is_at)):
+        joints_m[JOINT_NAMES.index(f"{side}_shoulder")] = x, 0.0, 2.0
+    return ChosenJoints(joints_m, np.where(np.isfinite(joints_m[:, 0]), 0.9, np.nan), front)
+
+
+def lefts(frames):
+    left = JOINT_NAMES.index("left_shoulder")
+    return [float(one.joints_m[left, 0]) for one in frames]
+
+
+def test_frames_before_it_was_known_that_a_back_is_seen_get_its_sides():
+    frames = [seen(0.5, 0.2), seen(0.4, 0.2), seen(0.2, 0.2), seen(0.03, -0.2), seen(0.1, -0.2)]
+    told = settled(frames, SideParams())
+    assert lefts(told) == [-0.2] * 5
+    assert lefts(frames)[0] == 0.2
+
+
+def test_frames_that_agree_and_people_who_turned_stay_as_they_were():
+    agree = [seen(0.5, 0.2), seen(0.8, 0.2), seen(0.97, 0.2)]
+    assert lefts(settled(agree, SideParams())) == [0.2] * 3
+    turned = [seen(0.9, 0.2), seen(0.7, 0.2), seen(0.5, 0.2), seen(0.03, -0.2)]
+    assert lefts(settled(turned, SideParams())) == [0.2, 0.2, -0.2, -0.2]
+    never_sure = [seen(0.4, 0.2), seen(0.3, 0.2)]
+    assert lefts(settled(never_sure, SideParams())) == [0.2] * 2
