@@ -6,6 +6,7 @@ the view is declared, the side that is shown decides.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,13 +91,16 @@ class SideKeeper:
     def is_exchanged(self, proposals: JointProposals, time_s: float, evidence: float = 0.0) -> bool:
         """Say whether left and right must be exchanged to be as before, or as the view says.
 
-        `evidence` are the log odds of front against back that the shape tells in this frame.
+        `evidence` are the log odds of front against back that the shape tells in this frame. They
+        count by how squarely the person is seen: limbs swing to both sides of who walks past.
         """
         params = self._params
-        shown = sideways(proposals.positions_m[:, 0], params.wide_share)
-        odds = params.keep * self._odds + evidence + params.label_weight * shown
+        best_m = proposals.positions_m[:, 0]
+        shown = sideways(best_m, params.wide_share)
+        told = evidence * breadth(best_m) ** 2
+        odds = params.keep * self._odds + told + params.label_weight * shown
         self._odds = float(np.clip(odds, -params.most_odds, params.most_odds))
-        exchanged = self._is_exchanged(proposals.positions_m[:, 0], shown, time_s)
+        exchanged = self._is_exchanged(best_m, shown, time_s)
         self.n_exchanged += exchanged
         return exchanged
 
@@ -142,15 +146,31 @@ class SideKeeper:
         return float(np.mean(straight)) > float(np.mean(crossed)) + params.margin_m
 
 
+def breadth(joints_m: FloatArray) -> float:
+    """Return how squarely shoulders and hips are seen: 1 from the front or back, 0 from the side.
+
+    The mean of their widths across the picture as shares of their distances; 0 where none is seen.
+    """
+    shares = [abs(across) / width for across, width in _widths(joints_m)]
+    return float(np.mean(shares)) if shares else 0.0
+
+
 def sideways(joints_m: FloatArray, wide_share: float) -> float:
     """Return 1 where the person shows the front by shoulders and hips, -1 the back, 0 unknown.
 
     Seen from the front the left side is at the image's right.
     """
     votes = 0.0
+    for across_m, width_m in _widths(joints_m):
+        if abs(across_m) > wide_share * width_m:
+            votes += math.copysign(1.0, across_m)
+    return float(np.sign(votes))
+
+
+def _widths(joints_m: FloatArray) -> Iterator[tuple[float, float]]:
+    """Yield how far to the picture's right the left one lies of shoulders and hips, and how far."""
     for left in _TRUNK:
         across_m = joints_m[left] - joints_m[MIRRORED[left]]
         width_m = float(np.linalg.norm(across_m))
-        if np.isfinite(width_m) and width_m > 0 and abs(across_m[0]) > wide_share * width_m:
-            votes += math.copysign(1.0, float(across_m[0]))
-    return float(np.sign(votes))
+        if np.isfinite(width_m) and width_m > 0:
+            yield float(across_m[0]), width_m

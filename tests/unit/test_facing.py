@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from adibas.data.joint_proposals import JointProposals
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.limbs.facing import (
     Facing,
@@ -20,7 +21,7 @@ from adibas.pipeline.facing_training import described, held_out_share, learn_fac
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.settled_sides import settled
-from adibas.skeleton.sides import SideParams
+from adibas.skeleton.sides import SideKeeper, SideParams, breadth
 
 UNSEEN_SEED = 6590
 BACK_BULGE_M = 0.03
@@ -164,3 +165,20 @@ def test_frames_that_agree_and_people_who_turned_stay_as_they_were():
     assert lefts(settled(turned, SideParams())) == [0.2, 0.2, -0.2, -0.2]
     never_sure = [seen(0.4, 0.2), seen(0.3, 0.2)]
     assert lefts(settled(never_sure, SideParams())) == [0.2] * 2
+
+
+def test_the_shape_tells_less_the_less_squarely_somebody_is_seen():
+    """Limbs of who walks past swing to both sides of the trunk."""
+    turned_rad = np.radians(60.0)
+    frame = seen(0.5, 0.2).joints_m
+    aside = np.array([[np.cos(turned_rad), 0, 0], [0, 1, 0], [np.sin(turned_rad), 0, 1]])
+    assert breadth(frame) == pytest.approx(1.0)
+    assert breadth(frame @ aside.T) == pytest.approx(0.5)
+    assert breadth(np.full_like(frame, np.nan)) == 0.0
+    odds = []
+    for joints_m in (frame, frame @ aside.T):
+        proposals = JointProposals(joints_m[:, None], np.ones((len(JOINT_NAMES), 1)))
+        keeper = SideKeeper(params=SideParams(label_weight=0.0))
+        keeper.is_exchanged(proposals, 0.0, evidence=-0.4)
+        odds.append(np.log(keeper.front_probability / (1 - keeper.front_probability)))
+    np.testing.assert_allclose(odds, [-0.4, -0.1])
