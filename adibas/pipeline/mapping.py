@@ -37,15 +37,6 @@ from adibas.texts import Message, message
 FULL = message("The surface is too large: parts of it were left out. Choose fewer frames.")
 WRONG_LOOPS = message("Loops that did not fit the rest and count nothing: {n}.")
 NO_FLOOR = message("No floor is seen in the first frame: the camera is taken to stand upright.")
-DENIED_PATH = message(
-    "The path of the camera in {file} contradicts itself: of {n} views of places that were seen "
-    "before, {wrong} do not fit. Move the camera more slowly, past things that can be recognised. "
-    "Where a person turns before a camera that stands still, map the person alone."
-)
-DENIED_TURN = message(
-    "The turn in {file} contradicts itself: of {n} views of sides that were seen before, {wrong} "
-    "do not fit. Let the person turn more slowly, and hold arms and head still."
-)
 ONE_FRAME = message("It is a single frame. Give more of them, of a camera that moves.")
 JUMPS = message("The recording jumps: places where more than a second is missing: {n}.")
 MOVING = message(
@@ -217,12 +208,27 @@ def _check(request: MapRequest, followed: Followed) -> None:
         )
     if track.n_wrong_loops > max(track.n_loops, MOST_WRONG_LOOPS):
         forget_unfinished(request)
-        raise RecordingError(
-            DENIED_TURN if request.is_body else DENIED_PATH,
-            file=name,
-            n=track.n_loops + track.n_wrong_loops,
-            wrong=track.n_wrong_loops,
+        raise _denied(request, track.n_loops + track.n_wrong_loops, track.n_wrong_loops)
+
+
+def _denied(request: MapRequest, n: int, wrong: int) -> RecordingError:
+    """Return what is said where most of `n` views of places that were seen before are wrong."""
+    if request.is_body:
+        return RecordingError(
+            "The turn in {file} contradicts itself: of {n} views of sides that were seen before, "
+            "{wrong} do not fit. Let the person turn more slowly, and hold arms and head still.",
+            file=request.recording.name,
+            n=n,
+            wrong=wrong,
         )
+    return RecordingError(
+        "The path of the camera in {file} contradicts itself: of {n} views of places that were "
+        "seen before, {wrong} do not fit. Move the camera more slowly, past things that can be "
+        "recognised. Where a person turns before a camera that stands still, map the person alone.",
+        file=request.recording.name,
+        n=n,
+        wrong=wrong,
+    )
 
 
 class _Fusing:

@@ -55,7 +55,8 @@ def _add_sheets(workbook: Workbook, body: MeasuredBody) -> None:
     if body.back is not None:
         drawn = picture_of(back_figure(body.back, *PICTURE_PT))
         summary.append(Part(_("The back"), [], drawn))
-    add_parts(workbook, _("Summary"), _(heading_of(body)), summary, footer)
+    heading = heading_of(body)
+    add_parts(workbook, _("Summary"), _(heading), summary, footer)
     columns = (
         Column(_("Measure"), 36),
         Column(_("Meaning"), 50),

@@ -57,7 +57,8 @@ def write_body_pdf(body: MeasuredBody, path: Path, language: str) -> None:
 
 
 def _story(body: MeasuredBody) -> Iterator[Flowable]:
-    yield title(_(heading_of(body)))
+    heading = heading_of(body)
+    yield title(_(heading))
     yield facts_table(body_facts(body))
     rows = measure_rows(body)
     if rows:
