@@ -9,8 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.optimize import minimize
 
-from adibas.arrays import AnyArray, BoolArray, FloatArray, IntArray
+from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.body.rays import viewing_rays
+from adibas.data.frames import depth_in_metres
 from adibas.limbs.facing import FARTHEST, Facing
 from adibas.limbs.facing_quantities import QUANTITIES, describe_shape
 from adibas.limbs.model import LimbModel
@@ -18,6 +19,7 @@ from adibas.limbs.proposals import part_points
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.facing_file import write_facing
 from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.simulation.device import DEPTH_UNIT_M
 from adibas.simulation.limb_frames import FRAMES_A_PERSON, FrameSettings, LimbFrames
 
 SEED = 6500
@@ -54,17 +56,12 @@ def described(seed: int, n_images: int, model: LimbModel) -> tuple[FloatArray, B
             mask: BoolArray = np.asarray(frame.labels > 0)
             if np.count_nonzero(mask) < LEAST_PIXELS:
                 continue
-            depth_m = metres(frame.depth_mm)
+            depth_m = depth_in_metres(frame.depth_mm, DEPTH_UNIT_M)
             parts = segment(depth_m, mask, camera.intrinsics.fx, model, LimbParams())
             found.append(describe_shape(part_points(depth_m, parts, rays)))
             fronts.append(is_front)
             people.append(STEP * number // FRAMES_A_PERSON)
     return np.array(found), np.array(fronts), np.array(people)
-
-
-def metres(depth_mm: AnyArray) -> AnyArray:
-    """Return float32 metres, NaN where not measured."""
-    return np.where(depth_mm > 0, depth_mm, np.nan).astype(np.float32) / np.float32(1000)
 
 
 def learn_facing(
