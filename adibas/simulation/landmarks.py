@@ -186,17 +186,20 @@ def _girdle_rays(body: RestBody, side: str, suffix: str, outward: FloatArray) ->
 
 
 def _outline_rays(body: RestBody, side: str, suffix: str, outward: FloatArray) -> dict[str, Ray]:
-    """Return what the symmetry of the trunk is told from, on the skin that is seen from behind."""
+    """Return what the symmetry of the trunk is told from, as it is seen from behind and before."""
     shoulder = body.skeleton.head("upperarm01" + suffix)
     trunk, girdle = body.on("torso"), body.on("torso", "neck", f"{side}_upper_arm")
     z = float(shoulder[2])
     fold = _at(0.75 * float(shoulder[0]), _level_y(body, _FOLD_LEVEL), z)
     waist = _at(0.0, _level_y(body, _WAIST_LEVEL), z)
-    return {
-        "shoulder_top": Ray(fold, unit(UP + 0.6 * BACK), girdle),
-        "axilla": Ray(fold, BACK, girdle),
-        "waist": Ray(waist, unit(outward + 0.3 * BACK), trunk),
-    }
+    rays: dict[str, Ray] = {}
+    for name, to_sensor in (("", BACK), ("anterior_", FORWARD)):
+        rays |= {
+            f"{name}shoulder_top": Ray(fold, unit(UP + 0.6 * to_sensor), girdle),
+            f"{name}axilla": Ray(fold, to_sensor, girdle),
+            f"{name}waist": Ray(waist, unit(outward + 0.3 * to_sensor), trunk),
+        }
+    return rays
 
 
 def _pelvis_rays(body: RestBody, suffix: str, outward: FloatArray) -> dict[str, Ray]:

@@ -29,6 +29,19 @@ ENDS = {
 PARTS = ("FAI.{}", "FAI.A", "FAI.T", "HDI.S", "HDI.A", "HDI.T")
 PAIRS = {"shoulder_top": (0.15, 1.45), "axilla": (0.16, 1.30), "waist": (0.13, 1.05)}
 SIGMA_M = 0.001
+POSE = {
+    "distance_m": 2.4,
+    "camera_height_m": 1.5,
+    "tilt_rad": 0.15,
+    "posture": "leaning",
+    "is_swaying": False,
+}
+"""The sensor looks down on the shoulders."""
+
+
+def on(side, name, view):
+    """The id of a landmark: folds of the front are others than those of the back."""
+    return f"{side}_{'anterior_' * (view == 'anterior')}{name}"
 
 
 def upright(view):
@@ -36,8 +49,8 @@ def upright(view):
     _index, base, top = ENDS[view]
     places = {base: np.array([0.0, 0.92, -0.1]), top: np.array([0.0, 1.48, -0.08])}
     for name, (out_m, up_m) in PAIRS.items():
-        places[f"left_{name}"] = np.array([out_m, up_m, -0.05])
-        places[f"right_{name}"] = np.array([-out_m, up_m, -0.05])
+        places[on("left", name, view)] = np.array([out_m, up_m, -0.05])
+        places[on("right", name, view)] = np.array([-out_m, up_m, -0.05])
     return places
 
 
@@ -65,14 +78,17 @@ def percents(view, places):
 def by_the_letters(view, places):
     """The six parts as Suzuki's figure names its ways, from heights and sides alone."""
     _index, base, top = ENDS[view]
-    middle, x = places[base][0], {name: place[0] for name, place in places.items()}
-    y = {name: place[1] for name, place in places.items()}
-    a, b = abs(x["left_waist"] - middle), abs(x["right_waist"] - middle)
-    c, d = abs(x["left_axilla"] - middle), abs(x["right_axilla"] - middle)
-    e, i = y[top] - y[base], abs(x[top] - middle)
-    h, g, f = (
-        abs(y[f"left_{name}"] - y[f"right_{name}"]) for name in ("shoulder_top", "axilla", "waist")
-    )
+    middle = places[base][0]
+
+    def away(side, name):
+        return abs(places[on(side, name, view)][0] - middle)
+
+    def uneven(name):
+        return abs(places[on("left", name, view)][1] - places[on("right", name, view)][1])
+
+    a, b, c, d = (away(side, name) for name in ("waist", "axilla") for side in ("left", "right"))
+    e, i = places[top][1] - places[base][1], abs(places[top][0] - middle)
+    h, g, f = (uneven(name) for name in ("shoulder_top", "axilla", "waist"))
     return [
         100 * part
         for part in (i / (c + d), abs(c - d) / (c + d), abs(a - b) / (a + b), h / e, g / e, f / e)
@@ -102,9 +118,9 @@ def test_index_and_parts_are_those_of_the_source_s_letters(view, seed):
 def test_what_leans_and_rises_to_the_left_is_positive(view):
     index, parts = parts_of(view)
     places = upright(view)
-    for name in (ENDS[view][2], "left_axilla", "left_waist"):
+    for name in (ENDS[view][2], on("left", "axilla", view), on("left", "waist", view)):
         places[name] = places[name] + (0.01, 0.0, 0.0)
-    for name in ("left_shoulder_top", "left_axilla", "left_waist"):
+    for name in (on("left", one, view) for one in PAIRS):
         places[name] = places[name] + (0.0, 0.02, 0.0)
     found, other = percents(view, places), percents(view, mirrored(places))
     assert all(found[name] > 1.0 for name in parts)
@@ -153,21 +169,14 @@ def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("trunk")
     names = tuple(one.landmark_id for one in PROTOCOL.landmarks if "posterior" in one.views)
     marked = MarkerSettings(names, diameter_m=0.012)
-    scene = open_scene(
-        "posterior",
-        4,
-        markers=marked,
-        depth_noise=EXACT,
-        distance_m=2.4,
-        camera_height_m=1.5,
-        tilt_rad=0.15,
-        posture="leaning",
-        is_swaying=False,
-    )
+    scene = open_scene("posterior", 4, markers=marked, depth_noise=EXACT, **POSE)
     with create_recording(folder / "behind.mcap", scene.info) as writer:
         for index in range(2):
             simulated = scene.frame(index)
             writer.write(simulated.sensor_frame)
+    side = open_scene("left_lateral", 4, markers=MarkerSettings(), depth_noise=EXACT, **POSE)
+    with create_recording(folder / "side.mcap", side.info) as writer:
+        writer.write(side.frame(0).sensor_frame)
     truth = simulated.truth.markers
     assert all(one.is_visible for one in truth)
     clicks = tuple((one.u, one.v) for one in truth[:N_CLICKS])
@@ -196,3 +205,37 @@ def test_the_command_measures_the_index_of_a_filmed_patient(recorded, capsys):
     wanted = by_the_letters("posterior", places)
     assert measures["POTSI"]["value"] == pytest.approx(sum(wanted), abs=0.5)
     assert sum(wanted) > 1.0
+
+
+def body_of(folder, *options):
+    """Run `adibas body` on the filmed back and a side without markers."""
+    views = (f"posterior={folder / 'behind.mcap'}", f"left_lateral={folder / 'side.mcap'}")
+    markers = ("--markers", str(folder / "colours.json"), "--protocol", "trunk-symmetry")
+    return main(["body", *views, *markers, *options, "--out", str(folder / "body.ply"), "--json"])
+
+
+def test_a_body_is_measured_where_only_the_back_is_marked(recorded, capsys):
+    folder, _scene, truth = recorded
+    code = body_of(folder, "--labels", f"posterior={folder / 'labels.csv'}")
+    document = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert "No marker was found in the view of the left side." in document["notices"]
+    measures = {one["id"]: one for one in document["protocol"]["measures"]}
+    own, fused = (measures["POTSI"][which]["value"] for which in ("in_view", "all_views"))
+    assert own == pytest.approx(fused, abs=1.5)
+    assert {one["name"] for one in document["landmarks"]} == {one.name for one in truth}
+    assert "not marked" in measures["ATSI"]["remark"]
+
+
+def test_labels_of_a_view_without_markers_are_no_small_matter(recorded, capsys):
+    folder = recorded[0]
+    assert body_of(folder, "--labels", f"left_lateral={folder / 'labels.csv'}") == 1
+    assert "No marker was found" in capsys.readouterr().err
+
+
+def test_a_body_without_any_marker_is_refused_where_markers_were_asked_for(recorded, capsys):
+    folder = recorded[0]
+    said = ["body", f"left_lateral={folder / 'side.mcap'}", "--out", str(folder / "none.ply")]
+    assert main([*said, "--markers", str(folder / "colours.json")]) == 1
+    assert "No view shows a marker." in capsys.readouterr().err
+    assert not (folder / "none.ply").exists()
