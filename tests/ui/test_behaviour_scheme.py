@@ -11,6 +11,7 @@ from tests.unit.coding_samples import ETHOGRAM
 from ui.behaviour.scheme import (
     BehaviourFields,
     SchemeFields,
+    TypedScheme,
     ethogram_of,
     fields_of,
     kept_names,
@@ -82,3 +83,9 @@ def test_modifiers_and_subjects_are_typed_as_texts():
 def test_what_makes_no_sense_is_told(behaviours, subjects, said):
     with pytest.raises(BehaviourError, match=said):
         ethogram_of(SchemeFields(behaviours, subjects), Ethogram("", ()))
+
+
+def test_what_was_typed_is_the_same_after_it_was_a_text():
+    opened = fields_of(ETHOGRAM)
+    typed = TypedScheme(opened, with_new(opened, "bébe 'agua'"))
+    assert TypedScheme.from_text(typed.to_text()) == typed

@@ -319,6 +319,39 @@ def test_a_lock_waits_for_no_answer_of_a_dialog(user, tmp_path):
     user.until(lambda: user.application.workspace is None)
 
 
+def test_a_scheme_that_was_being_changed_when_the_window_locked_goes_on(user, tmp_path):
+    fields = change_scheme(user, tmp_path)._fields
+    user.application.lock()
+    user.until(lambda: not user.window.shown and user.workspace is None)
+    unlock(user)
+    user.until(lambda: user.window.shown == "behaviour")
+    assert "What was being changed in the coding scheme is kept" in user.window.told
+    assert "The coding scheme" in asked(user)
+    stay(user)
+    user.drop(tmp_path / "child.mcap")
+    user.settle()
+    user.until(lambda: user.screen._presenter.source is not None)
+    user.screen._edit_scheme()
+    (dialog,) = visible_dialogs(SchemeDialog)
+    assert dialog._fields == fields
+    dialog._on_accepted()
+    user.until(lambda: not visible_dialogs(QDialog))
+    kinds = [one.kind for one in user.screen._presenter.coding.draft.coding.ethogram.behaviours]
+    assert kinds == [one.kind for one in fields.behaviours]
+    assert not user.screen.draft()
+    closes_at_once(user)
+
+
+def test_a_scheme_that_its_user_gave_up_is_not_kept(user, tmp_path):
+    dialog = change_scheme(user, tmp_path)
+    QTest.keyClick(dialog, Key.Key_Escape)
+    (question,) = visible_dialogs(QMessageBox)
+    (close,) = [one for one in question.buttons() if one.text().replace("&", "") == "Close"]
+    QTest.mouseClick(close, Qt.MouseButton.LeftButton)
+    user.until(lambda: not visible_dialogs(QDialog))
+    assert not user.screen.draft()
+
+
 def test_who_ends_the_program_waits_for_no_answer_of_a_dialog(user, tmp_path):
     change_scheme(user, tmp_path)
     user.application.end()

@@ -300,6 +300,14 @@ class BehaviourPresenter:
             self._workspace.tell("warning", notice)
         self._ask(0)
 
+    def tell_typed_scheme(self) -> None:
+        """Say where what was typed into a coding scheme goes on."""
+        sentence = _(
+            "What was being changed in the coding scheme is kept. Open the same recording and "
+            "choose Change the coding scheme to go on."
+        )
+        self._workspace.tell("good", sentence)
+
     def _on_frame(self, index: int, picture: Picture) -> None:
         self._show_frame(index, picture)
 

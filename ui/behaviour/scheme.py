@@ -1,6 +1,8 @@
 """A coding scheme as it is typed: exclusions as groups, modifiers as texts. Knows nothing of Qt."""
 
-from dataclasses import dataclass, replace
+import json
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 from adibas.data.ethogram import BETWEEN_VALUES, Behaviour, Ethogram, Kind, Modifier, Subject
 from adibas.errors import BehaviourError
@@ -61,6 +63,29 @@ def fields_of(ethogram: Ethogram) -> SchemeFields:
         f"{one.name}={one.key}" if one.key else one.name for one in ethogram.subjects
     )
     return SchemeFields(behaviours, subjects)
+
+
+@dataclass(frozen=True, slots=True)
+class TypedScheme:
+    """What was typed into a scheme and is not in use: `opened` is what it was before."""
+
+    opened: SchemeFields
+    fields: SchemeFields
+
+    def to_text(self) -> str:
+        """Return it as a text that `from_text` reads."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_text(cls, text: str) -> "TypedScheme":
+        """Read what `to_text` gave."""
+        found = json.loads(text)
+        return cls(*(_fields_from(found[name]) for name in ("opened", "fields")))
+
+
+def _fields_from(document: dict[str, Any]) -> SchemeFields:
+    behaviours = tuple(BehaviourFields(**one) for one in document["behaviours"])
+    return SchemeFields(behaviours, document["subjects"])
 
 
 def with_new(fields: SchemeFields, name: str) -> SchemeFields:

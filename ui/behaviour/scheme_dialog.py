@@ -24,6 +24,7 @@ from adibas.texts import message
 from adibas.texts import translate as _
 from ui.behaviour.scheme import (
     SchemeFields,
+    TypedScheme,
     fields_of,
     with_new,
     without,
@@ -46,13 +47,22 @@ class SchemeDialog(QDialog):
     ethogram : Ethogram
     use : callable
         Takes the fields and returns what is wrong; nothing where they were taken.
+    typed : TypedScheme or None
+        What was typed into it before; goes on if it was this scheme.
     """
 
     def __init__(
-        self, ethogram: Ethogram, use: Callable[[SchemeFields], str], parent: QWidget | None = None
+        self,
+        ethogram: Ethogram,
+        use: Callable[[SchemeFields], str],
+        parent: QWidget | None = None,
+        typed: TypedScheme | None = None,
     ) -> None:
         super().__init__(parent)
-        self._fields = self._opened = fields_of(ethogram)
+        self._opened = fields_of(ethogram)
+        goes_on = typed is not None and typed.opened == self._opened
+        self._fields = typed.fields if typed is not None and goes_on else self._opened
+        self._is_given_up = False
         self._use = use
         self._is_showing = False
         self._list = QListWidget(self)
@@ -160,9 +170,19 @@ class SchemeDialog(QDialog):
         """Close; what was changed is lost after a question alone."""
         if self.unsaved():
             question = _("The coding scheme was changed and is not in use yet. Close and lose it?")
-            ask(self, question, _("Close"), super().reject)
+            ask(self, question, _("Close"), self._give_up)
         else:
             super().reject()
+
+    @property
+    def left_behind(self) -> TypedScheme | None:
+        """Return what was typed when the window locked over it; None where its user closed it."""
+        was_closed = self._is_given_up or not self.unsaved()
+        return None if was_closed else TypedScheme(self._opened, self._fields)
+
+    def _give_up(self) -> None:
+        self._is_given_up = True
+        super().reject()
 
     def _show_names(self, row: int) -> None:
         self._is_showing = True
@@ -214,6 +234,7 @@ class SchemeDialog(QDialog):
         self._wrong.setText(wrong)
         self._wrong.setVisible(bool(wrong))
         if not wrong:
+            self._opened = self._fields
             self.accept()
 
 

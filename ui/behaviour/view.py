@@ -27,6 +27,7 @@ from ui.behaviour.learn_dialog import LearnDialog
 from ui.behaviour.measured import HeatMap, People, Raster
 from ui.behaviour.ports import Picture
 from ui.behaviour.presenter import BehaviourPresenter, Position
+from ui.behaviour.scheme import TypedScheme
 from ui.behaviour.scheme_dialog import SchemeDialog
 from ui.behaviour.section_dialog import SectionDialog
 from ui.behaviour.selected_panel import SelectedPanel
@@ -65,6 +66,7 @@ class BehaviourScreen(Screen):
         self._first = FirstStep(self)
         self._chooser = QComboBox(self)
         self._stored: tuple[StoredChoice, ...] = ()
+        self._typed_scheme: TypedScheme | None = None
         self._is_bound = False
         self._tools = BehaviourTools(self)
         self._video, self._transport = VideoView(self), Transport(self)
@@ -235,9 +237,19 @@ class BehaviourScreen(Screen):
         self._ticking.stop()
         self._presenter.close()
 
+    def draft(self) -> str:
+        """Return what was typed into the coding scheme when the window locked."""
+        return "" if self._typed_scheme is None else self._typed_scheme.to_text()
+
+    def take_back(self, draft: str) -> None:
+        """Keep what was typed for when this scheme is changed again, and say so."""
+        self._typed_scheme = TypedScheme.from_text(draft)
+        self._presenter.tell_typed_scheme()
+
     def unsaved(self) -> tuple[str, ...]:
         """Keep what was coded, and name it where it cannot be kept."""
-        return () if self._presenter.keep() else (_("What was coded in the recording"),)
+        lost = () if self._presenter.keep() else (_("What was coded in the recording"),)
+        return lost if self._typed_scheme is None else (*lost, _("The coding scheme"))
 
     def open_file(self, path: Path) -> None:
         """Open a dropped recording."""
@@ -341,7 +353,12 @@ class BehaviourScreen(Screen):
         draft = self._presenter.coding.draft
         if draft is not None:
             scheme, change = draft.coding.ethogram, self._presenter.files.change_scheme
-            _open(SchemeDialog(scheme, change, self))
+            dialog = SchemeDialog(scheme, change, self, self._typed_scheme)
+            dialog.finished.connect(lambda _code: self._on_scheme_closed(dialog))
+            _open(dialog)
+
+    def _on_scheme_closed(self, dialog: SchemeDialog) -> None:
+        self._typed_scheme = dialog.left_behind
 
     def _ask_section(self) -> None:
         draft = self._presenter.coding.draft
