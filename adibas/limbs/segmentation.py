@@ -80,19 +80,41 @@ def segment(
     """
     params = params or LimbParams()
     check_shape("mask", mask, depth_m.shape)
+    box = _looked_at(mask, params.step)
+    inside = _segmented(depth_m[box], mask[box], focal_px, model, params)
+    pixels = np.zeros(mask.shape, np.bool_)
+    chosen = np.full(mask.shape, NO_LABEL, np.int16)
+    pixels[box], chosen[box] = inside.pixels, inside.chosen
+    parts = LimbParts(model.labels, pixels, inside.probabilities, chosen)
+    return parts.with_sides_swapped() if params.is_from_behind else parts
+
+
+def _looked_at(mask: BoolArray, step: int) -> tuple[slice, slice]:
+    """Return the box about a mask, from a row and a column on that are looked at.
+
+    A person fills an eighth of the image or so: all else would be searched for nothing.
+    """
+    left, top, width, height = cv2.boundingRect(np.ascontiguousarray(mask).view(np.uint8))
+    first_row, first_column = top - top % step, left - left % step
+    return slice(first_row, top + height + step), slice(first_column, left + width + step)
+
+
+def _segmented(
+    depth_m: Float32Array, mask: BoolArray, focal_px: float, model: LimbModel, params: LimbParams
+) -> LimbParts:
+    """Do as `segment` in a box, of whose pixels the first one is looked at."""
     every = np.s_[:: params.step, :: params.step]
+    thin_mask = np.ascontiguousarray(mask[every])
     pixels = np.zeros_like(mask)
-    pixels[every] = mask[every]
+    pixels[every] = thin_mask
     view = PersonView(depth_m, mask, pixels, focal_px, params.step)
     probabilities = limb_probabilities(view, model)
-    thin = np.full(mask[every].shape, NO_LABEL, np.int16)
-    thin[mask[every]] = cut_labels(depth_m[every], mask[every], probabilities, model, params)
+    thin = np.full(thin_mask.shape, NO_LABEL, np.int16)
+    thin[thin_mask] = cut_labels(depth_m[every], thin_mask, probabilities, model, params)
     chosen = _filled(thin, mask, params.step)
     n_limbs = len(model.labels)
     chosen[chosen >= n_limbs] = NO_LABEL
-    limbs = np.ascontiguousarray(probabilities[:, :n_limbs])
-    parts = LimbParts(model.labels, pixels, limbs, chosen)
-    return parts.with_sides_swapped() if params.is_from_behind else parts
+    return LimbParts(model.labels, pixels, np.ascontiguousarray(probabilities[:, :n_limbs]), chosen)
 
 
 def cut_labels(
@@ -133,25 +155,15 @@ def _filled(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
     if step == 1:
         return thin
     chosen = np.full(mask.shape, NO_LABEL, np.int16)
-    if not (thin >= 0).any():
+    known = thin >= 0
+    if not known.any():
         return chosen
-    left, top, width, height = cv2.boundingRect(np.ascontiguousarray(mask).view(np.uint8))
-    top, left = top - top % step, left - left % step  # a row and a column that were looked at
-    box = np.s_[top : top + height + step, left : left + width + step]
-    chosen[box] = _nearest(thin[top // step :, left // step :], mask[box], step)
-    return chosen
-
-
-def _nearest(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
-    """Return (h, w) labels of a box whose first row and column were looked at."""
-    chosen = np.full(mask.shape, NO_LABEL, np.int16)
-    thin = thin[: -(-mask.shape[0] // step), : -(-mask.shape[1] // step)]
     sampled = np.ones(mask.shape, np.uint8)
-    sampled[::step, ::step][thin >= 0] = 0
+    sampled[::step, ::step][known] = 0
     _, nearest = cv2.distanceTransformWithLabels(
         sampled, cv2.DIST_L2, cv2.DIST_MASK_3, labelType=cv2.DIST_LABEL_PIXEL
     )
     label_of = np.empty(int(nearest.max()) + 1, np.int16)
-    label_of[nearest[::step, ::step][thin >= 0]] = thin[thin >= 0]
+    label_of[nearest[::step, ::step][known]] = thin[known]
     chosen[mask] = label_of[nearest[mask]]
     return chosen

@@ -302,3 +302,16 @@ def test_labels_between_do_not_depend_on_how_much_is_around_the_person(step):
     alone, within = _filled(thin, mask, step), _filled(wide_thin, wide, step)
     np.testing.assert_array_equal(within[6:42, 12:60], alone)
     assert ((within >= 0) == wide).all()
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_limbs_do_not_depend_on_how_much_is_around_the_person(model, person, step):
+    depth_m, mask, _ = person
+    around = ((6, 18), (12, 30))
+    wide_m = np.pad(depth_m, around, constant_values=3.0)
+    params = LimbParams(step=step)
+    alone = segment(depth_m, mask, FOCAL_PX, model, params)
+    within = segment(wide_m, np.pad(mask, around), FOCAL_PX, model, params)
+    np.testing.assert_array_equal(within.probabilities, alone.probabilities)
+    np.testing.assert_array_equal(within.pixels, np.pad(alone.pixels, around))
+    np.testing.assert_array_equal(within.chosen, np.pad(alone.chosen, around, constant_values=-1))
