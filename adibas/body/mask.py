@@ -9,7 +9,7 @@ inside it (dark hair, LEDs) are filled.
 import cv2
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
+from adibas.arrays import BoolArray, Float32Array, check_shape
 from adibas.body.component_kernels import label_surfaces, surface_moments
 from adibas.body.person import BodyParams, Surfaces, find_person
 from adibas.body.rays import viewing_rays
@@ -70,8 +70,10 @@ def standing_free(
     with np.errstate(invalid="ignore"):
         usable = (depth_m > params.range_m[0]) & (depth_m < params.range_m[1])
         if heights_m is not None:
-            band_m = np.float32(params.floor_band_per_m) * depth_m * depth_m
-            usable &= heights_m > band_m + np.float32(params.floor_band_m)
+            band_m = np.float32(params.floor_band_per_m) * depth_m
+            band_m *= depth_m
+            band_m += np.float32(params.floor_band_m)
+            usable &= heights_m > band_m
     inverse = np.zeros(depth_m.shape, np.float32)
     np.divide(np.float32(1), depth_m, out=inverse, where=usable)
     return inverse
@@ -117,18 +119,22 @@ def close_bays(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> Bo
 
 def fill_holes(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolArray:
     """Fill the stretches without depth that the body surrounds."""
-    holes: UInt8Array = (~measured & ~pixels).astype(np.uint8)
-    n_holes, hole_labels, stats, _ = cv2.connectedComponentsWithStats(holes, connectivity=4)
+    holes = ~measured & ~pixels
     index = np.flatnonzero(holes)  # few pixels
+    n_holes, hole_labels = cv2.connectedComponents(holes.view(np.uint8), connectivity=4)
     of_pixel = hole_labels.ravel()[index]
-    rim = cv2.dilate(pixels.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()[index] > 0
+    rim = _beside(pixels).ravel()[index]
     inner = np.bincount(of_pixel[rim], minlength=n_holes)
-    outside = ~pixels & measured
-    touching = cv2.dilate(outside.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()[index] > 0
+    touching = _beside(~pixels & measured).ravel()[index]
     outer = np.bincount(of_pixel[touching], minlength=n_holes)
-    fill = (outer <= 0.1 * inner) & (
-        stats[:, cv2.CC_STAT_AREA] < params.max_hole_share * pixels.sum()
-    )
-    fill[0] = False
-    filled: BoolArray = pixels | fill[hole_labels]
+    areas_px = np.bincount(of_pixel, minlength=n_holes)
+    most_px = params.max_hole_share * np.count_nonzero(pixels)
+    fill = (outer <= 0.1 * inner) & (areas_px < most_px)
+    filled = pixels.copy()
+    filled.ravel()[index] = fill[of_pixel]
     return filled
+
+
+def _beside(pixels: BoolArray) -> BoolArray:
+    """Return the pixels of an image and those that touch them."""
+    return cv2.dilate(pixels.view(np.uint8), np.ones((3, 3), np.uint8)).view(np.bool_)
