@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from adibas.arrays import AnyArray, BoolArray, Float32Array, UInt8Array
+from adibas.arrays import AnyArray, Float32Array, UInt8Array
 from adibas.context.examples import ContextExample
 from adibas.context.sites import site_levels
 from adibas.forests.forest import Forest
@@ -51,14 +51,11 @@ def _merged(told: Float32Array, model: LimbModel) -> Float32Array:
 
 def cell_features(view: PersonView, forest: Forest, cells: PersonCells) -> Float32Array:
     """Return (N, F + 3) features of cells: what the forest says, then depth and its quality."""
-    asked: BoolArray = np.zeros(view.mask.shape, bool)
-    asked.flat[cells.pixel] = True
-    said = forest.probabilities(view.depth_m, view.mask, view.focal_px, asked)
-    rank = np.searchsorted(np.flatnonzero(asked), cells.pixel)
+    said = forest.probabilities_at(view.depth_m, view.mask, view.focal_px, cells.pixel)
     distance = cells.distance_m / _USUAL_DISTANCE_M
     return np.column_stack(
         [
-            0.5 * np.log(said[rank] + np.float32(_LEAST_SHARE)) + 1.0,
+            0.5 * np.log(said + np.float32(_LEAST_SHARE)) + 1.0,
             cells.ahead_m / np.float32(_USUAL_THICKNESS_M),
             cells.measured,
             np.full(len(cells), distance, np.float32),

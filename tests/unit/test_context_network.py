@@ -8,7 +8,7 @@ from scipy.signal import correlate
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import ContextExample, batch_of
-from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved
+from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved, risen
 from adibas.context.layers import NormalizedConvolution
 from adibas.context.network import NetworkShape, with_nothing
 from adibas.context.sites import SiteLevel, site_levels
@@ -85,6 +85,17 @@ class TestSites:
 
     def test_a_picture_without_cells_has_none_at_any_level(self) -> None:
         assert [len(level) for level in site_levels(np.zeros((5, 3), bool), 3)] == [0, 0, 0]
+
+
+class TestRising:
+    def test_a_cell_has_the_features_of_its_parent_then_its_own(
+        self, rng: np.random.Generator, levels: tuple[SiteLevel, ...]
+    ) -> None:
+        fine, coarse = levels[:2]
+        features = with_nothing(rng.normal(size=(len(coarse), 7)).astype(np.float32))
+        skipped = with_nothing(rng.normal(size=(len(fine), 6)).astype(np.float32))
+        expected = with_nothing(np.hstack([features[fine.parents], skipped[:-1]]))
+        np.testing.assert_array_equal(risen(features, fine.parents, skipped), expected)
 
 
 class TestConvolution:
