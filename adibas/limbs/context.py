@@ -30,7 +30,8 @@ def limb_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
         return np.full((n_pixels, n_labels), 1.0 / n_labels, np.float32)
     levels = site_levels(cells.occupied, len(network.shape.widths))
     odds = network.log_odds(cell_features(view, model.forest, cells), levels)
-    shares = np.exp(odds - odds.max(axis=1, keepdims=True))
+    most = np.ascontiguousarray(odds.T).max(axis=0)  # along rows it takes seven times as long
+    shares = np.exp(odds - most[:, None])
     shares /= shares.sum(axis=1, keepdims=True)
     return _merged(to_pixels(cells, shares, view), model)
 

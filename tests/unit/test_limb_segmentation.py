@@ -245,6 +245,13 @@ def test_who_is_full_of_holes_is_told_so():
     assert "62 %" in said(judgement)
 
 
+def test_who_has_no_depth_at_all_is_nothing_but_holes():
+    depth_m, mask = standing()
+    judgement = judge_mask(np.full_like(depth_m, np.nan), mask)
+    assert not judgement.is_person
+    assert "100 %" in said(judgement)
+
+
 def test_half_a_person_is_told_to_step_back():
     depth_m, mask = standing()
     judgement = judge_mask(depth_m[:60], mask[:60])
