@@ -12,7 +12,7 @@ import numpy as np
 from adibas.arrays import BoolArray, Float32Array, check_shape
 from adibas.body.component_kernels import label_surfaces, surface_moments
 from adibas.body.person import BodyParams, Surfaces, find_person
-from adibas.body.rays import viewing_rays
+from adibas.body.rays import rise_of_rays, viewing_rays
 from adibas.data.calibration import CameraCalibration
 from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
@@ -39,7 +39,7 @@ def find_body(
     params = params or BodyParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
     rays = viewing_rays(depth_camera)
-    heights_m = None if floor is None else heights_over(depth_m, rays, floor)
+    heights_m = None if floor is None else heights_over(depth_m, depth_camera, floor)
     inverse_depth = standing_free(depth_m, heights_m, params)
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
@@ -56,9 +56,11 @@ def find_body(
     return BodyMask(pixels)
 
 
-def heights_over(depth_m: Float32Array, rays: Float32Array, floor: Plane) -> Float32Array:
+def heights_over(
+    depth_m: Float32Array, depth_camera: CameraCalibration, floor: Plane
+) -> Float32Array:
     """Return the (H, W) height over the floor, metres; NaN where there is no depth."""
-    heights_m = (rays @ floor.normal.astype(np.float32)) * depth_m
+    heights_m: Float32Array = rise_of_rays(depth_camera, floor) * depth_m
     heights_m += np.float32(floor.offset_m)
     return heights_m
 

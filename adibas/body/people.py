@@ -113,7 +113,7 @@ def find_people(
     params = params or PeopleParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
     rays = viewing_rays(depth_camera)
-    heights_m = None if floor is None else heights_over(depth_m, rays, floor)
+    heights_m = None if floor is None else heights_over(depth_m, depth_camera, floor)
     inverse_depth = standing_free(depth_m, heights_m, params.body)
     if floor is not None and heights_m is not None:
         inverse_depth[tables(depth_m, heights_m, depth_camera, floor, params)] = 0.0

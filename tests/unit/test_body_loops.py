@@ -5,8 +5,12 @@ import numpy as np
 import pytest
 
 from adibas.body.grid_kernels import grid_normals
-from adibas.body.mask import fill_holes
+from adibas.body.mask import fill_holes, heights_over
 from adibas.body.person import BodyParams
+from adibas.body.rays import viewing_rays
+from adibas.data.calibration import CameraCalibration
+from adibas.geometry.pinhole import Intrinsics
+from adibas.geometry.planes import Plane
 
 
 def normals_by_definition(points_m):
@@ -60,3 +64,18 @@ def test_holes_are_filled_as_each_by_itself(seed):
     expected = filled_by_definition(pixels, measured, BodyParams())
     np.testing.assert_array_equal(found, expected)
     assert (found != pixels).any()
+
+
+def test_heights_are_those_of_the_floor_that_is_asked_for():
+    camera = CameraCalibration(40, 30, Intrinsics(35.0, 36.0, 19.5, 14.5))
+    depth_m = np.random.default_rng(0).uniform(1.0, 4.0, (30, 40)).astype(np.float32)
+    depth_m[3, 4] = np.nan
+    points_m = viewing_rays(camera) * depth_m[..., None]
+    for tilt_rad, height_m in ((0.0, 1.0), (0.3, 1.0), (0.3, 1.4)):
+        floor = Plane(np.array([0.0, -np.cos(tilt_rad), np.sin(tilt_rad)]), height_m)
+        for _ in range(2):
+            np.testing.assert_allclose(
+                heights_over(depth_m, camera, floor),
+                floor.signed_distance_m(points_m),
+                atol=1e-5,
+            )
