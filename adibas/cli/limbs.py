@@ -154,6 +154,13 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
     add_frames(parser, _("frames to look at; all if not given"))
     _add_cut(parser)
     parser.add_argument(
+        "--over-time",
+        type=positive,
+        default=0.0,
+        metavar="N",
+        help=_("lambda of ties between a pixel and itself one frame before; 0, none, if not given"),
+    )
+    parser.add_argument(
         "--behind", action="store_true", help=_("the person turns the back to the camera")
     )
     add_out(
@@ -161,7 +168,7 @@ def _add_segment(parser: argparse.ArgumentParser) -> None:
         _("FOLDER"),
         _("folder for the pictures and labels; frames with labels stay as they are"),
     )
-    parser.set_defaults(action=_segment)
+    parser.set_defaults(action=_segment, refuse=parser.error)
 
 
 def _add_propose(parser: argparse.ArgumentParser) -> None:
@@ -211,8 +218,13 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
 def _limb_params(arguments: argparse.Namespace, step: int) -> "LimbParams":
     from adibas.limbs.segmentation import LimbParams
 
-    is_from_behind = getattr(arguments, "behind", False)
-    return LimbParams(arguments.cut, arguments.smoothness, step=step, is_from_behind=is_from_behind)
+    return LimbParams(
+        arguments.cut,
+        arguments.smoothness,
+        over_time=getattr(arguments, "over_time", 0.0),
+        step=step,
+        is_from_behind=getattr(arguments, "behind", False),
+    )
 
 
 def _train(arguments: argparse.Namespace, console: Console) -> int:
@@ -293,6 +305,8 @@ def _train_context(arguments: argparse.Namespace, console: Console) -> "LimbMode
 def _segment(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.pipeline.limb_segmenting import SegmentingRequest, segment_recording
 
+    if arguments.over_time and arguments.cut == "none":
+        arguments.refuse(_("--over-time ties pixels in the cut: leave --cut none out"))
     request = SegmentingRequest(
         arguments.recording,
         arguments.out,

@@ -39,6 +39,8 @@ UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
 
 CONVENTION, POPULATION = "convention", "population"
 SPATIAL_KINDS = ("angle", "distance")
+UPWARD_KINDS = ("offset", "offset_share")
+"""Those that may be measured along the vertical, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,8 @@ KINDS: Mapping[str, KindRule] = MappingProxyType(
         "offset": KindRule("length", 2, has_axis=True),
         "offset_share": KindRule("share", 4, has_axis=True),
         "asymmetry_index": KindRule("share", 4, has_axis=True),
+        "side_share": KindRule("share", 4, has_axis=True),
+        "trunk_symmetry": KindRule("share", 8, has_axis=False),
     }
 )
 """What can be measured (docs/protocols.md says how)."""
@@ -238,7 +242,7 @@ def id_of_all(kind: str, points: tuple[str, ...]) -> str:
 
 def axes_of(kind: str, view: str) -> tuple[str, ...]:
     """Return the axes that a kind of measure may have in a view."""
-    return (*VIEW_AXES[view], UP) if kind == "offset" else VIEW_AXES[view]
+    return (*VIEW_AXES[view], UP) if kind in UPWARD_KINDS else VIEW_AXES[view]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,10 +9,11 @@ from typing import Literal, TypeAlias
 import cv2
 import numpy as np
 
-from adibas.arrays import AnyArray, BoolArray, Float32Array, check_shape
+from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, check_shape
 from adibas.data.limbs import NO_LABEL, LimbParts
 from adibas.graphcut.boundary import boundary_weights
 from adibas.graphcut.energy import EnergyParams, equal_penalties, label_energy
+from adibas.graphcut.in_time import follow, ties_in_time
 from adibas.graphcut.minimising import minimise
 from adibas.graphcut.neighbors import Connectivity, connect_pixels
 from adibas.limbs.cells import PersonView
@@ -33,6 +34,8 @@ class LimbParams:
         label of the forest.
     smoothness : float
         Lambda. The thesis has 50; 1 is right more often (see ``docs/limbs.md``).
+    over_time : float
+        Lambda of the ties to the frame before, where one is given; 0: none.
     connectivity : 4 or 8
     step : int
         Of how many rows and columns one is looked at; the pixels between take the label of the
@@ -43,6 +46,7 @@ class LimbParams:
 
     cut: Cut = "omega_1"
     smoothness: float = 1.0
+    over_time: float = 0.0
     connectivity: Connectivity = 8
     step: int = 2
     is_from_behind: bool = False
@@ -50,6 +54,23 @@ class LimbParams:
     def __post_init__(self) -> None:
         if self.step < 1:
             raise ValueError(f"step must be positive, got {self.step}")
+        if not self.over_time >= 0.0:
+            raise ValueError(f"over_time must not be negative, got {self.over_time}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameBefore:
+    """What was found one frame before: each pixel is tied to itself.
+
+    Attributes
+    ----------
+    depth_m : (H, W) array
+        NaN where not measured.
+    parts : LimbParts
+    """
+
+    depth_m: Float32Array
+    parts: LimbParts
 
 
 def segment(
@@ -58,6 +79,7 @@ def segment(
     focal_px: float,
     model: LimbModel,
     params: LimbParams | None = None,
+    before: FrameBefore | None = None,
 ) -> LimbParts:
     """Find the limbs of one person.
 
@@ -71,6 +93,8 @@ def segment(
         Of the camera that took `depth_m`, pixels: any resolution and field of view will do.
     model : LimbModel
     params : LimbParams or None
+    before : FrameBefore or None
+        Of the same camera; counts with ``over_time``.
 
     Returns
     -------
@@ -80,12 +104,21 @@ def segment(
     """
     params = params or LimbParams()
     check_shape("mask", mask, depth_m.shape)
+    every = np.s_[:: params.step, :: params.step]
+    pixels = np.zeros_like(mask)
+    pixels[every] = mask[every]
+    last = None
+    if before is not None and params.over_time > 0.0:
+        last = _tied(before, depth_m, pixels, params)
     box = _looked_at(mask, params.step)
-    inside = _segmented(depth_m[box], mask[box], focal_px, model, params)
-    pixels = np.zeros(mask.shape, np.bool_)
+    view = PersonView(depth_m[box], mask[box], pixels[box], focal_px, params.step)
+    probabilities = limb_probabilities(view, model)
+    n_limbs = len(model.labels)
     chosen = np.full(mask.shape, NO_LABEL, np.int16)
-    pixels[box], chosen[box] = inside.pixels, inside.chosen
-    parts = LimbParts(model.labels, pixels, inside.probabilities, chosen)
+    chosen[box] = _chosen(view, probabilities, model, params, last)
+    chosen[chosen >= n_limbs] = NO_LABEL
+    limbs = np.ascontiguousarray(probabilities[:, :n_limbs])
+    parts = LimbParts(model.labels, pixels, limbs, chosen)
     return parts.with_sides_swapped() if params.is_from_behind else parts
 
 
@@ -99,22 +132,19 @@ def _looked_at(mask: BoolArray, step: int) -> tuple[slice, slice]:
     return slice(first_row, top + height + step), slice(first_column, left + width + step)
 
 
-def _segmented(
-    depth_m: Float32Array, mask: BoolArray, focal_px: float, model: LimbModel, params: LimbParams
-) -> LimbParts:
-    """Do as `segment` in a box, of whose pixels the first one is looked at."""
+def _chosen(
+    view: PersonView,
+    probabilities: Float32Array,
+    model: LimbModel,
+    params: LimbParams,
+    last: tuple[AnyArray, FloatArray] | None,
+) -> AnyArray:
+    """Return the (H, W) labels of a view whose first pixel is looked at, clutter among them."""
     every = np.s_[:: params.step, :: params.step]
-    thin_mask = np.ascontiguousarray(mask[every])
-    pixels = np.zeros_like(mask)
-    pixels[every] = thin_mask
-    view = PersonView(depth_m, mask, pixels, focal_px, params.step)
-    probabilities = limb_probabilities(view, model)
-    thin = np.full(thin_mask.shape, NO_LABEL, np.int16)
-    thin[thin_mask] = cut_labels(depth_m[every], thin_mask, probabilities, model, params)
-    chosen = _filled(thin, mask, params.step)
-    n_limbs = len(model.labels)
-    chosen[chosen >= n_limbs] = NO_LABEL
-    return LimbParts(model.labels, pixels, np.ascontiguousarray(probabilities[:, :n_limbs]), chosen)
+    mask = np.ascontiguousarray(view.mask[every])
+    thin = np.full(mask.shape, NO_LABEL, np.int16)
+    thin[mask] = cut_labels(view.depth_m[every], mask, probabilities, model, params, last)
+    return _filled(thin, view.mask, params.step)
 
 
 def cut_labels(
@@ -123,6 +153,7 @@ def cut_labels(
     probabilities: Float32Array,
     model: LimbModel,
     params: LimbParams,
+    last: tuple[AnyArray, FloatArray] | None = None,
 ) -> AnyArray:
     """Return the (N,) labels of the forest at the mask's pixels, clutter among them.
 
@@ -137,6 +168,8 @@ def cut_labels(
     model : LimbModel
         For its table.
     params : LimbParams
+    last : (labels, weights) or None
+        (N,) labels of the frame before, -1 where there was none, and how much each counts.
     """
     if params.cut == "none" or not len(probabilities):
         return np.asarray(probabilities.argmax(axis=1))
@@ -144,10 +177,21 @@ def cut_labels(
     penalties = model.omega_2 if params.cut == "omega_2" else equal_penalties(n_labels)
     graph = connect_pixels(mask, params.connectivity)
     boundary = boundary_weights(graph, picture)
-    energy = label_energy(
-        graph, probabilities, boundary, penalties, EnergyParams(params.smoothness)
-    )
+    weighing = EnergyParams(params.smoothness)
+    energy = label_energy(graph, probabilities, boundary, penalties, weighing)
+    if last is not None:
+        labels, weights = last
+        energy = follow(energy, labels, params.over_time * weighing.units_per_nat * weights)
     return minimise(energy).labels
+
+
+def _tied(
+    before: FrameBefore, depth_m: Float32Array, pixels: BoolArray, params: LimbParams
+) -> tuple[AnyArray, FloatArray]:
+    """Return the labels of the pixels one frame before, as the forest calls them, and ties."""
+    check_shape("before.depth_m", before.depth_m, depth_m.shape)
+    parts = before.parts.with_sides_swapped() if params.is_from_behind else before.parts
+    return parts.chosen[pixels], ties_in_time(depth_m[pixels], before.depth_m[pixels])
 
 
 def _filled(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:

@@ -4,7 +4,8 @@ h is the coordinate along the measure's axis, w the one along the vertical. Angl
 in (-pi, pi], lengths in metres, indices are shares. Coinciding points give NaN.
 
 Source: SAPO 0.68 for line_to_horizontal, line_to_vertical, deviation from straight and the
-asymmetry index (2 (m - n) / (m + n)); signs by the axis are ours.
+asymmetry index (2 (m - n) / (m + n)); signs by the axis are ours. The parts of trunk symmetry are
+those of Suzuki et al. 1999 (Stud Health Technol Inform 59:81-84), with the letters of SCODIAC 2.7.
 """
 
 from collections.abc import Callable
@@ -66,6 +67,34 @@ def _asymmetry(points_m: FloatArray, directions: Directions) -> FloatArray:
     return _index(m, np.abs(_offset(points_m[..., 2:, :], directions)))
 
 
+def _side_share(points_m: FloatArray, directions: Directions) -> FloatArray:
+    return 0.5 * _asymmetry(points_m, directions)
+
+
+def _trunk_symmetry(points_m: FloatArray, directions: Directions) -> FloatArray:
+    """Return the (..., 6) signed parts of trunk symmetry.
+
+    Points are the lower and the upper end of the middle, then axillae, waist and shoulders, each
+    first on the side that the axis leaves and then on the side that it points to. The middle is
+    the vertical through the lower end: FAI-C7 = i / (c + d), FAI-A = (c - d) / (c + d),
+    FAI-T = (a - b) / (a + b), HDI-S, HDI-A and HDI-T = heights apart / e.
+    """
+    low, high, *sides = (points_m[..., place, :] for place in range(8))
+    pairs = tuple(zip(sides[::2], sides[1::2], strict=True))
+    axis, up = directions
+    widths_m = [
+        (np.abs(_along(last - low, axis)), np.abs(_along(first - low, axis)))
+        for first, last in pairs[:2]
+    ]
+    across_m = sum(widths_m[0])
+    height_m = np.abs(_along(high - low, up))
+    parts = [_along(high - low, axis) / np.where(across_m > 0, across_m, np.nan)]
+    parts += [0.5 * _index(*both) for both in widths_m]
+    upright_m = np.where(height_m > 0, height_m, np.nan)
+    parts += [_along(pairs[pair][1] - pairs[pair][0], up) / upright_m for pair in (2, 0, 1)]
+    return np.stack(parts, axis=-1)
+
+
 def _elevation(points_m: FloatArray, directions: Directions) -> FloatArray:
     """Angle of a line with the level plane, on the side of the axis that its projection has."""
     line_m = points_m[..., 1, :] - points_m[..., 0, :]
@@ -94,7 +123,11 @@ PROJECTED: dict[str, Value] = {
     "offset": _offset,
     "offset_share": _offset_share,
     "asymmetry_index": _asymmetry,
+    "side_share": _side_share,
 }
+
+SUMS: dict[str, Value] = {"trunk_symmetry": _trunk_symmetry}
+"""Kinds that are sums of the sizes of signed parts, and those parts: (..., P)."""
 
 SPATIAL: dict[str, Value] = {
     "line_to_horizontal": _elevation,

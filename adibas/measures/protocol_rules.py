@@ -22,7 +22,12 @@ from adibas.measures.protocol_places import Places
 
 MOST_FOR_EVERY_TRIPLET = 40
 LONGEST_SHOWN = 40
-LINES = {2: ((0, 1),), 3: ((0, 1), (1, 2)), 4: ((0, 1), (2, 3))}
+LINES = {
+    2: ((0, 1),),
+    3: ((0, 1), (1, 2)),
+    4: ((0, 1), (2, 3)),
+    8: ((0, 1), (2, 3), (4, 5), (6, 7)),
+}
 """Which of the points of a measure are the ends of its lines, by how many points it has."""
 
 

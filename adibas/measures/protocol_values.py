@@ -9,11 +9,14 @@ from adibas.arrays import FloatArray
 from adibas.data.protocol_measures import Estimate
 from adibas.data.protocols import KINDS, VIEW_AXES, MeasureDefinition, Protocol
 from adibas.geometry.uncertainty import UncertainValues, uncertain_angles, uncertain_distances
-from adibas.measures.kind_values import PROJECTED, SPATIAL, Value
-from adibas.measures.propagation import Inputs, first_order, folded
+from adibas.measures.kind_values import PROJECTED, SPATIAL, SUMS, Value
+from adibas.measures.propagation import Function, Inputs, first_order, folded, sum_of_sizes
 from adibas.measures.sight_plane import Vertical, axis_along
 
 Estimates = list[Estimate | None]
+
+ONLY_PROJECTED = ("offset", "offset_share", "side_share", "trunk_symmetry")
+"""Kinds that have no value in space (docs/protocols.md says why)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,6 +79,8 @@ class Measurer:
             Of one kind and one axis, whose landmarks all have a place; one at least.
         """
         kind = definitions[0].kind
+        if kind in SUMS:
+            return sum_of_sizes(*self._moving(SUMS[kind], definitions))
         found = self._first_order(PROJECTED[kind], definitions)
         return [folded(one) for one in found] if kind == "angle" else found
 
@@ -84,7 +89,7 @@ class Measurer:
         kind = definitions[0].kind
         if kind in SPATIAL:
             return self._first_order(SPATIAL[kind], definitions)
-        if kind in ("offset", "offset_share"):
+        if kind in ONLY_PROJECTED:
             return [None] * len(definitions)
         points_m, covariances_m2 = self._points(definitions, ())
         if kind == "distance":
@@ -99,6 +104,13 @@ class Measurer:
         return angles
 
     def _first_order(self, value: Value, definitions: Sequence[MeasureDefinition]) -> Estimates:
+        is_angle = KINDS[definitions[0].kind].quantity == "angle"
+        return first_order(*self._moving(value, definitions), is_angle=is_angle)
+
+    def _moving(
+        self, value: Value, definitions: Sequence[MeasureDefinition]
+    ) -> tuple[Function, Inputs]:
+        """Return a value as a function of points and tilts of the vertical, and its inputs."""
         sight, n_own = self._sight, len(definitions[0].points)
         axis = definitions[0].axis or VIEW_AXES[sight.view][0]
         points_m, covariances_m2 = self._points(definitions, sight.across)
@@ -111,9 +123,7 @@ class Measurer:
             direction = axis_along(axis, sight.view, up, across_m, is_sideways=sight.is_sideways)
             return value(moved_m[..., :n_own, :], (direction, up))
 
-        inputs = Inputs(points_m, covariances_m2, sight.vertical.sd_rad)
-        is_angle = KINDS[definitions[0].kind].quantity == "angle"
-        return first_order(of, inputs, is_angle=is_angle)
+        return of, Inputs(points_m, covariances_m2, sight.vertical.sd_rad)
 
     def _points(
         self, definitions: Sequence[MeasureDefinition], across: tuple[str, ...]

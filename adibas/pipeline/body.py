@@ -12,7 +12,7 @@ from adibas.data.body_measures import BodyMeasure
 from adibas.data.measures import AngleMeasure, DistanceMeasure
 from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
-from adibas.errors import BodyError
+from adibas.errors import BodyError, MarkerError
 from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.back import Back, BackParams, measure_back
 from adibas.pipeline.body_landmarks import (
@@ -27,7 +27,7 @@ from adibas.pipeline.body_views import BodyView, ViewRequest, see_view
 from adibas.pipeline.posture import PostureParams
 from adibas.pipeline.protocol_measuring import ProtocolWish
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.session import PostureRequest, analyse_recording
+from adibas.pipeline.session import PostureRequest, find_in_recording
 from adibas.pipeline.turning import see_turn
 from adibas.pipeline.whole_body import WholeBody, WholeBodyParams, join_body
 from adibas.progress import Progress
@@ -42,6 +42,12 @@ ORDER = (POSTERIOR, "anterior", "right_lateral", "left_lateral")
 VIEWS_ALL_AROUND = 3
 NO_BACK = message("Without a posterior view the back is not measured.")
 NO_CROWN = message("Every view cuts the head off, and heights are shares of the stature.")
+NO_MARKER = {
+    "anterior": message("No marker was found in the view from the front."),
+    "posterior": message("No marker was found in the view from behind."),
+    "right_lateral": message("No marker was found in the view of the right side."),
+    "left_lateral": message("No marker was found in the view of the left side."),
+}
 NOTICE = message("{notice}")
 
 
@@ -133,15 +139,16 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
     BodyError
         A view shows nobody, the views do not fit together, nobody turns, or the back is hidden.
     MarkerError
-        Markers were asked for and are not found.
+        Markers were asked for and no view shows one, or labels name markers that are not there.
     """
     _check_views(request)
     seen = (_standing if request.turn is None else _turned)(request, progress)
     sources = seen.sources
     views = [_marked(view, sources[view.view], request) for view in seen.views]
+    lacking = _check_markers(request, views)
     provenances = {view.view: _provenance(sources[view.view], view, clock) for view in seen.views}
     body = measure_views(views, provenances, request.patient, request.protocol, request.params)
-    return replace(body, notices=(*seen.notices, *body.notices))
+    return replace(body, notices=(*seen.notices, *lacking, *body.notices))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -279,7 +286,9 @@ def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedVie
     """Return a view with its markers, where any are to be looked for."""
     if not request.markers:
         return MarkedView(view)
-    found = analyse_recording(
+    wish = request.protocol
+    is_named = wish is not None and one.view in wish.protocol.views
+    found = find_in_recording(
         PostureRequest(
             recording=one.recording,
             markers=request.markers,
@@ -287,11 +296,26 @@ def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedVie
             frames=one.frames,
             view=one.view,
             params=PostureParams(rotation_deg=one.rotation_deg),
+            protocol=wish if is_named else None,
             labels=request.labels.get(one.view),
         ),
         lambda _done, _total: None,
+        may_lack=one.view not in request.labels,
     )
     return MarkedView(view, found.markers)
+
+
+def _check_markers(request: BodyRequest, views: Sequence[MarkedView]) -> tuple[Sentence, ...]:
+    """Return which views show none of the markers; raise MarkerError where no view shows one."""
+    if not request.markers:
+        return ()
+    without = [view.view for view in views if not view.markers]
+    if len(without) == len(views):
+        raise MarkerError(
+            "No view shows a marker. Check that the markers have the learned colour and are in "
+            "view, or learn the colour again in this light."
+        )
+    return tuple(Sentence(NO_MARKER[name]) for name in without)
 
 
 def _provenance(one: ViewRequest, view: BodyView, clock: Clock) -> Provenance:

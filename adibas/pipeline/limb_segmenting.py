@@ -21,7 +21,7 @@ from adibas.files import written_whole
 from adibas.geometry.planes import Plane
 from adibas.limbs.judging import Judgement, judge_absence, judge_mask
 from adibas.limbs.model import LimbModel, load_model, merged
-from adibas.limbs.segmentation import LimbParams, segment
+from adibas.limbs.segmentation import FrameBefore, LimbParams, segment
 from adibas.limbs.training_set import TO_TORSO, FolderHeader
 from adibas.pipeline.limb_label_files import LabelFiles
 from adibas.pipeline.limb_pictures import limb_picture
@@ -126,6 +126,7 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
             # Asked anew each time: the window may be labelling the same folder.
             if files.is_labelled(index):
                 n_known += 1
+                looker.forget()
             else:
                 n_frames += 1
                 frame = recording.read(index)
@@ -184,11 +185,19 @@ class Looker:
         self._floor: Plane | None = turned_floor(calibration.floor, self._turn)
         self._unit_m = info.depth_unit_m
         self._has_looked_for_floor = False
+        self._before: FrameBefore | None = None
+
+    def forget(self) -> None:
+        """Take the next frame for itself: the one that was looked at last is not before it."""
+        self._before = None
 
     def look(
         self, frame: SensorFrame, model: LimbModel, params: LimbParams
     ) -> tuple[LimbParts | None, Judgement]:
-        """Return the limbs, None where nobody is, and what is to be said."""
+        """Return the limbs, None where nobody is, and what is to be said.
+
+        With ``over_time`` each frame is tied to the one that was looked at before.
+        """
         if frame.depth_raw is None:
             return None, judge_mask(np.zeros((1, 1), np.float32), None)
         depth_m = depth_in_metres(frame.depth_raw, self._unit_m)
@@ -201,7 +210,9 @@ class Looker:
                 found=f"{depth_m.shape[1]}x{depth_m.shape[0]}",
             )
         depth_m = np.ascontiguousarray(self._calibration.corrected_depth(depth_m), np.float32)
-        parts, judgement = self._look_upright(self._turn.picture(depth_m), model, params)
+        upright_m = self._turn.picture(depth_m)
+        parts, judgement = self._look_upright(upright_m, model, params)
+        self._before = None if parts is None else FrameBefore(upright_m, parts)
         return None if parts is None else turned_parts(parts, self._turn.inverse()), judgement
 
     def _look_upright(
@@ -221,7 +232,8 @@ class Looker:
         judgement = judge_mask(depth_m, mask)
         if not judgement.is_person:
             return None, judgement
-        parts = segment(depth_m, mask, self._upright.intrinsics.fx, model, params)
+        focal_px = self._upright.intrinsics.fx
+        parts = segment(depth_m, mask, focal_px, model, params, self._before)
         found = person_judge(model, self._upright)(depth_m, mask, parts, None)
         notices = (*said.notices, *judgement.notices, *found.notices)
         return (parts if found.is_person else None), Judgement(found.is_person, notices)

@@ -283,19 +283,24 @@ class PoseEstimator:
         return evidence_of(depth_m, parts, rays, self._joints, params.proposals, params.facing)
 
     def _named(self, depth_m: Float32Array, seen: list[_Seen], time_s: float) -> list[PersonNow]:
-        tops_m = np.array([one.top_m for one in seen])
         middles_m = _middles_m(seen)
         people = []
         box = seen_box(np.asarray(np.isfinite(depth_m)))
+        pictures = [self._picture(box, one.pixels) for one in seen]
+        tops_m = np.array(
+            [
+                one.top_m if picture.shows_stature else np.nan
+                for one, picture in zip(seen, pictures, strict=True)
+            ]
+        )
         self._known_m = middles_m
         numbers = self._identities.match(middles_m, tops_m, time_s)
-        for person, one in zip(numbers, seen, strict=True):
+        for person, one, picture in zip(numbers, seen, pictures, strict=True):
             pixels, parts = one.pixels, one.parts
             if person not in self._followers:
                 self._followers[person] = PersonFollower(
                     self._joints.proportions, self._params.view, self._params.follow
                 )
-            picture = self._picture(box, pixels)
             evidence = one.evidence
             raw = self._followers[person].follow(
                 evidence.proposals, time_s, evidence.front, evidence.cloud, picture

@@ -10,6 +10,7 @@ from adibas.calibration.registered import for_images_of, would_move_again
 from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
+from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.geometry_tables import all_angles, all_distances
@@ -27,6 +28,7 @@ from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.ports import RecordingReader
+from adibas.skeleton.namer import Namer
 
 MARKERS_FOR_A_DISTANCE = 2
 
@@ -67,6 +69,77 @@ class PostureRequest:
     oldest_calibration_days: int | None = None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FoundMarkers:
+    """The markers of one burst, few or none as they may be.
+
+    Attributes
+    ----------
+    findings : MarkerFindings
+        As the pictures give them, without names.
+    markers : tuple of Marker
+        With the names that labels and the protocol's model give them.
+    namer : Namer or None
+        What gave names beside the labels.
+    calibration : RgbdCalibration
+    picture_rgb : (H, W, 3) array
+        The middle picture of the burst.
+    frames : (int, int)
+        Of the burst, the end not included.
+    notices : tuple of str
+    """
+
+    findings: MarkerFindings
+    markers: tuple[Marker, ...]
+    namer: Namer | None
+    calibration: RgbdCalibration
+    picture_rgb: UInt8Array
+    frames: tuple[int, int]
+    notices: tuple[str, ...]
+
+
+def find_in_recording(
+    request: PostureRequest,
+    progress: Progress,
+    clock: Clock = utc_now,
+    *,
+    may_lack: bool = False,
+) -> FoundMarkers:
+    """Find the markers of one burst and name them.
+
+    Parameters
+    ----------
+    may_lack : bool
+        Whether a burst with fewer than two markers is no error.
+
+    Raises
+    ------
+    RecordingError, CalibrationError, MarkerError, ProtocolError
+        As `analyse_recording`.
+    """
+    target = read_target(request.markers)
+    labels = () if request.labels is None else read_labels(request.labels)
+    if request.protocol is not None:
+        check_view(request.protocol, request.view)
+    with open_recording(request.recording) as recording:
+        frames = _burst_range(recording, request.frames)
+        calibration = calibration_of(recording, request.calibration)
+        check_age(calibration, request.oldest_calibration_days, clock())
+        burst = _Burst(recording, calibration, *frames, progress)
+        findings = analyse_burst(burst, calibration, target, request.params)
+        notices = tuple(notice for notice in (recording.notice,) if notice)
+    if not may_lack:
+        check_findings(findings)
+    markers = with_labels(findings.markers, labels)
+    wish, rotation_deg = request.protocol, request.params.rotation_deg
+    namer = None if wish is None else namer_of(wish.protocol, request.view)
+    if namer is not None:
+        by_hand = frozenset(line.label for line in labels)
+        markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
+        notices += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
+    return FoundMarkers(findings, markers, namer, calibration, burst.picture_rgb(), frames, notices)
+
+
 def analyse_recording(
     request: PostureRequest, progress: Progress, clock: Clock = utc_now
 ) -> PostureAnalysis:
@@ -84,25 +157,10 @@ def analyse_recording(
     ProtocolError
         The protocol measures nothing in that view.
     """
-    target = read_target(request.markers)
-    labels = () if request.labels is None else read_labels(request.labels)
-    if request.protocol is not None:
-        check_view(request.protocol, request.view)
-    with open_recording(request.recording) as recording:
-        begin, end = _burst_range(recording, request.frames)
-        calibration = calibration_of(recording, request.calibration)
-        check_age(calibration, request.oldest_calibration_days, clock())
-        burst = _Burst(recording, calibration, begin, end, progress)
-        findings = analyse_burst(burst, calibration, target, request.params)
-        notices = tuple(notice for notice in (recording.notice,) if notice)
-    check_findings(findings)
-    markers = with_labels(findings.markers, labels)
-    wish, rotation_deg = request.protocol, request.params.rotation_deg
-    namer = None if wish is None else namer_of(wish.protocol, request.view)
-    if namer is not None:
-        by_hand = frozenset(line.label for line in labels)
-        markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
-        notices += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
+    found = find_in_recording(request, progress, clock)
+    findings, calibration, markers = found.findings, found.calibration, found.markers
+    begin, end = found.frames
+    target, wish = read_target(request.markers), request.protocol
     analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,
@@ -112,18 +170,20 @@ def analyse_recording(
         rejected=findings.rejected,
         distances=all_distances(markers),
         angles=all_angles(markers),
-        picture_rgb=burst.picture_rgb(),
+        picture_rgb=found.picture_rgb,
         calibration=calibration,
         provenance=with_namer(
             provenance_of(
                 recording_sha256(request.recording), calibration, target, request.params, clock()
             ),
-            namer,
+            found.namer,
         ),
-        notices=(*notices, *doubts_about(findings)),
+        notices=(*found.notices, *doubts_about(findings)),
         surface_per_m=findings.surface.mean_per_m,
     )
-    return analysis if wish is None else with_measures(analysis, wish, (), rotation_deg)
+    if wish is None:
+        return analysis
+    return with_measures(analysis, wish, (), request.params.rotation_deg)
 
 
 class _Burst:

@@ -41,6 +41,8 @@ SPINE_LEVELS = {
 _L4_ABOVE_HIPS = 0.24
 """Of the height from the hips to the neck's root: the iliac crests."""
 _C7_ABOVE_NECK = -0.015
+_CLEFT_LEVEL, _WAIST_LEVEL, _FOLD_LEVEL = 1.14, 0.845, 0.3
+"""Of the natal cleft below the sacrum, of the waist (L3) and of the axillary fold (below T5)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,10 +76,11 @@ class RestBody:
 
 def landmark_anchors(body: RestBody) -> SurfaceAnchors:
     """Return all landmarks; paired ones begin with ``left_`` or ``right_`` (the patient's)."""
-    rays = _head_rays(body) | _spine_rays(body)
+    rays = _head_rays(body) | _spine_rays(body) | _middle_rays(body)
     for side, suffix, outward in (("left", ".L", LEFT), ("right", ".R", -LEFT)):
         paired = (
             _girdle_rays(body, side, suffix, outward)
+            | _outline_rays(body, side, suffix, outward)
             | _pelvis_rays(body, suffix, outward)
             | _arm_rays(body, side, suffix)
             | _leg_rays(body, side, suffix, outward)
@@ -134,6 +137,16 @@ def _head_rays(body: RestBody) -> dict[str, Ray]:
     }
 
 
+def _middle_rays(body: RestBody) -> dict[str, Ray]:
+    """Return the lower ends of the trunk's middle: the umbilicus lies level with L4."""
+    trunk = body.on("torso", "left_upper_leg", "right_upper_leg")
+    z = float(body.skeleton.head("upperleg01.L")[2])
+    return {
+        "umbilicus": Ray(_at(0.0, _level_y(body, SPINE_LEVELS["l4"]), z), FORWARD, trunk),
+        "natal_cleft": Ray(_at(0.0, _level_y(body, _CLEFT_LEVEL), z), BACK, trunk),
+    }
+
+
 def _ear(head_points_m: FloatArray) -> FloatArray:
     """Return a point inside the left tragus: at the front of the ear, half way up."""
     ear = head_points_m[head_points_m[:, 0] > 0.9 * head_points_m[:, 0].max()]
@@ -170,6 +183,23 @@ def _girdle_rays(body: RestBody, side: str, suffix: str, outward: FloatArray) ->
         "inferior_scapula": Ray(_at(0.45 * x, _level_y(body, SPINE_LEVELS["t7"]), 0), BACK, trunk),
         "scapular_spine": Ray(_at(0.36 * x, _level_y(body, SPINE_LEVELS["t3"]), 0), BACK, trunk),
     }
+
+
+def _outline_rays(body: RestBody, side: str, suffix: str, outward: FloatArray) -> dict[str, Ray]:
+    """Return what the symmetry of the trunk is told from, as it is seen from behind and before."""
+    shoulder = body.skeleton.head("upperarm01" + suffix)
+    trunk, girdle = body.on("torso"), body.on("torso", "neck", f"{side}_upper_arm")
+    z = float(shoulder[2])
+    fold = _at(0.75 * float(shoulder[0]), _level_y(body, _FOLD_LEVEL), z)
+    waist = _at(0.0, _level_y(body, _WAIST_LEVEL), z)
+    rays: dict[str, Ray] = {}
+    for name, to_sensor in (("", BACK), ("anterior_", FORWARD)):
+        rays |= {
+            f"{name}shoulder_top": Ray(fold, unit(UP + 0.6 * to_sensor), girdle),
+            f"{name}axilla": Ray(fold, to_sensor, girdle),
+            f"{name}waist": Ray(waist, unit(outward + 0.3 * to_sensor), trunk),
+        }
+    return rays
 
 
 def _pelvis_rays(body: RestBody, suffix: str, outward: FloatArray) -> dict[str, Ray]:

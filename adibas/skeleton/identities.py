@@ -68,7 +68,8 @@ class Identities:
         places_m : (N, 3) array
             Middle of each person, metres.
         tops_m : (N,) array
-            How high each reaches, metres, from anywhere.
+            How high each reaches, metres, from anywhere; NaN where the picture cuts somebody off,
+            who then is told by the place alone.
         """
         params = self._params
         self._known = [one for one in self._known if time_s - one.seen_s <= params.memory_s]
@@ -94,7 +95,7 @@ class Identities:
             expected_m = known.expected_m(time_s, self._params.damping_s)
             # Across the floor: who is hidden below has another middle, but stands where he stood.
             ways_m = np.linalg.norm((places_m - expected_m)[:, [0, 2]], axis=1)
-            higher_m = np.abs(tops_m - known.top_m)
+            higher_m = np.nan_to_num(np.abs(tops_m - known.top_m))
             cost = ways_m + self._params.size_weight * np.minimum(higher_m, 0.3)
             # What cannot be must not push another pair apart.
             costs[:, column] = np.where(cost < self._reach_m(known, time_s), cost, IMPOSSIBLE)
@@ -109,5 +110,7 @@ class Identities:
         if since_s > 0:
             speed = (place_m - known.place_m) / since_s
             known.speed_m_s = 0.7 * known.speed_m_s + 0.3 * speed
-        known.place_m, known.top_m = np.array(place_m, float), 0.8 * known.top_m + 0.2 * top_m
-        known.seen_s = time_s
+        known.place_m, known.seen_s = np.array(place_m, float), time_s
+        if not np.isnan(top_m):
+            before_m = top_m if np.isnan(known.top_m) else known.top_m
+            known.top_m = 0.8 * before_m + 0.2 * top_m

@@ -31,6 +31,12 @@ class Picture:
     box: Box
     is_cut: tuple[bool, bool, bool, bool]
 
+    @property
+    def shows_stature(self) -> bool:
+        """Return whether neither the head nor a side is cut off: how high somebody reaches."""
+        top, _bottom, left, right = self.is_cut
+        return not (top or left or right)
+
     def shows(self, joints_m: FloatArray) -> BoolArray:
         """Say of (N, 3) joints, metres, whether the picture can show them; not of NaN."""
         least_m = np.where(self.is_cut, CUT_MARGIN_M, 0.0)

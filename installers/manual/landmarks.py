@@ -16,7 +16,7 @@ from adibas.simulation.body import PosedBody, load_body_model
 from adibas.simulation.patient import SHAPES
 from adibas.simulation.poses import standing
 
-PROTOCOLS = ("sapo-1", "upper-quadrant", "joints-15")
+PROTOCOLS = ("sapo-1", "upper-quadrant", "trunk-symmetry", "joints-15")
 MODEL = SHAPES[5]
 """Who stands in the figures."""
 

@@ -59,7 +59,7 @@ def mine():
 def test_the_first_time_a_protocol_is_opened_and_checked(presenter, view):
     presenter.enter()
     names, chosen, _folder = view.show_names.call_args.args
-    assert names == ("joints-15", "sapo-1", "upper-quadrant")
+    assert names == ("joints-15", "sapo-1", "trunk-symmetry", "upper-quadrant")
     assert chosen == "joints-15"
     assert '"id": "joints-15"' in view.show_text.call_args.args[0]
     mistakes, summary = view.show_check.call_args.args
@@ -151,7 +151,10 @@ def test_an_own_protocol_is_deleted_after_a_question_and_saving_its_text_brings_
     act()
     assert not (own_folder / "mine.json").exists()
     assert told[-1] == ("good", "mine was deleted.")
-    assert view.show_names.call_args.args[:2] == (("joints-15", "sapo-1", "upper-quadrant"), "")
+    assert view.show_names.call_args.args[:2] == (
+        ("joints-15", "sapo-1", "trunk-symmetry", "upper-quadrant"),
+        "",
+    )
     view.show_own.assert_called_with(is_own=False)
     view.show_changed.assert_called_once_with(mine())
     presenter.save(mine())
@@ -312,7 +315,7 @@ def test_a_measure_is_added_by_a_form_without_writing_json(page, qtbot):
     kind, axis, *points = form.findChildren(QComboBox)
     name.setText("Shoulder beside the middle")
     {one.text(): one for one in form.findChildren(QCheckBox)}["Front"].click()
-    assert [box.isVisibleTo(form) for box in points] == [True, True, False, False]
+    assert [box.isVisibleTo(form) for box in points] == [True] * 2 + [False] * 6
     kind.setCurrentIndex(kind.findData("offset"))
     assert [axis.itemData(i) for i in range(axis.count())] == ["left", "right", "up"]
     points[0].setCurrentIndex(points[0].findText("Acromion, left"))

@@ -107,3 +107,20 @@ def test_joints_beyond_the_picture_or_beside_its_cut_are_not_shown():
     cut = Picture(camera, (0, 480, 0, 640), (False, False, True, False))
     assert CUT_MARGIN_M > 0.02
     assert cut.shows(joints_m).tolist() == [False, False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("is_cut", "shows_stature"),
+    [
+        ((False, False, False, False), True),
+        ((False, True, False, False), True),
+        ((True, False, False, False), False),
+        ((False, False, True, False), False),
+        ((False, True, False, True), False),
+    ],
+)
+def test_how_high_somebody_reaches_is_seen_where_neither_head_nor_side_is_cut(
+    is_cut, shows_stature
+):
+    camera = CrowdScene(ODD_PLANS["empty"], 0).info.calibration.depth
+    assert Picture(camera, (0, 480, 0, 640), is_cut).shows_stature == shows_stature

@@ -274,11 +274,12 @@ def test_the_floor_before_a_sensor_on_its_side_is_found_as_its_picture_is_turned
 def test_markers_are_looked_for_as_the_picture_is_turned(folder, tmp_path, monkeypatch):
     asked = []
 
-    def look(request, _progress):
+    def look(request, _progress, *, may_lack):
+        assert may_lack
         asked.append(request.params.rotation_deg)
-        return SimpleNamespace(markers=())
+        return SimpleNamespace(markers=(Marker("m01", 0.0, 0.0, 5.0, np.eye(2)),))
 
-    monkeypatch.setattr("adibas.pipeline.body.analyse_recording", look)
+    monkeypatch.setattr("adibas.pipeline.body.find_in_recording", look)
     told = f"posterior={folder / 'behind.mcap'}"
     out = tmp_path / "back.ply"
     code, _, _ = run("body", told, "--markers", "led", "--rotation", "180", "--out", out)

@@ -13,7 +13,7 @@ from adibas.graphcut.energy import (
     label_energy,
     penalty_table,
 )
-from adibas.graphcut.in_time import follow
+from adibas.graphcut.in_time import follow, ties_in_time
 from adibas.graphcut.minimising import minimise
 from adibas.graphcut.neighbors import connect_pixels
 from tests.unit.graph_cut_referee import plain_energy
@@ -171,3 +171,16 @@ def test_the_frame_before_holds_labels_where_nothing_else_decides():
     np.testing.assert_array_equal(minimise(tied).labels, previous)
     unknown = follow(energy, np.full(graph.n_pixels, -1), np.full(graph.n_pixels, 20.0))
     np.testing.assert_array_equal(unknown.costs, energy.costs)
+
+
+def test_ties_in_time_fall_with_the_depth_that_changed_as_equation_6_23_says():
+    now, before = RNG.normal(2.0, 0.01, (2, 50))
+    now[3], before[7] = np.nan, np.nan
+    known = np.isfinite(now) & np.isfinite(before)
+    squares = [(a - b) ** 2 for a, b in zip(now[known], before[known], strict=True)]
+    beta = 1 / (2 * sum(squares) / len(squares))
+    ties = ties_in_time(now, before)
+    assert ties[known] == pytest.approx([math.exp(-beta * square) for square in squares])
+    assert not ties[~known].any()
+    np.testing.assert_array_equal(ties_in_time(now[known], now[known]), 1.0)
+    np.testing.assert_array_equal(ties_in_time(np.full(2, np.nan), np.ones(2)), 0.0)

@@ -14,7 +14,7 @@ from adibas.limbs.evaluation import confusion_of, no_confusion
 from adibas.limbs.judging import judge_mask, judge_parts
 from adibas.limbs.model import CLUTTER, load_model, merged, model_of, save_model
 from adibas.limbs.penalties import omega_2
-from adibas.limbs.segmentation import LimbParams, _filled, segment
+from adibas.limbs.segmentation import FrameBefore, LimbParams, _filled, segment
 from adibas.limbs.training_set import TO_TORSO, Relabelled
 
 FOCAL_PX = 100.0
@@ -84,6 +84,44 @@ def test_a_back_has_its_sides_swapped(model, person):
     back = segment(depth_m, mask, FOCAL_PX, model, LimbParams(is_from_behind=True))
     np.testing.assert_array_equal(back.of("left_hand"), front.of("right_hand"))
     np.testing.assert_array_equal(back.of("torso"), front.of("torso"))
+
+
+@pytest.mark.parametrize("is_from_behind", [False, True])
+def test_ties_to_the_frame_before_hold_its_labels_as_strongly_as_asked(
+    model, person, is_from_behind
+):
+    """The frame before says left where the depth says right: a strong tie believes it."""
+    depth_m, mask, _truth = person
+    free = LimbParams(step=1, is_from_behind=is_from_behind)
+    alone = segment(depth_m, mask, FOCAL_PX, model, free)
+    other = alone.with_sides_swapped()
+    before = FrameBefore(depth_m, other)
+    tied = [
+        segment(depth_m, mask, FOCAL_PX, model, replace(free, over_time=weight), before)
+        for weight in (0.0, 0.5, 1000.0)
+    ]
+    known = other.chosen >= 0
+    np.testing.assert_array_equal(tied[0].chosen, alone.chosen)
+    np.testing.assert_array_equal(tied[2].chosen[known], other.chosen[known])
+    assert (alone.chosen != other.chosen).any()
+    untied = segment(depth_m, mask, FOCAL_PX, model, replace(free, over_time=1000.0), None)
+    np.testing.assert_array_equal(untied.chosen, alone.chosen)
+
+
+def test_a_frame_before_without_depth_or_labels_ties_nothing(model, person):
+    depth_m, mask, _truth = person
+    params = LimbParams(step=1, over_time=1000.0)
+    alone = segment(depth_m, mask, FOCAL_PX, model, replace(params, over_time=0.0))
+    blind = FrameBefore(np.full_like(depth_m, np.nan), alone.with_sides_swapped())
+    nobody = segment(depth_m, np.zeros_like(mask), FOCAL_PX, model)
+    for before in (blind, FrameBefore(depth_m, nobody)):
+        found = segment(depth_m, mask, FOCAL_PX, model, params, before)
+        np.testing.assert_array_equal(found.chosen, alone.chosen)
+
+
+def test_a_negative_tie_is_refused():
+    with pytest.raises(ValueError, match="over_time"):
+        LimbParams(over_time=-1.0)
 
 
 @pytest.mark.parametrize("cut", ["omega_1", "omega_2", "none"])

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict, replace
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -117,6 +118,31 @@ def label_by_hand(video, out, *, is_done):
 
 def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def changed(out, n_frames):
+    """Shares of pixels, of a person in two frames that follow, whose label is another one."""
+    images = LimbFolder(out)
+    labels = [images.read(index)[1] for index in range(n_frames)]
+    pairs = [(a, b, (a > 0) & (b > 0)) for a, b in pairwise(labels)]
+    return [(a != b)[both].mean() for a, b, both in pairs]
+
+
+def test_labels_tied_over_time_change_less_from_frame_to_frame(tmp_path, capsys):
+    video, n_frames = tmp_path / "still.mcap", 4
+    scene = open_scene("standing", seed=3, has_color=False, is_swaying=False, distance_m=2.7)
+    with create_recording(video, scene.info) as writer:
+        for index in range(n_frames):
+            writer.write(scene.frame(index).sensor_frame)
+    assert segment(video, tmp_path / "free") == 0
+    assert segment(video, tmp_path / "tied", "--over-time", "1") == 0
+    free, tied = (changed(tmp_path / name, n_frames) for name in ("free", "tied"))
+    assert all(after < before for before, after in zip(free, tied, strict=True))
+    first = [LimbFolder(tmp_path / name).read(0)[1] for name in ("free", "tied")]
+    np.testing.assert_array_equal(*first)
+    with pytest.raises(SystemExit):
+        segment(video, tmp_path / "none", "--over-time", "1", "--cut", "none")
+    assert "leave --cut none out" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("is_done", [True, False])

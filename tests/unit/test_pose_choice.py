@@ -282,6 +282,27 @@ def test_whoever_comes_after_long_absence_or_elsewhere_is_somebody_else():
     assert identities.match(np.empty((0, 3)), np.empty(0), 9.1) == []
 
 
+def test_somebody_whom_the_picture_cuts_off_is_told_by_the_place():
+    """A sleeve that comes into view, then the whole person, then a sleeve again."""
+    sleeve, whole = np.array([[-0.70, 0.0, 1.7]]), np.array([[-0.55, 0.0, 1.6]])
+    identities = Identities()
+    assert identities.match(sleeve, np.array([np.nan]), 0.0) == [1]
+    assert identities.match(whole, np.array([1.7]), 0.1) == [1]
+    assert identities.match(sleeve, np.array([np.nan]), 0.2) == [1]
+    assert identities.match(whole, np.array([1.7]), 0.3) == [1]
+    child_m = whole + np.array([0.2, 0.0, 0.0])
+    assert identities.match(child_m, np.array([1.1]), 0.4) == [2]  # the height is still known
+
+
+def test_of_two_who_may_be_meant_the_height_decides_where_it_is_seen():
+    places_m = np.array([[0.0, 0.0, 2.0], [0.2, 0.0, 2.0]])
+    for top_m, wanted in ((1.2, [1]), (1.45, [2])):
+        identities = Identities()
+        assert identities.match(places_m, np.array([1.2, 1.45]), 0.0) == [1, 2]
+        middle_m = places_m.mean(axis=0, keepdims=True)
+        assert identities.match(middle_m, np.array([top_m]), 0.1) == wanted
+
+
 def test_proportions_are_those_of_the_examples_and_survive_their_file(adult_m):
     joints_m = np.stack([adult_m, adult_m])
     learned = learn_proportions(joints_m, np.array([1.68, 1.68]), np.full((2, N_JOINTS), 0.01))

@@ -24,7 +24,7 @@ from adibas.measures.protocol_file import check_protocol, load_protocol, read_pr
 from adibas.measures.protocol_store import find_protocol, protocol_files
 from adibas.texts import LANGUAGES, speaking
 
-SHIPPED = ("joints-15", "sapo-1", "upper-quadrant")
+SHIPPED = ("joints-15", "sapo-1", "trunk-symmetry", "upper-quadrant")
 
 
 def small():

@@ -20,6 +20,8 @@ PEOPLE = [
     BodyShape("male", 6, 1.15, 20),
     BodyShape("female", 75, 1.55, 80),
 ]
+THIN = [BodyShape("female", 10.6, 1.357, 19.7), BodyShape("male", 7.9, 1.295, 21.2)]
+"""Of 400 drawn bodies those whose rays to the axillae were the last to find skin."""
 PAIRED = (
     "tragus",
     "acromion",
@@ -37,6 +39,12 @@ PAIRED = (
     "midleg",
     "lateral_malleolus",
     "medial_malleolus",
+    "shoulder_top",
+    "axilla",
+    "waist",
+    "anterior_shoulder_top",
+    "anterior_axilla",
+    "anterior_waist",
     "achilles",
     "calcaneus",
     "metatarsals",
@@ -64,7 +72,7 @@ def distance_to_mesh_m(point, vertices_m, triangles):
 
 def test_every_landmark_has_its_name(person):
     wanted = {f"{side}_{name}" for side in ("left", "right") for name in PAIRED}
-    wanted |= {"glabella", "menton", "sternal_notch", *SPINE_LEVELS}
+    wanted |= {"glabella", "menton", "sternal_notch", "umbilicus", "natal_cleft", *SPINE_LEVELS}
     assert set(person.landmark_anchors.names) == wanted
 
 
@@ -72,6 +80,26 @@ def test_landmarks_lie_on_the_skin(stood):
     for name, point in stood.landmarks.items():
         away_m = distance_to_mesh_m(point, stood.vertices_m, stood.body.model.triangles)
         assert away_m < 0.001, name
+
+
+def test_landmarks_of_the_trunks_outline_lie_as_their_definitions_say(stood):
+    places = stood.landmarks
+    for seen in ("left_", "right_", "left_anterior_", "right_anterior_"):
+        top, fold, waist = (places[seen + name] for name in ("shoulder_top", "axilla", "waist"))
+        assert top[0] == pytest.approx(fold[0], abs=0.04)  # above the fold, arms hanging
+        assert places["left_acromion"][1] - 0.06 < top[1] < fold[1]
+        assert places["c7"][1] < fold[1] < waist[1] < places["natal_cleft"][1]
+        assert abs(waist[0]) > 0.06
+        assert (fold[2] < places["left_acromion"][2]) == ("anterior" in seen)
+    assert places["natal_cleft"][1] > places["s1"][1]
+    assert places["natal_cleft"][2] > 0.0 > places["umbilicus"][2]
+
+
+@pytest.mark.parametrize("shape", THIN, ids=lambda shape: f"{shape.weight_kg:.0f}-kg")
+def test_the_thinnest_children_have_every_landmark_too(shape):
+    assert len(load_body_model().shaped(shape).landmark_anchors.names) == 2 * len(PAIRED) + 5 + len(
+        SPINE_LEVELS
+    )
 
 
 def test_landmarks_stay_on_the_skin_of_a_moving_body(person):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from adibas.data.markers import Marker
 from adibas.data.posture import VIEWS
 from adibas.pipeline import body
 from adibas.pipeline.body_views import ViewRequest
@@ -104,11 +105,12 @@ def test_markers_are_looked_for_in_the_middle_frames(turn, tmp_path):
 def test_markers_are_looked_for_in_no_frame_that_was_not_wanted(turn, monkeypatch):
     looked = {}
 
-    def look(request, _progress):
+    def look(request, _progress, *, may_lack):
+        assert may_lack
         looked[request.view] = request.frames
-        return SimpleNamespace(markers=())
+        return SimpleNamespace(markers=(Marker("m01", 0.0, 0.0, 5.0, np.eye(2)),))
 
-    monkeypatch.setattr(body, "analyse_recording", look)
+    monkeypatch.setattr(body, "find_in_recording", look)
     wanted = ViewRequest("posterior", turn, frames=(2, 17))  # 84 degrees: each side is at an end
     request = body.BodyRequest((), markers="led", turn=wanted)
     body.measure_body(request, lambda _done, _total: None)

@@ -35,6 +35,8 @@ KIND_TEXTS = {
     "offset": message("how far a point lies beside another"),
     "offset_share": message("the same, as a share of another way"),
     "asymmetry_index": message("asymmetry index of two ways"),
+    "side_share": message("difference of two ways, as a share of their sum"),
+    "trunk_symmetry": message("symmetry index of the trunk (middle below and above, three pairs)"),
 }
 DIRECTIONS = {
     "left": message("to the left"),
