@@ -1,6 +1,7 @@
 """Time of the markerless chain on simulated frames of 640x480, stage by stage.
 
-Processor time of all threads: on a quiet machine with two cores the clock shows no more than that.
+Processor time of all threads, and the clock's, which is the goal's and means little on a machine
+that does other work.
 """
 
 import os
@@ -42,12 +43,14 @@ class _Watch:
 
     def __init__(self) -> None:
         self.spent_ms: dict[str, list[float]] = {}
+        self.clock_ms: dict[str, list[float]] = {}
 
     def timed(self, stage: str, work: Callable[[], Result]) -> Result:
         """Do the work and note its time."""
-        begin = time.process_time()
+        begin, clock = time.process_time(), time.perf_counter()
         result = work()
         self.spent_ms.setdefault(stage, []).append(1e3 * (time.process_time() - begin))
+        self.clock_ms.setdefault(stage, []).append(1e3 * (time.perf_counter() - clock))
         return result
 
 
@@ -64,8 +67,11 @@ def rows(*, quick: bool) -> Iterable[Row]:
     own = np.sum([watch.spent_ms[stage][WARM_UP:] for stage in OWN], axis=0)
     yield Row("proposals and choice, median", float(np.median(own)), "ms", 5.0, "goal <=")
     yield Row("whole chain, median", float(np.median(whole)), "ms", FRAME_MS, "goal <=")
-    slow_ms = float(np.percentile(whole, 99))
-    yield Row("whole chain, 99 % of frames within", slow_ms, "ms", FRAME_MS, "goal <=")
+    name = "whole chain, 99 % of frames within"
+    yield Row(name, float(np.percentile(whole, 99)), "ms", FRAME_MS, "goal <=")
+    clock = np.sum([times[WARM_UP:] for times in watch.clock_ms.values()], axis=0)
+    yield Row("whole chain, median", float(np.median(clock)), "ms clock", FRAME_MS, "goal <=")
+    yield Row(name, float(np.percentile(clock, 99)), "ms clock", FRAME_MS, "goal <=")
 
 
 def _follow(name: str, n_frames: int, watch: _Watch) -> None:

@@ -70,7 +70,7 @@ def _what_stands(
     params: BodyParams,
 ) -> Absence:
     rays = viewing_rays(camera)
-    heights_m = None if floor is None else heights_over(depth_m, rays, floor)
+    heights_m = None if floor is None else heights_over(depth_m, camera, floor)
     inverse_depth = standing_free(depth_m, heights_m, params)
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.body.grid_kernels import grid_normals
 from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.planes import Plane
@@ -101,13 +102,7 @@ def level_grid(
     """Return (h, w, 3) points and unit normals that point to the camera; NaN where unknown."""
     z_m = np.asarray(depth_m[::step, ::step], float)
     points_m = viewing_rays(camera)[::step, ::step] * z_m[..., None]
-    normals = np.full_like(points_m, np.nan)
-    across = points_m[2:-2, 4:] - points_m[2:-2, :-4]
-    down = points_m[4:, 2:-2] - points_m[:-4, 2:-2]
-    normal = np.cross(down, across)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        normals[2:-2, 2:-2] = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
-    return points_m, normals
+    return points_m, grid_normals(points_m)
 
 
 def _band_m(points_m: FloatArray, params: FloorParams) -> FloatArray:

@@ -9,10 +9,10 @@ inside it (dark hair, LEDs) are filled.
 import cv2
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
+from adibas.arrays import BoolArray, Float32Array, check_shape
 from adibas.body.component_kernels import label_surfaces, surface_moments
 from adibas.body.person import BodyParams, Surfaces, find_person
-from adibas.body.rays import viewing_rays
+from adibas.body.rays import rise_of_rays, viewing_rays
 from adibas.data.calibration import CameraCalibration
 from adibas.data.masks import BodyMask
 from adibas.geometry.planes import Plane
@@ -39,7 +39,7 @@ def find_body(
     params = params or BodyParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
     rays = viewing_rays(depth_camera)
-    heights_m = None if floor is None else heights_over(depth_m, rays, floor)
+    heights_m = None if floor is None else heights_over(depth_m, depth_camera, floor)
     inverse_depth = standing_free(depth_m, heights_m, params)
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
@@ -56,9 +56,11 @@ def find_body(
     return BodyMask(pixels)
 
 
-def heights_over(depth_m: Float32Array, rays: Float32Array, floor: Plane) -> Float32Array:
+def heights_over(
+    depth_m: Float32Array, depth_camera: CameraCalibration, floor: Plane
+) -> Float32Array:
     """Return the (H, W) height over the floor, metres; NaN where there is no depth."""
-    heights_m = (rays @ floor.normal.astype(np.float32)) * depth_m
+    heights_m: Float32Array = rise_of_rays(depth_camera, floor) * depth_m
     heights_m += np.float32(floor.offset_m)
     return heights_m
 
@@ -70,8 +72,10 @@ def standing_free(
     with np.errstate(invalid="ignore"):
         usable = (depth_m > params.range_m[0]) & (depth_m < params.range_m[1])
         if heights_m is not None:
-            band_m = np.float32(params.floor_band_per_m) * depth_m * depth_m
-            usable &= heights_m > band_m + np.float32(params.floor_band_m)
+            band_m = np.float32(params.floor_band_per_m) * depth_m
+            band_m *= depth_m
+            band_m += np.float32(params.floor_band_m)
+            usable &= heights_m > band_m
     inverse = np.zeros(depth_m.shape, np.float32)
     np.divide(np.float32(1), depth_m, out=inverse, where=usable)
     return inverse
@@ -117,18 +121,22 @@ def close_bays(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> Bo
 
 def fill_holes(pixels: BoolArray, measured: BoolArray, params: BodyParams) -> BoolArray:
     """Fill the stretches without depth that the body surrounds."""
-    holes: UInt8Array = (~measured & ~pixels).astype(np.uint8)
-    n_holes, hole_labels, stats, _ = cv2.connectedComponentsWithStats(holes, connectivity=4)
+    holes = ~measured & ~pixels
     index = np.flatnonzero(holes)  # few pixels
+    n_holes, hole_labels = cv2.connectedComponents(holes.view(np.uint8), connectivity=4)
     of_pixel = hole_labels.ravel()[index]
-    rim = cv2.dilate(pixels.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()[index] > 0
+    rim = _beside(pixels).ravel()[index]
     inner = np.bincount(of_pixel[rim], minlength=n_holes)
-    outside = ~pixels & measured
-    touching = cv2.dilate(outside.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()[index] > 0
+    touching = _beside(~pixels & measured).ravel()[index]
     outer = np.bincount(of_pixel[touching], minlength=n_holes)
-    fill = (outer <= 0.1 * inner) & (
-        stats[:, cv2.CC_STAT_AREA] < params.max_hole_share * pixels.sum()
-    )
-    fill[0] = False
-    filled: BoolArray = pixels | fill[hole_labels]
+    areas_px = np.bincount(of_pixel, minlength=n_holes)
+    most_px = params.max_hole_share * np.count_nonzero(pixels)
+    fill = (outer <= 0.1 * inner) & (areas_px < most_px)
+    filled = pixels.copy()
+    filled.ravel()[index] = fill[of_pixel]
     return filled
+
+
+def _beside(pixels: BoolArray) -> BoolArray:
+    """Return the pixels of an image and those that touch them."""
+    return cv2.dilate(pixels.view(np.uint8), np.ones((3, 3), np.uint8)).view(np.bool_)

@@ -113,7 +113,7 @@ def find_people(
     params = params or PeopleParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
     rays = viewing_rays(depth_camera)
-    heights_m = None if floor is None else heights_over(depth_m, rays, floor)
+    heights_m = None if floor is None else heights_over(depth_m, depth_camera, floor)
     inverse_depth = standing_free(depth_m, heights_m, params.body)
     if floor is not None and heights_m is not None:
         inverse_depth[tables(depth_m, heights_m, depth_camera, floor, params)] = 0.0
@@ -148,7 +148,7 @@ def _masks(
     taken = np.zeros(depth_m.shape, np.bool_)
     masks = []
     for number in range(len(bodies)):
-        pixels = np.asarray((owners == number)[surfaces.labels])
+        pixels = np.take(owners == number, surfaces.labels)
         box = box_of(pixels, params.bay_px + 1)
         here = measured[box]
         pixels[box] = fill_holes(close_bays(pixels[box], here, params), here, params)
@@ -185,9 +185,9 @@ def is_boxy(surfaces: Surfaces, label: int, rays: Float32Array, params: PeoplePa
 
     The plane is the one of many through three points of the surface that holds most of it.
     """
-    rows, columns = np.nonzero(surfaces.labels == label)
-    chosen = np.linspace(0, len(rows) - 1, N_WITNESSES).astype(np.int64)
-    rows, columns = rows[chosen], columns[chosen]
+    index = surfaces.pixels_of(label)
+    chosen = index[np.linspace(0, len(index) - 1, N_WITNESSES).astype(np.int64)]
+    rows, columns = np.divmod(chosen, surfaces.labels.shape[1])
     points_m = rays[rows, columns] / surfaces.inverse_depth[rows, columns][:, None]
     corners = np.random.default_rng(0).integers(0, N_WITNESSES, (N_PLANES, 3))
     a, b, c = (points_m[corners[:, k]] for k in range(3))
@@ -205,7 +205,7 @@ def has_head(surfaces: Surfaces, label: int, params: PeopleParams) -> bool:
     """Say whether a surface that reaches high enough ends above in a head over shoulders."""
     if surfaces.heights_m is None:
         return False
-    index = np.flatnonzero(surfaces.labels == label)
+    index = surfaces.pixels_of(label)
     heights_m = surfaces.heights_m.ravel()[index]
     top_m = float(np.percentile(heights_m, TOP_PERCENTILE))
     if top_m < params.seated_top_m:
@@ -239,14 +239,16 @@ def tables(
     `heights_m` (H, W) are those over the floor.
     """
     points_m, normals = level_grid(depth_m, camera, params.grid_px)
-    grid_m = floor.signed_distance_m(points_m)
+    along_m = points_m @ floor.normal
+    grid_m = along_m + floor.offset_m
     with np.errstate(invalid="ignore"):
         level = normals @ floor.normal > np.cos(np.radians(25.0))
         level &= (grid_m > params.table_heights_m[0]) & (grid_m < params.table_heights_m[1])
     found = np.zeros(depth_m.shape, np.bool_)
     if not level.any():
         return found
-    areas_m2 = _level_areas_m2(points_m, floor, camera, params.grid_px)
+    areas_m2 = np.zeros(level.shape)
+    areas_m2[level] = _level_areas_m2(points_m[level], along_m[level], camera, params.grid_px)
     for height_m in _table_heights_m(grid_m[level], areas_m2[level], params):
         near = level & (np.abs(grid_m - height_m) < 2.0 * params.table_band_m)
         # A table is a small part of the picture: only its surroundings are looked at.
@@ -258,13 +260,16 @@ def tables(
 
 
 def _level_areas_m2(
-    points_m: FloatArray, floor: Plane, camera: CameraCalibration, step: int
+    points_m: FloatArray, along_m: FloatArray, camera: CameraCalibration, step: int
 ) -> FloatArray:
-    """Return the level area that each point of the grid stands for."""
+    """Return the level area that each of (N, 3) points of the grid stands for.
+
+    `along_m` (N,) is how far they are from the camera along the floor's normal.
+    """
     k = camera.intrinsics
     distance_m = np.linalg.norm(points_m, axis=-1)
-    slant = np.abs(points_m @ floor.normal) / distance_m
-    facing_m2 = step * step * points_m[..., 2] * distance_m / (k.fx * k.fy)
+    slant = np.abs(along_m) / distance_m
+    facing_m2 = step * step * points_m[:, 2] * distance_m / (k.fx * k.fy)
     return np.asarray(facing_m2 / np.maximum(slant, 0.05))
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from adibas.arrays import Float32Array, FloatArray, Int32Array
+from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray
 from adibas.body.component_kernels import gaps_to_body
 
 TOP_PERCENTILE = 98.0
@@ -107,6 +107,14 @@ class Surfaces:
     heights_m: Float32Array | None
     pixel_rad: float
     _borders: dict[tuple[int, int], FloatArray] = field(default_factory=dict, init=False)
+    _pixels: dict[int, IntArray] = field(default_factory=dict, init=False)
+
+    def pixels_of(self, label: int) -> IntArray:
+        """Return where a surface is: rising numbers of pixels in the flat image."""
+        known = self._pixels.get(label)
+        if known is None:
+            known = self._pixels[label] = np.flatnonzero(self.labels == label)
+        return known
 
     def borders(self, label: int, reach_px: int) -> FloatArray:
         """Return how every surface borders on one; see `component_kernels.gaps_to_body`."""
@@ -164,13 +172,13 @@ def _is_tall(surfaces: Surfaces, label: int, shape: "_Shape", params: BodyParams
     """Say whether it is as tall as a person, as far as can be seen."""
     if shape.length_m > params.standing_length_m:
         return True
-    pixels = surfaces.labels == label
     if surfaces.heights_m is not None:
-        top_m = float(np.percentile(surfaces.heights_m[pixels], TOP_PERCENTILE))
-        return top_m > params.standing_top_m
+        heights_m = surfaces.heights_m.ravel()[surfaces.pixels_of(label)]
+        return float(np.percentile(heights_m, TOP_PERCENTILE)) > params.standing_top_m
     # Someone seen from the waist up is cut off by the lower edge of the image, across.
     last_row = int(np.flatnonzero((surfaces.labels > 0).any(axis=1))[-1])
-    cut_px = int(pixels[max(last_row - BOTTOM_ROWS, 0) : last_row + 1].any(axis=0).sum())
+    lowest = surfaces.labels[max(last_row - BOTTOM_ROWS, 0) : last_row + 1] == label
+    cut_px = int(lowest.any(axis=0).sum())
     return bool(cut_px * surfaces.pixel_rad * shape.mean_m[2] > params.min_cut_m)
 
 

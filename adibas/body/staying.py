@@ -141,7 +141,7 @@ def _surfaces_of(
     n_both = np.bincount(inside[both], minlength=n_labels)
     belongs = (n_inside > params.least_inside * n_all) & (total_m < params.farthest_m * n_both)
     belongs[0] = False
-    return np.asarray(belongs[labels])
+    return np.take(belongs, labels)
 
 
 def _inside(one: BoolArray, pixels: BoolArray) -> float:

@@ -3,10 +3,11 @@
 import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, Int32Array
-from adibas.kernels import compiled_parallel, parallel_range
+from adibas.even_blocks import even_blocks
+from adibas.kernels import compiled, compiled_parallel, parallel_range
 
 _BLOCK = 128
-"""Cells of a product: what they gather stays in a core's own cache."""
+"""Most cells of a product: what they gather stays in a core's own cache."""
 _GRADIENT_BLOCK = 512
 """Likewise, of a product that sums over cells: longer ones are done at a higher rate."""
 _N_SUMS = 8
@@ -40,9 +41,10 @@ def convolved(
     n_features, n_made = features.shape[1], weights.shape[1]
     made = np.empty((n_sites + 1, n_made), np.float32)
     made[n_sites] = 0
-    for block in parallel_range((n_sites + _BLOCK - 1) // _BLOCK):
-        first = block * _BLOCK
-        past = min(first + _BLOCK, n_sites)
+    n_blocks, size = even_blocks(n_sites, _BLOCK)
+    for block in parallel_range(n_blocks):
+        first = min(block * size, n_sites)
+        past = min(first + size, n_sites)
         gathered = np.empty((past - first, n_neighbors * n_features), np.float32)
         for site in range(first, past):
             for number in range(n_neighbors):
@@ -121,6 +123,26 @@ def pooled(features: Float32Array, children: Int32Array) -> tuple[Float32Array, 
                     most[site, feature] = features[child, feature]
                     whose[site, feature] = child
     return most, whose
+
+
+@compiled
+def risen(features: Float32Array, parents: Int32Array, skipped: Float32Array) -> Float32Array:
+    """Return (N + 1, C + D) features of each cell's parent, then its own; a last row of zeros.
+
+    Parameters
+    ----------
+    features : (M + 1, C) float32 array
+        Of the coarser level.
+    parents : (N,) int32 array
+    skipped : (N + 1, D) float32 array
+    """
+    n_sites, n_coarse, n_own = len(parents), features.shape[1], skipped.shape[1]
+    made = np.empty((n_sites + 1, n_coarse + n_own), np.float32)
+    made[n_sites] = 0
+    for site in range(n_sites):
+        made[site, :n_coarse] = features[parents[site]]
+        made[site, n_coarse:] = skipped[site]
+    return made
 
 
 @compiled_parallel

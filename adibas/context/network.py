@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import Float32Array, check_shape, read_only
-from adibas.context.kernels import RECTIFIED, convolved, pooled
+from adibas.context.kernels import RECTIFIED, convolved, pooled, risen
 from adibas.context.sites import N_NEIGHBORS, SiteLevel
 
 
@@ -100,7 +100,7 @@ class ContextNetwork:
                 features = convolved(features, level.neighbors, *next(layers), RECTIFIED)
             kept.append(features)
         for level, skipped in zip(levels[-2::-1], kept[-2::-1], strict=True):
-            features = with_nothing(np.hstack([features[level.parents], skipped[:-1]]))
+            features = risen(features, level.parents, skipped)
             for _ in range(2):
                 features = convolved(features, level.neighbors, *next(layers), RECTIFIED)
         last = np.hstack([features[:-1], inputs])

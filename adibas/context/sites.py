@@ -5,12 +5,13 @@ person does. Source: Graham, Engelcke and van der Maaten, 3D Semantic Segmentati
 Sparse Convolutional Networks, CVPR 2018, section 3.
 """
 
+import itertools
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Int32Array, IntArray, check_shape, read_only
+from adibas.arrays import BoolArray, Int32Array, check_shape, read_only
+from adibas.context.site_kernels import kin_of, neighbors_of, number_cells
 
 N_NEIGHBORS = 9
 """Of a cell, itself the fifth among them: rows from the upper one on, columns from the left."""
@@ -60,52 +61,14 @@ def site_levels(occupied: BoolArray, n_levels: int) -> tuple[SiteLevel, ...]:
     height, width = (-(-n // size) * size for n in occupied.shape)
     level: BoolArray = np.zeros((height, width), bool)
     level[: occupied.shape[0], : occupied.shape[1]] = occupied
-    maps = [_numbered(level)]
+    maps = [number_cells(level)]
     for _ in range(n_levels - 1):
         level = np.asarray(level.reshape(level.shape[0] // 2, 2, -1, 2).any(axis=(1, 3)))
-        maps.append(_numbered(level))
-    no_parents, no_children = np.zeros(0, np.int32), np.zeros((0, 4), np.int32)
+        maps.append(number_cells(level))
+    kin = [kin_of(*fine, *coarse) for fine, coarse in itertools.pairwise(maps)]
+    parents = [*(one[0] for one in kin), np.zeros(0, np.int32)]
+    children = [np.zeros((0, 4), np.int32), *(one[1] for one in kin)]
     return tuple(
-        SiteLevel(
-            _neighbors(one),
-            _parents(one, maps[number + 1]) if number + 1 < n_levels else no_parents,
-            _children(one, maps[number - 1]) if number else no_children,
-        )
-        for number, one in enumerate(maps)
-    )
-
-
-class _Numbered(NamedTuple):
-    """Numbers of a level's cells, in a picture and as a list of places."""
-
-    numbers: Int32Array
-    """(H, W); where no cell is, how many there are."""
-    rows: IntArray
-    columns: IntArray
-
-
-def _numbered(occupied: BoolArray) -> _Numbered:
-    rows, columns = np.nonzero(occupied)
-    numbers = np.full(occupied.shape, len(rows), np.int32)
-    numbers[rows, columns] = np.arange(len(rows), dtype=np.int32)
-    return _Numbered(numbers, rows, columns)
-
-
-def _neighbors(level: _Numbered) -> Int32Array:
-    framed = np.pad(level.numbers, 1, constant_values=len(level.rows))
-    shifts = [(row, column) for row in range(3) for column in range(3)]
-    return np.stack(
-        [framed[level.rows + row, level.columns + column] for row, column in shifts], axis=1
-    )
-
-
-def _parents(level: _Numbered, coarser: _Numbered) -> Int32Array:
-    return np.asarray(coarser.numbers[level.rows // 2, level.columns // 2])
-
-
-def _children(level: _Numbered, finer: _Numbered) -> Int32Array:
-    shifts = [(row, column) for row in range(2) for column in range(2)]
-    return np.stack(
-        [finer.numbers[2 * level.rows + row, 2 * level.columns + column] for row, column in shifts],
-        axis=1,
+        SiteLevel(neighbors_of(*one), above, below)
+        for one, above, below in zip(maps, parents, children, strict=True)
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import Batch, ContextExample, batch_of
-from adibas.context.kernels import pooled
+from adibas.context.kernels import pooled, risen
 from adibas.context.layers import Back, Linear, NormalizedConvolution, from_parents, from_pooled
 from adibas.context.network import ContextNetwork, NetworkShape, with_nothing
 from adibas.context.sites import SiteLevel
@@ -145,7 +145,7 @@ class LearningNetwork:
             ways.append(way)
             kept.append(features)
         for level, skipped in zip(levels[-2::-1], kept[-2::-1], strict=True):
-            joined = with_nothing(np.hstack([features[level.parents], skipped[:-1]]))
+            joined = risen(features, level.parents, skipped)
             features, way = _twice(layers, joined, level)
             ways.append(way)
         log_odds, last_way = self._last.forward(np.hstack([features[:-1], inputs]))

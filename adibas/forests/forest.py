@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, Int32Array, check_shape, read_only
+from adibas.arrays import BoolArray, Float32Array, Int32Array, IntArray, check_shape, read_only
 from adibas.forests.feature_kernels import KIND
 from adibas.forests.images import ForestImage, join_images, prepare_image
 from adibas.forests.packing import LEAF_STEPS, OFFSET_STEPS_PER_M, THRESHOLD_STEPS
@@ -18,6 +18,8 @@ from adibas.forests.prediction_kernels import LINK, N_COLUMNS, predict
 
 N_NODE_VALUES = 6
 LEAF = -1
+LINE_BYTES = 64
+"""What memory gives at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +63,7 @@ class Forest:
         check_shape("nodes", self.nodes, (len(self.child), N_NODE_VALUES))
         check_shape("leaves", self.leaves, (None, len(self.labels)))
         self._check_links()
-        steps = np.zeros((len(self.child), N_COLUMNS), np.float32)
+        steps = _in_lines(len(self.child))
         steps[:, :N_NODE_VALUES] = self.nodes
         steps.view(np.int32)[:, LINK] = self.child
         object.__setattr__(self, "_steps", steps)
@@ -129,9 +131,16 @@ class Forest:
             In the order of ``np.flatnonzero(pixels)``; rows sum to 1, and are even where a pixel
             of the mask has no depth.
         """
+        asked = mask if pixels is None else pixels
+        return self.probabilities_at(depth_m, mask, focal_px, np.flatnonzero(asked))
+
+    def probabilities_at(
+        self, depth_m: Float32Array, mask: BoolArray, focal_px: float, index: IntArray
+    ) -> Float32Array:
+        """Do as `probabilities` at (N,) pixels of the flat image, in their order."""
         image = self.prepare(depth_m, mask, focal_px)
-        rows, columns = np.nonzero(mask if pixels is None else pixels)
-        at = np.empty((len(rows), 2), np.int32)
+        rows, columns = np.divmod(index, mask.shape[1])
+        at = np.empty((len(index), 2), np.int32)
         at[:, 0], at[:, 1] = rows - image.top, columns - image.left
         batch = join_images([image], self.far_m)
         return predict(
@@ -146,6 +155,17 @@ class Forest:
             self._steps.view(np.int32),
             self.leaves,
         )
+
+
+def _in_lines(n_nodes: int) -> Float32Array:
+    """Return an empty table of steps, none of which lies across two lines of the cache.
+
+    Where numpy puts it, every other one does, and a walk down takes a seventh longer.
+    """
+    n_bytes = n_nodes * N_COLUMNS * np.dtype(np.float32).itemsize
+    space = np.zeros(n_bytes + LINE_BYTES, np.uint8)
+    begin = -space.ctypes.data % LINE_BYTES
+    return space[begin : begin + n_bytes].view(np.float32).reshape(n_nodes, N_COLUMNS)
 
 
 def _rounded(values: Float32Array, steps: int) -> Float32Array:

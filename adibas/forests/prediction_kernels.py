@@ -3,6 +3,7 @@
 import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray
+from adibas.even_blocks import even_blocks
 from adibas.forests.feature_kernels import (
     BEGIN,
     HEIGHT,
@@ -25,7 +26,7 @@ Read as float32 its columns are those of nodes, read as int32 column `LINK` is t
 -1 - l for leaf l.
 """
 CHUNK = 512
-"""Pixels that one thread takes at once."""
+"""Most pixels that one thread takes at once."""
 
 
 @compiled
@@ -122,8 +123,9 @@ def predict(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
     """
     n_pixels, n_labels = at.shape[0], leaves.shape[1]
     probabilities = np.empty((n_pixels, n_labels), np.float32)
-    for chunk in parallel_range((n_pixels + CHUNK - 1) // CHUNK):
-        first = chunk * CHUNK
+    n_chunks, size = even_blocks(n_pixels, CHUNK)
+    for chunk in parallel_range(n_chunks):
+        first = min(chunk * size, n_pixels)
         _predict_chunk(
             depth_m,
             slope_x,
@@ -136,7 +138,7 @@ def predict(  # noqa: PLR0913, PLR0917  (kernel: arrays one by one)
             links,
             leaves,
             first,
-            min(n_pixels, first + CHUNK) - first,
+            min(n_pixels, first + size) - first,
             probabilities,
         )
     return probabilities

@@ -22,6 +22,8 @@ START_SWEEPS = 20
 N_COUNTERS = 5
 N_NODE_ROWS = 5
 N_MARK_ROWS = 5
+_KEPT = slice(IS_LAID, STAY + 1)
+"""Rows of marks that an expansion goes on with: one follows the other."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,10 +195,10 @@ class _Moves:
         is_kept = bool(self._is_kept[alpha])
         if is_kept:
             self._nodes[EXCESS] = self._kept_excess[alpha]
-            self._marks[[IS_LAID, STAY]] = self._kept_marks[alpha]
+            self._marks[_KEPT] = self._kept_marks[alpha]
         made = self._make(self._left[alpha], is_renewed=is_kept)
         self._kept_excess[alpha] = self._nodes[EXCESS]
-        self._kept_marks[alpha] = self._marks[[IS_LAID, STAY]]
+        self._kept_marks[alpha] = self._marks[_KEPT]
         self._is_kept[alpha] = True
         return made
 

@@ -41,6 +41,12 @@ class PersonView(NamedTuple):
     focal_px: float
     step: int = 1
 
+    def places(self) -> tuple[IntArray, IntArray]:
+        """Return the (P,) rows and columns of the pixels that are labelled, row by row."""
+        # `numpy.nonzero` takes four times as long.
+        rows, columns = np.divmod(np.flatnonzero(self.pixels), self.pixels.shape[1])
+        return rows, columns
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PersonCells:
@@ -91,7 +97,7 @@ class PersonCells:
 
 def person_cells(view: PersonView) -> PersonCells | None:
     """Return the cells of a person, no smaller than its step; None where nothing is measured."""
-    rows, columns = np.nonzero(view.pixels)
+    rows, columns = view.places()
     depths_m = view.depth_m[rows, columns]
     known = depths_m[np.isfinite(depths_m)]
     if not len(known):
@@ -167,7 +173,7 @@ def to_pixels(cells: PersonCells, values: Float32Array, view: PersonView) -> Flo
     view : PersonView
         Of whose P pixels the cells were made. One without depth takes what lies between.
     """
-    rows, columns = np.nonzero(view.pixels)
+    rows, columns = view.places()
     place = np.array([cells.top, cells.left, cells.size_px])
     ahead_m = view.depth_m[rows, columns] - np.float32(cells.distance_m)
     is_measured = cells.measured > 0

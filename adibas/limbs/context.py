@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from adibas.arrays import AnyArray, BoolArray, Float32Array, UInt8Array
+from adibas.arrays import AnyArray, Float32Array, UInt8Array
 from adibas.context.examples import ContextExample
 from adibas.context.sites import site_levels
 from adibas.forests.forest import Forest
@@ -30,7 +30,8 @@ def limb_probabilities(view: PersonView, model: LimbModel) -> Float32Array:
         return np.full((n_pixels, n_labels), 1.0 / n_labels, np.float32)
     levels = site_levels(cells.occupied, len(network.shape.widths))
     odds = network.log_odds(cell_features(view, model.forest, cells), levels)
-    shares = np.exp(odds - odds.max(axis=1, keepdims=True))
+    most = np.ascontiguousarray(odds.T).max(axis=0)  # along rows it takes seven times as long
+    shares = np.exp(odds - most[:, None])
     shares /= shares.sum(axis=1, keepdims=True)
     return _merged(to_pixels(cells, shares, view), model)
 
@@ -51,14 +52,11 @@ def _merged(told: Float32Array, model: LimbModel) -> Float32Array:
 
 def cell_features(view: PersonView, forest: Forest, cells: PersonCells) -> Float32Array:
     """Return (N, F + 3) features of cells: what the forest says, then depth and its quality."""
-    asked: BoolArray = np.zeros(view.mask.shape, bool)
-    asked.flat[cells.pixel] = True
-    said = forest.probabilities(view.depth_m, view.mask, view.focal_px, asked)
-    rank = np.searchsorted(np.flatnonzero(asked), cells.pixel)
+    said = forest.probabilities_at(view.depth_m, view.mask, view.focal_px, cells.pixel)
     distance = cells.distance_m / _USUAL_DISTANCE_M
     return np.column_stack(
         [
-            0.5 * np.log(said[rank] + np.float32(_LEAST_SHARE)) + 1.0,
+            0.5 * np.log(said + np.float32(_LEAST_SHARE)) + 1.0,
             cells.ahead_m / np.float32(_USUAL_THICKNESS_M),
             cells.measured,
             np.full(len(cells), distance, np.float32),

@@ -5,7 +5,9 @@ the sides. So only such quantities are used as stay the same when left and right
 means over both sides, and the middle of the trunk.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -41,17 +43,20 @@ MIDDLE_SPREADS = 0.6
 """Half the width of the trunk's middle, in standard deviations of the trunk's points."""
 FEWEST = 3
 SIDES = ("left", "right")
+_Ends: TypeAlias = tuple[FloatArray, FloatArray]
+"""The upper and the lower points of a thigh; y points down."""
 
 
 def describe_shape(points: PartPoints) -> FloatArray:
     """Return the (Q,) `QUANTITIES` of one person in one frame; NaN where parts are not seen."""
     middles_m = points.middles_m()
+    ends = [_ends(thigh) for thigh in _thighs(points, middles_m)]
     return np.array(
         [
             _toes_m(points, middles_m),
             _between_m(middles_m, "head", "torso"),
-            *_trunk_m(points, middles_m),
-            _thighs_m(points, middles_m),
+            *_trunk_m(points, middles_m, ends),
+            _mean(float(lower[:, 2].mean() - upper[:, 2].mean()) for upper, lower in ends),
             _paired_m(middles_m, "lower_leg", "upper_leg"),
             _paired_m(middles_m, "lower_arm", "upper_arm"),
             _paired_m(middles_m, "hand", "lower_arm"),
@@ -76,7 +81,8 @@ def _toes_m(points: PartPoints, middles_m: dict[str, FloatArray]) -> float:
         foot, leg = f"{side}_foot", f"{side}_lower_leg"
         if foot in middles_m and leg in middles_m:
             legs = points.of(leg)
-            ankle = legs[:, 1] >= np.quantile(legs[:, 1], 1.0 - ANKLE_SHARE)
+            (ankle_m,) = quantiles(legs[:, 1], 1.0 - ANKLE_SHARE)
+            ankle = legs[:, 1] >= ankle_m
             ahead_m.append(float(legs[ankle, 2].mean() - middles_m[foot][2]))
             shares.append(min(1.0, float(points.of(foot)[:, 3].sum()) / FOOT_AREA_M2))
     if not shares:
@@ -84,12 +90,14 @@ def _toes_m(points: PartPoints, middles_m: dict[str, FloatArray]) -> float:
     return float(np.dot(ahead_m, shares)) / max(1.0, sum(shares))
 
 
-def _trunk_m(points: PartPoints, middles_m: dict[str, FloatArray]) -> tuple[float, float, float]:
+def _trunk_m(
+    points: PartPoints, middles_m: dict[str, FloatArray], thighs: Sequence[_Ends]
+) -> tuple[float, float, float]:
     """Return loin, seat and hips."""
     trunk = points.of("torso")
     if len(trunk) < FEWEST * FEWEST:
         return np.nan, np.nan, np.nan
-    top_m, bottom_m = np.quantile(trunk[:, 1], TRIMMED)
+    top_m, bottom_m = quantiles(trunk[:, 1], *TRIMMED)
     heights = np.clip((trunk[:, 1] - top_m) / max(bottom_m - top_m, 1e-3), 0.0, 1.0)
     aside_m = trunk[:, 0] - middles_m["torso"][0]
     width_m = MIDDLE_SPREADS * np.sqrt(_weighted(aside_m**2, trunk[:, 3]))
@@ -101,17 +109,12 @@ def _trunk_m(points: PartPoints, middles_m: dict[str, FloatArray]) -> tuple[floa
         enough = np.count_nonzero(chosen) >= FEWEST
         found.append(_weighted(behind_m[chosen], trunk[chosen, 3]) if enough else np.nan)
     lowest = trunk[heights >= SEAT[0]]
-    return found[0], found[1], _upper_thighs_m(points, middles_m) - _weighted(*lowest[:, 2:].T)
+    return found[0], found[1], _upper_thighs_m(thighs) - _weighted(*lowest[:, 2:].T)
 
 
-def _upper_thighs_m(points: PartPoints, middles_m: dict[str, FloatArray]) -> float:
-    ends = [_ends(thigh)[0] for thigh in _thighs(points, middles_m)]
+def _upper_thighs_m(thighs: Sequence[_Ends]) -> float:
+    ends = [upper for upper, _ in thighs]
     return _weighted(*np.concatenate(ends)[:, 2:].T) if ends else np.nan
-
-
-def _thighs_m(points: PartPoints, middles_m: dict[str, FloatArray]) -> float:
-    ends = [_ends(thigh) for thigh in _thighs(points, middles_m)]
-    return _mean(float(lower[:, 2].mean() - upper[:, 2].mean()) for upper, lower in ends)
 
 
 def _thighs(points: PartPoints, middles_m: dict[str, FloatArray]) -> Iterator[FloatArray]:
@@ -120,9 +123,8 @@ def _thighs(points: PartPoints, middles_m: dict[str, FloatArray]) -> Iterator[Fl
             yield points.of(f"{side}_upper_leg")
 
 
-def _ends(thigh: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the upper and the lower points of a thigh; y points down."""
-    upper_m, lower_m = np.quantile(thigh[:, 1], (END_SHARE, 1.0 - END_SHARE))
+def _ends(thigh: FloatArray) -> _Ends:
+    upper_m, lower_m = quantiles(thigh[:, 1], END_SHARE, 1.0 - END_SHARE)
     return thigh[thigh[:, 1] <= upper_m], thigh[thigh[:, 1] >= lower_m]
 
 
@@ -134,10 +136,25 @@ def _behind_plane_m(points: FloatArray) -> FloatArray:
     return np.asarray(points[:, 2] - sides @ plane)
 
 
+def quantiles(values: FloatArray, *shares: float) -> list[float]:
+    """Return what `numpy.quantile` does of (N,) values, N > 0, in a tenth of the time for few."""
+    rising = np.sort(values)
+    found = []
+    for share in shares:
+        place = share * (len(rising) - 1)
+        below = math.floor(place)
+        low, high = float(rising[below]), float(rising[math.ceil(place)])
+        # From the nearer of both, as numpy has it: the same to the last digit.
+        part = place - below
+        is_low = part < 0.5  # noqa: PLR2004  (half of the way)
+        found.append(low + (high - low) * part if is_low else high - (high - low) * (1.0 - part))
+    return found
+
+
 def _weighted(values: FloatArray, weights: FloatArray) -> float:
     return float(values @ weights / weights.sum()) if len(values) else np.nan
 
 
-def _mean(values: Iterator[float]) -> float:
+def _mean(values: Iterable[float]) -> float:
     found = list(values)
     return float(np.mean(found)) if found else np.nan

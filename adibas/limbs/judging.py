@@ -207,5 +207,10 @@ def _hole_share(measured: BoolArray, mask: BoolArray, params: JudgingParams) -> 
     closed = cv2.morphologyEx(around, cv2.MORPH_CLOSE, disc)[
         radius_px:-radius_px, radius_px:-radius_px
     ]
-    shares = [float(measured[box][where].mean()) for where in (mask[box], closed > 0)]
+    shares = [_share(measured[box], where) for where in (mask[box], closed.view(np.bool_))]
     return 1.0 - min(shares)
+
+
+def _share(measured: BoolArray, where: BoolArray) -> float:
+    n_measured, n_all = int(np.count_nonzero(measured & where)), int(np.count_nonzero(where))
+    return n_measured / max(n_all, 1)

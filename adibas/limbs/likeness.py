@@ -102,10 +102,11 @@ def describe_parts(
     chosen = thin[seen].astype(np.int64)
     column = np.where(chosen < 0, limbs.shape[1], chosen)
     likely = every[np.arange(len(every)), column]
+    surest = np.ascontiguousarray(limbs.T).max(axis=0)  # along rows it takes seven times as long
     area_m2 = float(np.nansum(depth_m[mask] ** 2)) / focal_px**2
     return np.array(
         [
-            limbs.max(axis=1).mean(),
+            surest.mean(),
             -(every * np.log(np.maximum(every, _TINY))).sum(axis=1).mean(),
             every[:, -1].mean(),
             (every.argmax(axis=1) != column).mean(),
@@ -148,7 +149,7 @@ def _pieces(labels: AnyArray, n_pixels: int) -> tuple[float, float, float]:
             continue
         left, top, width, height = cv2.boundingRect(here)
         here = np.ascontiguousarray(here[top : top + height, left : left + width])
-        sizes = cv2.connectedComponentsWithStats(here, connectivity=8)[2][1:, cv2.CC_STAT_AREA]
+        sizes = np.bincount(cv2.connectedComponents(here, connectivity=8)[1].ravel())[1:]
         n_limbs += 1
         n_pieces += int((sizes >= max(LEAST_PIXELS, LEAST_PIECE_SHARE * n_pixels)).sum())
         whole += float(sizes.max()) / n_here

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntArray
+from adibas.arrays import AnyArray, Float32Array, FloatArray, Int32Array, IntArray
 from adibas.kernels import compiled
 
 N_STEPS = 12
@@ -25,55 +25,51 @@ X, Y, Z, WEIGHT = 0, 1, 2, 3
 @compiled
 def gather_cells(
     depth_m: Float32Array,
-    mask: BoolArray,
+    index: IntArray,
     rays: Float32Array,
     probabilities: Float32Array,
-    chosen: Int32Array,
+    chosen: AnyArray,
     settings: FloatArray,
 ) -> FloatArray:
-    """Sum the pixels of small squares of the image, label by label.
+    """Sum pixels in small squares of the image, label by label.
 
-    `chosen` (H, W) are the labels after the cut, -1 where there is none; `settings` are the width
-    of a square in pixels, the share of the cut's word in a pixel's probability, and for how many
-    pixels each one of the mask stands.
+    `index` (N,) are their rising numbers in the flat image, `chosen` (H, W) the labels after the
+    cut, -1 where there is none; `settings` are the width of a square in pixels, the share of the
+    cut's word in a pixel's probability, and for how many pixels each one stands.
 
     Returns
     -------
     sums : (C, L, 4) array
         Of each square and label: weighted x, y, z, and the weight.
     """
+    height, width = depth_m.shape
     cell_px = int(settings[0])
-    number, n_cells = _numbered_cells(mask, cell_px)
+    number = np.full((height // cell_px + 1, width // cell_px + 1), -1, np.int32)
+    n_cells = _number_cells(number, index, width, cell_px)
     sums = np.zeros((n_cells, probabilities.shape[1], 4))
     pixel_area = abs((rays[0, 1, 0] - rays[0, 0, 0]) * (rays[1, 0, 1] - rays[0, 0, 1]))
     pixel_area *= settings[2]
-    pixel = -1
-    for row in range(mask.shape[0]):
-        for column in range(mask.shape[1]):
-            if not mask[row, column]:
-                continue
-            pixel += 1
-            z = float(depth_m[row, column])
-            if z > 0.0:
-                cell = sums[number[row // cell_px, column // cell_px]]
-                x, y = rays[row, column, 0] * z, rays[row, column, 1] * z
-                place = (x, y, z, pixel_area * z * z)
-                _add_pixel(cell, place, probabilities[pixel], chosen[row, column], settings)
+    for pixel in range(index.size):
+        row, column = index[pixel] // width, index[pixel] % width
+        z = float(depth_m[row, column])
+        if z > 0.0:
+            cell = sums[number[row // cell_px, column // cell_px]]
+            x, y = rays[row, column, 0] * z, rays[row, column, 1] * z
+            place = (x, y, z, pixel_area * z * z)
+            _add_pixel(cell, place, probabilities[pixel], chosen[row, column], settings)
     return sums
 
 
 @compiled
-def _numbered_cells(mask: BoolArray, cell_px: int) -> tuple[Int32Array, int]:
-    """Return the number of each square with a pixel of the mask, -1 elsewhere, and how many."""
-    height, width = mask.shape
-    number = np.full((height // cell_px + 1, width // cell_px + 1), -1, np.int32)
+def _number_cells(number: Int32Array, index: IntArray, width: int, cell_px: int) -> int:
+    """Give each square with one of the pixels a number in `number`; return how many there are."""
     n_cells = 0
-    for row in range(height):
-        for column in range(width):
-            if mask[row, column] and number[row // cell_px, column // cell_px] < 0:
-                number[row // cell_px, column // cell_px] = n_cells
-                n_cells += 1
-    return number, n_cells
+    for pixel in index:
+        row, column = pixel // width // cell_px, pixel % width // cell_px
+        if number[row, column] < 0:
+            number[row, column] = n_cells
+            n_cells += 1
+    return n_cells
 
 
 @compiled
@@ -96,6 +92,17 @@ def _add_pixel(
             of[Y] += weight * place[Y]
             of[Z] += weight * place[Z]
             of[WEIGHT] += weight
+
+
+@compiled
+def over_labels(sums: FloatArray) -> FloatArray:
+    """Return (C, 4) sums over the labels of (C, L, 4); numpy takes twenty times as long."""
+    total = np.zeros((sums.shape[0], 4))
+    for cell in range(sums.shape[0]):
+        for label in range(sums.shape[1]):
+            for column in range(4):
+                total[cell, column] += sums[cell, label, column]
+    return total
 
 
 @compiled

@@ -28,6 +28,7 @@ from adibas.limbs.mean_shift_kernels import (
     find_modes,
     gather_cells,
     list_points,
+    over_labels,
 )
 
 N_PROPOSALS = 3
@@ -95,9 +96,11 @@ class PartPoints:
             The labels are not those of the whole body.
         """
         columns = [self.names.index(name) for name in BODY_PART_NAMES]
-        of_all = self.cells.sum(axis=1)
-        used = np.flatnonzero(of_all[:, 3] > 0)
-        return PartCloud(of_all[used, :3] / of_all[used, 3:], self.cells[used[:, None], columns, 3])
+        of_all = over_labels(self.cells)
+        is_used = of_all[:, 3] > 0
+        used = of_all[is_used]
+        weights_m2 = np.take(self.cells[..., 3], columns, axis=1)
+        return PartCloud(used[:, :3] / used[:, 3:], weights_m2[is_used])
 
     def middles_m(self) -> dict[str, FloatArray]:
         """Return the middle of each part that is seen."""
@@ -125,20 +128,20 @@ def part_points(
     """
     params = params or ProposalParams()
     check_shape("rays", rays, (*depth_m.shape, 3))
-    here_m = depth_m[parts.pixels]
+    index = np.flatnonzero(parts.pixels)
+    here_m = depth_m.ravel()[index]
     here_m = here_m[here_m > 0]
     nearness_m = float(np.median(here_m)) if len(here_m) else 1.0
     pixel_m = nearness_m * float(rays[0, 1, 0] - rays[0, 0, 0])
-    is_part = parts.chosen >= 0
-    n_known = int(np.count_nonzero(is_part & parts.pixels))
-    each = np.count_nonzero(is_part) / n_known if n_known else 1.0
+    n_known = np.count_nonzero(parts.chosen.ravel()[index] >= 0)
+    each = np.count_nonzero(parts.chosen >= 0) / n_known if n_known else 1.0
     cell_px = max(1.0, round(params.cell_m / pixel_m))
     cells = gather_cells(
         depth_m,
-        parts.pixels,
+        index,
         rays,
         np.ascontiguousarray(parts.probabilities, np.float32),
-        np.ascontiguousarray(parts.chosen, np.int32),
+        np.ascontiguousarray(parts.chosen),
         np.array([cell_px, params.cut_share, each]),
     )
     points, starts = list_points(cells, params.least_probability)

@@ -107,19 +107,44 @@ def segment(
     every = np.s_[:: params.step, :: params.step]
     pixels = np.zeros_like(mask)
     pixels[every] = mask[every]
-    view = PersonView(depth_m, mask, pixels, focal_px, params.step)
-    probabilities = limb_probabilities(view, model)
-    thin = np.full(mask[every].shape, NO_LABEL, np.int16)
     last = None
     if before is not None and params.over_time > 0.0:
         last = _tied(before, depth_m, pixels, params)
-    thin[mask[every]] = cut_labels(depth_m[every], mask[every], probabilities, model, params, last)
-    chosen = _filled(thin, mask, params.step)
+    box = _looked_at(mask, params.step)
+    view = PersonView(depth_m[box], mask[box], pixels[box], focal_px, params.step)
+    probabilities = limb_probabilities(view, model)
     n_limbs = len(model.labels)
+    chosen = np.full(mask.shape, NO_LABEL, np.int16)
+    chosen[box] = _chosen(view, probabilities, model, params, last)
     chosen[chosen >= n_limbs] = NO_LABEL
     limbs = np.ascontiguousarray(probabilities[:, :n_limbs])
     parts = LimbParts(model.labels, pixels, limbs, chosen)
     return parts.with_sides_swapped() if params.is_from_behind else parts
+
+
+def _looked_at(mask: BoolArray, step: int) -> tuple[slice, slice]:
+    """Return the box about a mask, from a row and a column on that are looked at.
+
+    A person fills an eighth of the image or so: all else would be searched for nothing.
+    """
+    left, top, width, height = cv2.boundingRect(np.ascontiguousarray(mask).view(np.uint8))
+    first_row, first_column = top - top % step, left - left % step
+    return slice(first_row, top + height + step), slice(first_column, left + width + step)
+
+
+def _chosen(
+    view: PersonView,
+    probabilities: Float32Array,
+    model: LimbModel,
+    params: LimbParams,
+    last: tuple[AnyArray, FloatArray] | None,
+) -> AnyArray:
+    """Return the (H, W) labels of a view whose first pixel is looked at, clutter among them."""
+    every = np.s_[:: params.step, :: params.step]
+    mask = np.ascontiguousarray(view.mask[every])
+    thin = np.full(mask.shape, NO_LABEL, np.int16)
+    thin[mask] = cut_labels(view.depth_m[every], mask, probabilities, model, params, last)
+    return _filled(thin, view.mask, params.step)
 
 
 def cut_labels(
@@ -174,25 +199,15 @@ def _filled(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
     if step == 1:
         return thin
     chosen = np.full(mask.shape, NO_LABEL, np.int16)
-    if not (thin >= 0).any():
+    known = thin >= 0
+    if not known.any():
         return chosen
-    left, top, width, height = cv2.boundingRect(np.ascontiguousarray(mask).view(np.uint8))
-    top, left = top - top % step, left - left % step  # a row and a column that were looked at
-    box = np.s_[top : top + height + step, left : left + width + step]
-    chosen[box] = _nearest(thin[top // step :, left // step :], mask[box], step)
-    return chosen
-
-
-def _nearest(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
-    """Return (h, w) labels of a box whose first row and column were looked at."""
-    chosen = np.full(mask.shape, NO_LABEL, np.int16)
-    thin = thin[: -(-mask.shape[0] // step), : -(-mask.shape[1] // step)]
     sampled = np.ones(mask.shape, np.uint8)
-    sampled[::step, ::step][thin >= 0] = 0
+    sampled[::step, ::step][known] = 0
     _, nearest = cv2.distanceTransformWithLabels(
         sampled, cv2.DIST_L2, cv2.DIST_MASK_3, labelType=cv2.DIST_LABEL_PIXEL
     )
     label_of = np.empty(int(nearest.max()) + 1, np.int16)
-    label_of[nearest[::step, ::step][thin >= 0]] = thin[thin >= 0]
+    label_of[nearest[::step, ::step][known]] = thin[known]
     chosen[mask] = label_of[nearest[mask]]
     return chosen

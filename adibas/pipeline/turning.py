@@ -15,7 +15,6 @@ from adibas.alignment.turn import TurnParams, TurnTracker, seen_after
 from adibas.alignment.views import View, ViewParams, prepare_view
 from adibas.arrays import Float32Array, FloatArray
 from adibas.body.mask import find_body, heights_over
-from adibas.body.rays import viewing_rays
 from adibas.calibration.files import check_fits
 from adibas.data.calibration import DepthBias, RgbdCalibration
 from adibas.data.frames import depth_in_metres
@@ -267,7 +266,7 @@ class _Moments:
 
     def above_legs(self, depth_m: Float32Array, params: CutParams) -> View:
         """Return trunk, arms and head of the person who is all that an image shows."""
-        heights_m = heights_over(depth_m, viewing_rays(self._camera), self.floor)
+        heights_m = heights_over(depth_m, self._camera, self.floor)
         with np.errstate(invalid="ignore"):
             is_upper = heights_m >= params.legs * np.nanmax(heights_m)
         return prepare_view(np.where(is_upper, depth_m, np.float32(np.nan)), self._camera)

@@ -9,7 +9,7 @@ from adibas.arrays import FloatArray
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
 from adibas.data.part_cloud import PartCloud
 from adibas.skeleton.limb_fit_kernels import fit_limbs_from
-from adibas.skeleton.limb_start_kernels import limb_starts, limb_support
+from adibas.skeleton.limb_start_kernels import limb_points, limb_starts, limb_support
 
 LIMBS: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = tuple(
     (tuple(f"{side}_{joint}" for joint in joints), tuple(f"{side}_{part}" for part in parts))
@@ -123,12 +123,8 @@ def _fitted(
     if used.sum() < params.least_points or not np.isfinite(joints_m[0, 0]):
         return joints_m
     radius_m = params.leg_radius_m if is_leg else params.arm_radius_m
-    places_m = surface.points_m[used]
-    places_m = places_m * (1.0 + radius_m / np.linalg.norm(places_m, axis=1, keepdims=True))
-    weight = total[used] / total[used].mean()
-    points = np.ascontiguousarray(np.column_stack([places_m, weight]))
-    shares = weights[used] / total[used, None]
-    both = np.ascontiguousarray(np.column_stack([shares[:, 0], shares[:, 1] + shares[:, 2]]))
+    own = total[used]
+    points, both = limb_points(surface.points_m[used], weights[used], own, own.mean(), radius_m)
     pulls = np.zeros((3, 4))
     root_pull = params.hip_pull if is_leg else params.shoulder_pull
     for joint, pull in enumerate((root_pull, params.middle_pull, params.end_pull)):

@@ -15,6 +15,41 @@ _LEAST_M = 1e-6
 
 
 @compiled
+def limb_points(
+    places_m: FloatArray, weights: FloatArray, total: FloatArray, mean: float, radius_m: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the points of a limb, and for which of its two bones each speaks.
+
+    Parameters
+    ----------
+    places_m : (N, 3) array
+        On the surface; the bones lie `radius_m` behind it.
+    weights : (N, 3) array
+        Of the limb's three parts.
+    total : (N,) array
+        Of all three.
+    mean : float
+        Of `total`.
+
+    Returns
+    -------
+    points : (N, 4) array
+        x, y, z (metres), and the weight in that of a mean point.
+    shares : (N, 2) array
+        Of the upper part, and of both others.
+    """
+    points, shares = np.empty((total.size, 4)), np.empty((total.size, 2))
+    for i in range(total.size):
+        x, y, z = places_m[i, 0], places_m[i, 1], places_m[i, 2]
+        stretch = 1.0 + radius_m / math.sqrt(x * x + y * y + z * z)
+        points[i, 0], points[i, 1], points[i, 2] = x * stretch, y * stretch, z * stretch
+        points[i, 3] = total[i] / mean
+        shares[i, 0] = weights[i, 0] / total[i]
+        shares[i, 1] = weights[i, 1] / total[i] + weights[i, 2] / total[i]
+    return points, shares
+
+
+@compiled
 def limb_starts(
     points: FloatArray, joints_m: FloatArray, latest_m: FloatArray, lengths_m: FloatArray
 ) -> FloatArray:

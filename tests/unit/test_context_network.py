@@ -8,7 +8,7 @@ from scipy.signal import correlate
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, IntArray
 from adibas.context.examples import ContextExample, batch_of
-from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved
+from adibas.context.kernels import AS_IT_IS, RECTIFIED, convolved, risen
 from adibas.context.layers import NormalizedConvolution
 from adibas.context.network import NetworkShape, with_nothing
 from adibas.context.sites import SiteLevel, site_levels
@@ -20,6 +20,7 @@ from adibas.context.training import (
     label_weights,
     loss_and_slope,
 )
+from adibas.even_blocks import even_blocks
 
 SHAPE = NetworkShape(n_inputs=5, n_labels=4, widths=(6, 7, 8))
 NO_MIRROR = np.arange(4)
@@ -85,6 +86,28 @@ class TestSites:
 
     def test_a_picture_without_cells_has_none_at_any_level(self) -> None:
         assert [len(level) for level in site_levels(np.zeros((5, 3), bool), 3)] == [0, 0, 0]
+
+
+class TestRising:
+    def test_a_cell_has_the_features_of_its_parent_then_its_own(
+        self, rng: np.random.Generator, levels: tuple[SiteLevel, ...]
+    ) -> None:
+        fine, coarse = levels[:2]
+        features = with_nothing(rng.normal(size=(len(coarse), 7)).astype(np.float32))
+        skipped = with_nothing(rng.normal(size=(len(fine), 6)).astype(np.float32))
+        expected = with_nothing(np.hstack([features[fine.parents], skipped[:-1]]))
+        np.testing.assert_array_equal(risen(features, fine.parents, skipped), expected)
+
+
+@pytest.mark.parametrize("n_all", [0, 1, 49, 128, 129, 137, 450, 1546, 4096])
+def test_blocks_are_even_and_cover_everything_once(n_all: int) -> None:
+    n_blocks, size = even_blocks(n_all, 128)
+    ends = [min(block * size, n_all) for block in range(n_blocks + 1)]
+    sizes = np.diff(ends)
+    assert sizes.sum() == n_all
+    assert (sizes[:-1] == size).sum() >= n_blocks - 2
+    assert size <= 128
+    assert n_blocks <= 1 or n_blocks % 2 == 0
 
 
 class TestConvolution:

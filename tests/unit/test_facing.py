@@ -14,7 +14,7 @@ from adibas.limbs.facing import (
     facing_to_json,
     front_evidence,
 )
-from adibas.limbs.facing_quantities import QUANTITIES, describe_shape
+from adibas.limbs.facing_quantities import QUANTITIES, describe_shape, quantiles
 from adibas.limbs.proposals import PartPoints
 from adibas.pipeline.facing_file import shipped_facing
 from adibas.pipeline.facing_training import described, held_out_share, learn_facing
@@ -77,6 +77,16 @@ def test_what_bulges_out_of_the_trunk_is_before_its_plane(somebody):
     found = dict(zip(QUANTITIES, describe_shape(parts_of(somebody)), strict=True))
     assert found["seat"] < -0.005
     assert found["loin"] > 0.0
+
+
+@pytest.mark.parametrize("n_values", [1, 2, 3, 10, 257])
+def test_quantiles_are_those_of_numpy(n_values):
+    rng = np.random.default_rng(n_values)
+    for shares in ((0.0, 1.0), (0.02, 0.98), (0.4, 0.6), (0.5,), tuple(rng.random(3))):
+        values = rng.normal(2.0, 0.3, n_values)
+        np.testing.assert_array_max_ulp(
+            np.array(quantiles(values, *shares)), np.quantile(values, shares), maxulp=1
+        )
 
 
 def test_which_side_is_called_left_changes_nothing(somebody):

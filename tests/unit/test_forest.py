@@ -352,6 +352,9 @@ def test_a_forest_of_depth_alone_is_walked_as_one_with_gradients_is(forest):
     inside[at[:, 0] + image.top, at[:, 1] + image.left] = True
     asked = forest.probabilities(depth_m, labels > 0, focal_px, inside)
     np.testing.assert_array_equal(asked, found[0])
+    backwards = np.flatnonzero(inside)[::-1]
+    asked = forest.probabilities_at(depth_m, labels > 0, focal_px, backwards)
+    np.testing.assert_array_equal(asked, found[0][::-1])
 
 
 def test_pixels_without_depth_could_be_anything(forest):

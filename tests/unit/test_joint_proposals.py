@@ -103,6 +103,32 @@ def test_the_middle_of_a_part_is_its_weighted_mean():
         np.testing.assert_allclose(found[name], wanted, rtol=1e-12)
 
 
+def test_squares_are_the_sums_of_their_pixels():
+    rng = np.random.default_rng(6)
+    pixels = rng.random((120, 160)) < 0.3
+    pixels[:, 90:] = False
+    rows = rng.dirichlet(np.ones(15), int(pixels.sum())).astype(np.float32)
+    chosen = np.where(pixels, rng.integers(0, 15, pixels.shape), NO_LABEL).astype(np.int16)
+    depth_m = rng.uniform(1.9, 2.1, pixels.shape).astype(np.float32)
+    depth_m[rng.random(pixels.shape) < 0.1] = np.nan
+    points = part_points(depth_m, LimbParts(FULL_BODY, pixels, rows, chosen), viewing_rays(CAMERA))
+    weights = 0.5 * rows + 0.5 * (chosen[pixels][:, None] == np.arange(15))
+    depths_m = np.nan_to_num(depth_m[pixels])
+    weights = weights * (depths_m / 140.0)[:, None] ** 2
+    of_square = np.ravel_multi_index(np.argwhere(pixels).T // 2, (60, 80))
+    squares, first, number = np.unique(of_square, return_index=True, return_inverse=True)
+    expected = np.zeros((len(squares), 15))
+    np.add.at(expected, number, weights)
+    np.testing.assert_allclose(
+        points.cells[:, :, 3], expected[np.argsort(first)], rtol=1e-5, atol=1e-12
+    )
+    found = points.cloud()
+    used = expected[np.argsort(first)].sum(axis=1) > 0
+    np.testing.assert_array_equal(found.weights_m2, points.cells[used, :, 3])
+    of_all = points.cells[used].sum(axis=1)
+    np.testing.assert_array_equal(found.points_m, of_all[:, :3] / of_all[:, 3:])
+
+
 def test_every_second_pixel_gives_the_same_surface():
     every = np.zeros((120, 160), np.bool_)
     every[::2, ::2] = True

@@ -6,7 +6,7 @@ import pytest
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES, other_side
 from adibas.data.part_cloud import PartCloud
 from adibas.skeleton.limb_fit import LimbFitParams, fit_limbs
-from adibas.skeleton.limb_start_kernels import limb_starts, limb_support
+from adibas.skeleton.limb_start_kernels import limb_points, limb_starts, limb_support
 
 RADIUS_M = LimbFitParams().arm_radius_m
 SHOULDER, ELBOW, HAND = (
@@ -127,6 +127,19 @@ class TestStarts:
     def test_where_nothing_is_a_bone_away_there_are_no_bent_ones(self, points):
         starts_m = limb_starts(points[:50], self.UNKNOWN_M, self.UNKNOWN_M, self.LENGTHS_M)
         assert len(starts_m) == 1
+
+
+def test_points_of_a_limb_lie_behind_its_surface_to_the_last_bit():
+    rng = np.random.default_rng(4)
+    places_m, weights = rng.normal([0, 0, 2], 0.3, (60, 3)), rng.uniform(1e-5, 1e-3, (60, 3))
+    total = weights.sum(axis=1)
+    points, shares = limb_points(places_m, weights, total, total.mean(), RADIUS_M)
+    stretch = 1.0 + RADIUS_M / np.linalg.norm(places_m, axis=1, keepdims=True)
+    np.testing.assert_array_equal(points[:, :3], places_m * stretch)
+    np.testing.assert_array_equal(points[:, 3], total / total.mean())
+    of_part = weights / total[:, None]
+    expected = np.column_stack([of_part[:, 0], of_part[:, 1] + of_part[:, 2]])
+    np.testing.assert_array_equal(shares, expected)
 
 
 def test_surface_speaks_for_the_joints_that_it_is_near_to():

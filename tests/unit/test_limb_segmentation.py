@@ -283,6 +283,13 @@ def test_who_is_full_of_holes_is_told_so():
     assert "62 %" in said(judgement)
 
 
+def test_who_has_no_depth_at_all_is_nothing_but_holes():
+    depth_m, mask = standing()
+    judgement = judge_mask(np.full_like(depth_m, np.nan), mask)
+    assert not judgement.is_person
+    assert "100 %" in said(judgement)
+
+
 def test_half_a_person_is_told_to_step_back():
     depth_m, mask = standing()
     judgement = judge_mask(depth_m[:60], mask[:60])
@@ -340,3 +347,16 @@ def test_labels_between_do_not_depend_on_how_much_is_around_the_person(step):
     alone, within = _filled(thin, mask, step), _filled(wide_thin, wide, step)
     np.testing.assert_array_equal(within[6:42, 12:60], alone)
     assert ((within >= 0) == wide).all()
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_limbs_do_not_depend_on_how_much_is_around_the_person(model, person, step):
+    depth_m, mask, _ = person
+    around = ((6, 18), (12, 30))
+    wide_m = np.pad(depth_m, around, constant_values=3.0)
+    params = LimbParams(step=step)
+    alone = segment(depth_m, mask, FOCAL_PX, model, params)
+    within = segment(wide_m, np.pad(mask, around), FOCAL_PX, model, params)
+    np.testing.assert_array_equal(within.probabilities, alone.probabilities)
+    np.testing.assert_array_equal(within.pixels, np.pad(alone.pixels, around))
+    np.testing.assert_array_equal(within.chosen, np.pad(alone.chosen, around, constant_values=-1))

@@ -5,7 +5,6 @@ import pytest
 
 from adibas.body.mask import heights_over
 from adibas.body.people import PeopleParams, find_people, tables
-from adibas.body.rays import viewing_rays
 from adibas.data.frames import depth_in_metres
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.limbs import FULL_BODY, LimbParts
@@ -57,7 +56,7 @@ def test_a_child_at_a_table_is_found_without_the_table(pupil):
     assert [owner(mask, frame) for mask in masks] == [1]
     depth_m = depth_of(pupil, frame)
     calibration = pupil.info.calibration
-    heights_m = heights_over(depth_m, viewing_rays(calibration.depth), calibration.floor)
+    heights_m = heights_over(depth_m, calibration.depth, calibration.floor)
     table = tables(depth_m, heights_m, calibration.depth, calibration.floor, PeopleParams())
     assert table.sum() > 5000
     assert (frame.owners[table] == 0).mean() > 0.98
