@@ -1,6 +1,5 @@
 """The PDF report of a movement: ranges and symmetry, and a page each of angles and speeds."""
 
-import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,7 +23,6 @@ NOISE = message(
 )
 PLOTS_HEIGHT = 620.0
 NAME_WIDTH = 190.0
-LETTER_WIDTH = 4.6
 
 
 def write_movement_pdf(movement: Movement, path: Path, language: str) -> None:
@@ -119,8 +117,7 @@ def _symmetry(movement: Movement) -> Flowable:
 def _table(header: list[str], rows: list[list[str]]) -> Flowable:
     width = (WIDTH - NAME_WIDTH) / (len(header) - 1)
     widths = [NAME_WIDTH, *[width] * (len(header) - 1)]
-    broken = ["\n".join(textwrap.wrap(name, int(width / LETTER_WIDTH))) for name in header[1:]]
-    return number_table([header[0], *broken], rows, widths, text_columns=(0,))
+    return number_table(header, rows, widths, text_columns=(0,))
 
 
 def _fastest(row: RangeRow) -> str:

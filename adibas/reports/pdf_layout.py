@@ -26,6 +26,8 @@ MARGIN = 16 * mm
 WIDTH = A4[0] - 2 * MARGIN
 BLUE, GREY, PALE = HexColor(0x1F4E79), HexColor(0x5F6B76), HexColor(0xEEF2F6)
 SMALL, NORMAL = 7.0, 8.5
+LEFT_PADDING, RIGHT_PADDING = 3.0, 5.0
+"""Of the cells of a table of numbers."""
 NAME_SHARE = 0.3
 ROW_HEIGHT_MM = 62
 JPEG_QUALITY = 88
@@ -51,9 +53,9 @@ def prepare_fonts() -> None:
         pdfmetrics.registerFont(TTFont(name, font_path(name)))
 
 
-def text_width(text: str, size: float = SMALL) -> float:
-    """Return the width of a line of regular text, points."""
-    width: float = pdfmetrics.stringWidth(text, REGULAR, size)
+def text_width(text: str, size: float = SMALL, font: str = REGULAR) -> float:
+    """Return the width of a line of text, points."""
+    width: float = pdfmetrics.stringWidth(text, font, size)
     return width
 
 
@@ -125,11 +127,13 @@ def number_table(
 ) -> Flowable:
     """Return a table of small print; the columns that are no text are aligned as numbers.
 
-    The header comes again where the table goes on on a new page.
+    The header comes again where the table goes on on a new page; what is wider than its column is
+    broken into lines.
     """
+    named = [_broken(printable(name), width) for name, width in zip(header, widths, strict=True)]
     cells = [
-        [printable(cell) if isinstance(cell, str) else cell for cell in row]
-        for row in (header, *rows)
+        named,
+        *([printable(cell) if isinstance(cell, str) else cell for cell in row] for row in rows),
     ]
     style: list[tuple[Any, ...]] = [
         ("FONT", (0, 0), (-1, -1), REGULAR, SMALL, SMALL + 1.5),
@@ -142,10 +146,23 @@ def number_table(
         ("VALIGN", (0, 0), (-1, -1), "MIDDLE"),
         ("TOPPADDING", (0, 0), (-1, -1), 1),
         ("BOTTOMPADDING", (0, 0), (-1, -1), 2),
-        ("LEFTPADDING", (0, 0), (-1, -1), 3),
-        ("RIGHTPADDING", (0, 0), (-1, -1), 5),
+        ("LEFTPADDING", (0, 0), (-1, -1), LEFT_PADDING),
+        ("RIGHTPADDING", (0, 0), (-1, -1), RIGHT_PADDING),
     ]
     return Table(cells, widths, style=TableStyle(style), repeatRows=1, hAlign="LEFT")
+
+
+def _broken(name: str, width: float) -> str:
+    """Return the name of a column in lines that fit it; words are not parted."""
+    room = width - LEFT_PADDING - RIGHT_PADDING
+    lines: list[str] = []
+    for word in name.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and text_width(longer, SMALL, BOLD) <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return "\n".join(lines)
 
 
 def picture(pixels_rgb: UInt8Array, width: float, height: float) -> Flowable:
