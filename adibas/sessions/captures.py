@@ -50,7 +50,7 @@ from adibas.sessions.kept_files import KeptFiles
 from adibas.sessions.roles import Permission
 from adibas.sessions.rows import Row, Transaction, add_row, change_row, row_of
 from adibas.sessions.schema import CAPTURES, RECORDINGS
-from adibas.sessions.visits import found_session
+from adibas.sessions.visits import session_in_sight
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,13 +100,13 @@ class Captures:
         ConsentError
             No consent of the patient stands that a capture needs; nothing was saved.
         StoreError
-            There is no such session, the store is read-only, or the disk is full.
+            There is no such session, or it is hidden; the store is read-only, or the disk is full.
         """
         self._audit.require(Permission.TAKE_SESSIONS, session_id)
         new.history.markers(new.detected)
         asking = changing_with_consent(self._database, self._audit, session_id)
         with asking as transaction:  # before files are written
-            require_consent(transaction, found_session(transaction, session_id).pseudonym)
+            require_consent(transaction, session_in_sight(transaction, session_id).pseudonym)
             _check_recording(transaction, session_id, new.recording_id)
         payloads = [encode_picture(picture_rgb)]
         if surface is not None:
@@ -114,7 +114,7 @@ class Captures:
         thumbnail = encode_thumbnail(picture_rgb)
         saving = changing_with_consent(self._database, self._audit, session_id)
         with self._files.written(payloads) as files, saving as transaction:
-            require_consent(transaction, found_session(transaction, session_id).pseudonym)
+            require_consent(transaction, session_in_sight(transaction, session_id).pseudonym)
             self._files.keep(transaction, files)
             capture_id, at = uuid.uuid4().hex, new.captured_utc
             add_row(

@@ -15,6 +15,7 @@ from adibas.errors import ServerAwayError, StoreError
 from adibas.sessions.conflicts import Conflict
 from tests.ui.review_scene import DOTS, entered_review, saved_session
 from tests.unit.recorded_frames import INFO
+from tests.unit.store_samples import add_capture
 from ui.disputes import Dispute, undecided
 from ui.patients.content import PatientEntry
 from ui.patients.form_presenter import FormPresenter, FormView
@@ -201,6 +202,11 @@ def test_nothing_is_recorded_into_what_somebody_hid_meanwhile(store, saved, hidd
     with pytest.raises(StoreError, match="deleted meanwhile and is hidden"):
         store.recordings.create(saved[1].session_id, INFO)
     assert store.recordings.of_session(saved[1].session_id) == ()
+    before = [one.capture_id for one in store.captures.of_session(saved[1].session_id)]
+    with pytest.raises(StoreError, match="deleted meanwhile and is hidden"):
+        add_capture(store, saved[1])
+    after = [one.capture_id for one in store.captures.of_session(saved[1].session_id)]
+    assert after == before
     if what == "patient":
         with pytest.raises(StoreError, match="deleted meanwhile and is hidden"):
             store.sessions.start(saved[0].pseudonym, SessionSetup())
