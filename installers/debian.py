@@ -79,9 +79,9 @@ def build_package() -> Path:
         tree = Path(name) / "tree"
         lay_out(tree)
         write_control(tree)
-        package = OUT / f"adibas_{__version__}_{architecture()}.deb"
-        _run("dpkg-deb", "--root-owner-group", *COMPRESSION, "--build", str(tree), str(package))
-    return package
+        unfinished = Path(name) / f"adibas_{__version__}_{architecture()}.deb"
+        _run("dpkg-deb", "--root-owner-group", *COMPRESSION, "--build", str(tree), str(unfinished))
+        return unfinished.replace(OUT / unfinished.name)
 
 
 def lay_out(tree: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 import yaml
 from PIL import Image
 
+from adibas import __version__
 from adibas.cli import command_line
 from adibas.recordings import RECORDING_ENDINGS
 from adibas.sessions.migrating import REVISIONS
@@ -143,6 +144,28 @@ def test_the_package_asks_for_what_is_loaded_by_name_and_not_for_what_tests_need
     names = debian.listed_packages()
     assert {"libxcb-cursor0", "libegl1", "libopenni2-0", "libcups2"} <= set(names)
     assert not {"xvfb", "g++", "python3-venv"} & set(names)
+
+
+def test_a_package_that_is_not_finished_does_not_take_the_place_of_the_one_before(
+    tmp_path, monkeypatch
+):
+    before = tmp_path / f"adibas_{__version__}_amd64.deb"
+    before.write_bytes(b"whole")
+
+    def packed_halfway(program, *arguments):
+        if program == "dpkg-deb":
+            Path(arguments[-1]).write_bytes(b"half")
+            raise SystemExit("dpkg-deb failed")
+        return "amd64\n"
+
+    monkeypatch.setattr(debian, "OUT", tmp_path)
+    monkeypatch.setattr(debian.freezing, "WORK", tmp_path)
+    monkeypatch.setattr(debian, "_run", packed_halfway)
+    for name in ("lay_out", "write_control"):
+        monkeypatch.setattr(debian, name, lambda _tree: None)
+    with pytest.raises(SystemExit, match="dpkg-deb failed"):
+        debian.build_package()
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"whole"]
 
 
 def test_nothing_is_built_without_the_manual(tmp_path, monkeypatch):
