@@ -20,6 +20,7 @@ import numpy as np
 import platformdirs
 
 import adibas
+from adibas.arrays import read_only
 from adibas.data.frames import depth_in_metres
 from adibas.errors import FileError
 from adibas.files import written_whole
@@ -30,7 +31,7 @@ logger = logging.getLogger(__name__)
 N_FRAMES = 2
 N_BOARDS, N_SHAPES = 8, 8
 COLOR_SIZE = (480, 640)
-SPACE, N_SECONDS = 3, 4
+SPACE, N_SECONDS, RATE_HZ = 3, 4, 30
 GARBAGE_EVERY = 1_000_000
 """New objects: compiling keeps most of what it makes, and a tenth of its time went into looking
 through all of that again and again."""
@@ -113,9 +114,10 @@ def compare_depth_with_color() -> None:
 
 
 def name_joints() -> None:
-    """Name the points of a standing body, and lay an active shape model onto them."""
+    """Name the points of a standing body, and compare and fit shapes."""
     from adibas.pipeline.skeleton_labelling import shipped_namer
     from adibas.shapes.point_distribution import learn_distribution
+    from adibas.shapes.shape_context import match_shapes
     from adibas.shapes.shape_fitting import fit_shape
 
     namer = shipped_namer()
@@ -124,6 +126,7 @@ def name_joints() -> None:
     points_m = np.random.default_rng(0).normal(0.0, 0.5, (len(namer.names), SPACE))
     namer.label(points_m)
     namer.label(points_m[:, :2], "front")
+    match_shapes(points_m[:, :2], points_m[:, :2])
 
 
 def find_limbs() -> None:
@@ -150,7 +153,30 @@ def find_joints() -> None:
         raise ValueError("a simulated scene has depth and a calibration of its camera")
     segmenter = forest_segmenter(shipped_model(), calibration.depth)
     estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor)
-    estimator.look(depth_in_metres(raw, scene.info.depth_unit_m), 0.0)
+    depth_m = depth_in_metres(raw, scene.info.depth_unit_m)
+    estimator.look(depth_m, 0.0)
+    read_only(depth_m)  # as who labels limbs has it; numba compiles for each
+    estimator.look(depth_m, 1.0 / RATE_HZ)
+
+
+def look_near_a_marker() -> None:
+    """Ask for the depth at a point of a picture that is nobody's yet."""
+    from adibas.markers.blobs import depth_near
+
+    depth_near(np.ones((SPACE, SPACE), np.float32), 1.0, 1.0, 1.0)
+
+
+def simulate_light_and_boards() -> None:
+    """See what the simulated sensor shows on other screens: LEDs, and a board to calibrate with."""
+    from adibas.calibration.corners import as_gray
+    from adibas.simulation.scenes import open_scene
+
+    open_scene("anterior_led").frame(0)
+    open_scene("board").frame(0)
+    color_rgb = np.zeros((SPACE, SPACE, SPACE), np.uint8)
+    as_gray(color_rgb)
+    read_only(color_rgb)  # as a sensor's
+    as_gray(color_rgb)
 
 
 def find_gestures() -> None:
@@ -166,6 +192,18 @@ def find_gestures() -> None:
     joints_m = places_m + 0.1 * np.sin(times_s)[:, None, None]
     model.detect(describe(track_of(times_s, joints_m), model.descriptor))
     model.classify(model.examples[0])
+
+
+def follow_an_exercise() -> None:
+    """Align a stream with examples and with mixtures, as the methods of the thesis do."""
+    from adibas.timeseries.mixture_stream import MixtureModel, MixtureStream
+    from adibas.timeseries.stream import StreamAligner
+
+    frames = np.random.default_rng(0).normal(size=(N_FRAMES, SPACE))
+    StreamAligner([frames], steps="free").feed(frames)
+    means = frames[:, None]
+    mixtures = MixtureModel(np.ones((N_FRAMES, 1)), means, np.ones_like(means))
+    MixtureStream([mixtures]).feed(frames)
 
 
 def map_a_room() -> None:
@@ -217,7 +255,10 @@ WORKS: tuple[Callable[[], None], ...] = (
     name_joints,
     find_limbs,
     find_joints,
+    look_near_a_marker,
+    simulate_light_and_boards,
     find_gestures,
+    follow_an_exercise,
     map_a_room,
     pack_depth,
 )
