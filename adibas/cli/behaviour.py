@@ -5,7 +5,7 @@ from pathlib import Path
 
 from adibas.cli.console import Console
 from adibas.cli.options import add_json, positive, seconds_range
-from adibas.cli.recording_options import add_rotation
+from adibas.cli.recording_options import add_rotation, add_shown_view
 from adibas.cli.report_options import add_language, add_patient, check_report
 from adibas.texts import message, translate_plural
 from adibas.texts import translate as _
@@ -43,6 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("what a human observer coded: .csv, .tsv, .xlsx, .boris or .eaf"),
     )
     add_rotation(parser)
+    add_shown_view(parser)
+    parser.set_defaults(refuse=parser.error)
     _add_measuring(parser)
     add_patient(parser)
     add_language(parser)
@@ -115,10 +117,12 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.behaviour.activity import ActivityParams
     from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour
     from adibas.pipeline.joined_access import access_to, joined_name
-    from adibas.recordings.joints_csv import recording_name
+    from adibas.recordings.joints_csv import is_joint_table, recording_name
     from adibas.reports.behaviour import BEHAVIOUR_KINDS, write_behaviour
     from adibas.reports.behaviour_json import behaviour_to_json
 
+    if arguments.view and is_joint_table(arguments.sources[0]):
+        arguments.refuse(_("--view is of a recording: a table of joints tells left and right"))
     names = [recording_name(path) for path in arguments.sources]
     called = joined_name(names)
     out = [_file(path, called) for path in arguments.out]
@@ -137,6 +141,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         name=called,
         parts=tuple(names) if len(names) > 1 else (),
         rotation_deg=arguments.rotation,
+        view=arguments.view,
     )
     with console.progress(_("Analysing")) as advance:
         analysis = analyse_behaviour(request, advance)

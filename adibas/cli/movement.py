@@ -72,14 +72,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Measure the movement and write the reports."""
-    from adibas.pipeline.movement import JOINT_FILE, MovementRequest, measure_moving
+    from adibas.pipeline.movement import MovementRequest, measure_moving
     from adibas.pipeline.posture import PostureParams
+    from adibas.recordings.joints_csv import is_joint_table
     from adibas.reports.movement import MOVEMENT_KINDS, write_movement
     from adibas.reports.movement_json import movement_to_json
 
     for path in arguments.out:
         check_report(path, MOVEMENT_KINDS)
-    _check_markers(arguments, is_table=arguments.source.suffix.lower() == JOINT_FILE)
+    _check_markers(arguments, is_table=is_joint_table(arguments.source))
     request = MovementRequest(
         arguments.source,
         arguments.markers,

@@ -12,6 +12,7 @@ from adibas.cli.recording_options import (
     add_person,
     add_recording,
     add_rotation,
+    add_shown_view,
 )
 from adibas.errors import FileError, RecordingError
 from adibas.files import check_place
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 SUMMARY = message("find the joints of everybody in a recording without markers")
 
-VIEWS = ("anterior", "posterior")
 POSE_KINDS = (".csv", ".trc", ".c3d")
 LAGS = range(11)
 
@@ -39,12 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_calibration(parser)
     add_rotation(parser)
-    parser.add_argument(
-        "--view",
-        choices=VIEWS,
-        default="",
-        help=_("which side everybody shows to the camera; found out if not given"),
-    )
+    add_shown_view(parser)
     add_frames(parser, _("frames to look at, B not included; all of them if not given"))
     add_person(
         parser,

@@ -7,6 +7,9 @@ from adibas.cli.options import frame_range, positive_count
 from adibas.data.sessions import ROTATIONS_DEG
 from adibas.texts import translate as _
 
+SHOWN_VIEWS = ("anterior", "posterior")
+"""Sides that people may show where they are found without markers."""
+
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
     """Ask for the recording."""
@@ -69,3 +72,13 @@ def add_rotation(parser: argparse.ArgumentParser) -> None:
 def add_person(parser: argparse.ArgumentParser, help_text: str) -> None:
     """Offer `--person`, None if not given."""
     parser.add_argument("--person", type=positive_count, metavar="N", help=help_text)
+
+
+def add_shown_view(parser: argparse.ArgumentParser) -> None:
+    """Say which side people show, where they are found without markers."""
+    parser.add_argument(
+        "--view",
+        choices=SHOWN_VIEWS,
+        default="",
+        help=_("which side everybody shows to the camera; found out if not given"),
+    )

@@ -35,14 +35,14 @@ from adibas.pipeline.behaviour_activity import (
 from adibas.pipeline.behaviour_times import check_still, in_ms, sections_of, session_of
 from adibas.pipeline.gesture_examples import unseen_joints
 from adibas.pipeline.gesture_work import detected_events, upright_tracks
-from adibas.pipeline.movement import JOINT_FILE
 from adibas.pipeline.pose import PoseRequest, pose_recording
+from adibas.pipeline.pose_following import PoseParams
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram
-from adibas.recordings.joints_csv import read_joints_csv, recording_name
+from adibas.recordings.joints_csv import is_joint_table, read_joints_csv, recording_name
 from adibas.texts import message
 
 PROGRAM = "ADiBAS"
@@ -112,6 +112,8 @@ class BehaviourRequest:
         Names of the recordings, where several are watched as one.
     rotation_deg : int
         How far the picture is turned clockwise to be upright; see `turn_to_upright`.
+    view : str
+        Which side everybody shows to the camera, ``anterior`` or ``posterior``; empty: found out.
     """
 
     source: Path
@@ -128,6 +130,7 @@ class BehaviourRequest:
     name: str = ""
     parts: tuple[str, ...] = ()
     rotation_deg: int = 0
+    view: str = ""
 
     @property
     def called(self) -> str:
@@ -244,11 +247,16 @@ def find_joints(
     RecordingError, CalibrationError, LimbError
         The file cannot be used, or nobody is in it.
     """
-    if request.source.suffix.lower() == JOINT_FILE:
+    if is_joint_table(request.source):
         read = read_joints_csv(request.source)
         turn = QuarterTurn(request.rotation_deg // 90)
         return FoundJoints(upright_tracks(read.tracks, turn), tuple(read.notices))
-    asked = PoseRequest(request.source, access=request.access, rotation_deg=request.rotation_deg)
+    asked = PoseRequest(
+        request.source,
+        pose=PoseParams(view=request.view),
+        access=request.access,
+        rotation_deg=request.rotation_deg,
+    )
     posed = pose_recording(asked, progress, clock)
     return FoundJoints(
         upright_tracks(posed.tracks, posed.turn), (Sentence(ESTIMATED), *posed.notices)
@@ -369,6 +377,7 @@ def _provenance(request: BehaviourRequest, clock: Clock) -> Provenance:
         "posture": asdict(request.posture),
         "bin_s": request.bin_s,
         "rotation_deg": request.rotation_deg,
+        "view": request.view,
     }
     if request.models:
         parameters["models_sha256"] = [recording_sha256(path) for path in request.models]

@@ -8,7 +8,7 @@ from pathlib import Path
 from adibas.errors import RecordingError
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.recordings.joined import JoinedRecording
-from adibas.recordings.joints_csv import recording_name
+from adibas.recordings.joints_csv import is_joint_table, recording_name
 
 
 def joined_access(paths: Sequence[Path], access: RecordingAccess) -> RecordingAccess:
@@ -48,12 +48,10 @@ def access_to(paths: Sequence[Path]) -> RecordingAccess:
     RecordingError
         One of several is a table of joints.
     """
-    from adibas.pipeline.movement import JOINT_FILE  # brings the compiler along
-
     if len(paths) == 1:
         return FILES
     for path in paths:
-        if path.suffix.lower() == JOINT_FILE:
+        if is_joint_table(path):
             raise RecordingError(
                 "{file} is a table of joints: only recordings are watched one after another. "
                 "Analyse each table by itself.",

@@ -41,13 +41,11 @@ from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.clock_jumps import check_steps
 from adibas.recordings.decoding import to_rgbd
-from adibas.recordings.joints_csv import read_joints_csv
+from adibas.recordings.joints_csv import is_joint_table, read_joints_csv
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.sides import BACK, FRONT
 from adibas.skeleton.tracking import TrackedNames, name_movement
 from adibas.texts import message
-
-JOINT_FILE = ".csv"
 
 OTHER_PEOPLE = message(
     "The file has joints of {n} people; these are of person {person}. Choose another with --person."
@@ -113,7 +111,7 @@ def measure_moving(
         Nobody was found without markers, or the view is one from the side, of which they know
         nothing.
     """
-    if request.source.suffix.lower() == JOINT_FILE:
+    if is_joint_table(request.source):
         return _of_table(request, clock)
     if request.is_markerless:
         return _without_markers(request, progress, clock)

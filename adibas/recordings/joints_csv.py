@@ -28,6 +28,7 @@ from adibas.recordings.clock_jumps import check_steps
 from adibas.texts import message
 
 SUFFIX = ".joints.csv"
+TABLE_SUFFIX = ".csv"
 ROWS_A_BLOCK = 5000
 LATEST_S = 9e9
 """The year 2255: later times do not fit into 64 bits of nanoseconds."""
@@ -53,6 +54,11 @@ class JointFile:
     notices: tuple[Sentence, ...] = ()
     origin: Origin = "unknown"
     up: FloatArray | None = None
+
+
+def is_joint_table(path: Path) -> bool:
+    """Say by its name whether a file is a table of joints, and no recording."""
+    return path.suffix.lower() == TABLE_SUFFIX
 
 
 def recording_name(path: Path) -> str:

@@ -126,6 +126,32 @@ def test_who_has_no_neck_does_no_gesture(tmp_path):
     assert any("neck of person 1 never appears" in notice.text for notice in found.notices)
 
 
+def test_the_side_that_people_show_is_told_to_who_finds_their_joints(tmp_path, monkeypatch, capsys):
+    asked = []
+
+    def posed(request, _progress, _clock):
+        asked.append(request.pose.view)
+        times_s, joints_m = still(60, 15.0, 0.005, begin_s=0.0)
+        tracks = (track_of(times_s, joints_m),)
+        return SimpleNamespace(tracks=tracks, notices=(), turn=QuarterTurn(0))
+
+    monkeypatch.setattr("adibas.pipeline.behaviour.pose_recording", posed)
+    (tmp_path / "a.mcap").write_bytes(b"recording")
+    words = ["behaviour", tmp_path / "a.mcap", "--out", tmp_path / "r.csv"]
+    code, document = told(capsys, *words, "--view", "posterior")
+    assert code == 0
+    assert told(capsys, *words)[0] == 0
+    assert asked == ["posterior", ""]
+    assert document["provenance"]["parameters"]["view"] == "posterior"
+
+
+def test_no_side_is_told_of_a_table_of_joints(joints, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["behaviour", str(joints), "--view", "anterior", "--out", str(tmp_path / "r.csv")])
+    assert ended.value.code == 2
+    assert "--view is of a recording" in capsys.readouterr().err
+
+
 def test_joints_of_a_recording_are_found_without_markers(tmp_path, monkeypatch):
     """The chain of its own is tested elsewhere; here its people arrive in the timeline."""
     track = track_of(*still(100, 15.0))
