@@ -103,7 +103,8 @@ def _agreeing(one: Found, given: IntArray) -> Iterator[Found]:
     """Give what is left of a candidate and its alternatives; the likeliest is the candidate."""
     every = np.vstack([one.candidate.partners[None], one.others])
     energies = np.append(one.candidate.energy, one.energies)
-    kept = agrees(every, given)
+    # Alternatives that were never made have no energy, and anything at all as names.
+    kept = agrees(every, given) & np.isfinite(energies)
     if kept.any():
         every, energies = every[kept], energies[kept]
         best = int(np.argmin(energies))

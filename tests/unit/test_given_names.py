@@ -10,7 +10,9 @@ from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
 from adibas.skeleton.given_names import agrees, given_index
+from adibas.skeleton.labelling import _agreeing
 from adibas.skeleton.points_csv import read_points
+from adibas.skeleton.prototype_search import Candidate, Found
 from tests.unit.test_labelling import NAMES, namer, people, shuffled, write_csv
 
 assert namer  # a fixture
@@ -77,6 +79,20 @@ def test_names_that_nothing_agrees_with_name_no_other_point(namer):
     labels = with_only(truth, head="left_foot", neck="right_foot", pelvis="left_hand")
     found = namer.label(points, "anterior", given=labels)
     assert set(found.names) <= {None, "head", "neck", "pelvis"}
+
+
+def test_an_alternative_that_was_never_made_agrees_with_nothing():
+    """Rows of a table that the search did not fill hold anything, and have no energy."""
+    turn, moved = np.eye(2), np.zeros((2, 2))
+    one = Candidate(np.array([0, 1]), 3.0, 0, turn, 1.0, moved)
+    leftover = np.array([[1, 140_113_805_164_416], [1, -1], [1, 0]])
+    given = given_index(("", "a"), ("a", "b"))
+    unmade, made = np.array([np.inf, np.inf, np.inf]), np.array([np.inf, 4.0, np.inf])
+    assert list(_agreeing(Found(one, leftover, unmade), given)) == []
+    (left,) = _agreeing(Found(one, leftover, made), given)
+    assert left.candidate.partners.tolist() == [1, -1]
+    assert left.candidate.energy == 4.0
+    assert len(left.others) == 0
 
 
 def test_a_name_in_one_frame_tells_the_sides_of_a_movement(tmp_path):
