@@ -79,10 +79,7 @@ def sum_of_sizes(function: Function, inputs: Inputs) -> list[Estimate | None]:
     def together(points_m: FloatArray, tilts_rad: FloatArray) -> FloatArray:
         return np.asarray((signs * function(points_m, tilts_rad)).sum(axis=-1))
 
-    each = [
-        _variances(_part(function, at), inputs, is_angle=False) for at in range(parts.shape[-1])
-    ]
-    sds = np.sqrt(np.maximum(each, 0.0)).T
+    sds = np.sqrt(np.maximum(_variances(function, inputs, is_angle=False), 0.0))
     raised = np.sqrt(2.0 / np.pi) * sds * np.exp(-0.5 * (parts / np.maximum(sds, 1e-12)) ** 2)
     return [
         None
@@ -95,7 +92,7 @@ def sum_of_sizes(function: Function, inputs: Inputs) -> list[Estimate | None]:
 
 
 def _variances(function: Function, inputs: Inputs, *, is_angle: bool) -> FloatArray:
-    """Return the (M,) variances of values."""
+    """Return the variances of (M,) values, or of (M, P) parts."""
     n_points = inputs.points_m.shape[1]
     level = np.zeros(2)
     steps_m = STEP * np.eye(3 * n_points).reshape(-1, 1, n_points, 3)
@@ -104,7 +101,7 @@ def _variances(function: Function, inputs: Inputs, *, is_angle: bool) -> FloatAr
         function(inputs.points_m - steps_m, level),
         is_angle=is_angle,
     )
-    variances = np.einsum("im,mij,jm->m", slopes, inputs.covariances_m2, slopes)
+    variances = np.einsum("im...,mij,jm...->m...", slopes, inputs.covariances_m2, slopes)
     for step_rad in STEP * np.eye(2):
         slope = _slope(
             function(inputs.points_m, step_rad),
@@ -113,15 +110,6 @@ def _variances(function: Function, inputs: Inputs, *, is_angle: bool) -> FloatAr
         )
         variances += (slope * inputs.tilt_sd_rad) ** 2
     return np.asarray(variances)
-
-
-def _part(function: Function, at: int) -> Function:
-    """Return one of the parts that a function gives."""
-
-    def part(points_m: FloatArray, tilts_rad: FloatArray) -> FloatArray:
-        return np.asarray(function(points_m, tilts_rad)[..., at])
-
-    return part
 
 
 def folded(deviation: Estimate | None) -> Estimate | None:

@@ -18,7 +18,13 @@ from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.labels import read_labels, with_labels
 from adibas.pipeline.learning import read_target
 from adibas.pipeline.namers import namer_of
-from adibas.pipeline.posture import MarkerFindings, PostureParams, analyse_burst, doubts_about
+from adibas.pipeline.posture import (
+    MarkerFindings,
+    MarkerTarget,
+    PostureParams,
+    analyse_burst,
+    doubts_about,
+)
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
 from adibas.pipeline.skeleton_names import with_namer, with_names
@@ -75,6 +81,8 @@ class FoundMarkers:
 
     Attributes
     ----------
+    target : MarkerTarget
+        What was looked for.
     findings : MarkerFindings
         As the pictures give them, without names.
     markers : tuple of Marker
@@ -89,6 +97,7 @@ class FoundMarkers:
     notices : tuple of str
     """
 
+    target: MarkerTarget
     findings: MarkerFindings
     markers: tuple[Marker, ...]
     namer: Namer | None
@@ -137,7 +146,9 @@ def find_in_recording(
         by_hand = frozenset(line.label for line in labels)
         markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
         notices += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
-    return FoundMarkers(findings, markers, namer, calibration, burst.picture_rgb(), frames, notices)
+    return FoundMarkers(
+        target, findings, markers, namer, calibration, burst.picture_rgb(), frames, notices
+    )
 
 
 def analyse_recording(
@@ -160,7 +171,6 @@ def analyse_recording(
     found = find_in_recording(request, progress, clock)
     findings, calibration, markers = found.findings, found.calibration, found.markers
     begin, end = found.frames
-    target, wish = read_target(request.markers), request.protocol
     analysis = PostureAnalysis(
         patient=request.patient,
         view=request.view,
@@ -174,16 +184,20 @@ def analyse_recording(
         calibration=calibration,
         provenance=with_namer(
             provenance_of(
-                recording_sha256(request.recording), calibration, target, request.params, clock()
+                recording_sha256(request.recording),
+                calibration,
+                found.target,
+                request.params,
+                clock(),
             ),
             found.namer,
         ),
         notices=(*found.notices, *doubts_about(findings)),
         surface_per_m=findings.surface.mean_per_m,
     )
-    if wish is None:
+    if request.protocol is None:
         return analysis
-    return with_measures(analysis, wish, (), request.params.rotation_deg)
+    return with_measures(analysis, request.protocol, (), request.params.rotation_deg)
 
 
 class _Burst:

@@ -59,9 +59,9 @@ class SchemeDialog(QDialog):
         typed: TypedScheme | None = None,
     ) -> None:
         super().__init__(parent)
-        self._opened = fields_of(ethogram)
-        goes_on = typed is not None and typed.opened == self._opened
-        self._fields = typed.fields if typed is not None and goes_on else self._opened
+        self._opened = self._fields = fields_of(ethogram)
+        if typed is not None and typed.opened == self._opened:
+            self._fields = typed.fields
         self._is_given_up = False
         self._use = use
         self._is_showing = False
