@@ -5,13 +5,15 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TypeAlias
 
 from adibas.clock import NS_PER_S
 from adibas.data.frames import SensorFrame, SourceInfo
-from adibas.errors import AdibasError, RecordingError, SensorError
+from adibas.errors import AdibasError, SensorError
 from adibas.pipeline.live_frames import SensorKind, SensorState
 from adibas.recordings.ports import DropCount
+from adibas.recordings.reading import no_whole_frame
 from adibas.sensors.pace import Pacer
 from adibas.sensors.ports import READ_TIMEOUT_S, DepthCamera, SensorOptions
 
@@ -118,8 +120,8 @@ class Acquisition:
         if self._end_ns is not None and self._source.is_looping:
             self._restart()
             return
-        nothing = RecordingError("The recording holds no whole frame. Record the session again.")
-        self._report("ended", nothing if self._end_ns is None else None)
+        is_empty = self._end_ns is None
+        self._report("ended", no_whole_frame(Path(self._source.text).name) if is_empty else None)
         self._stop.wait()
 
     def _report(

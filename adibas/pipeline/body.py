@@ -34,7 +34,7 @@ from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.surface.crown import crown_height_m
 from adibas.surface.girths import no_measures, slice_measures
-from adibas.texts import message
+from adibas.texts import Message, message
 
 POSTERIOR = "posterior"
 ORDER = (POSTERIOR, "anterior", "right_lateral", "left_lateral")
@@ -47,6 +47,12 @@ NO_MARKER = {
     "posterior": message("No marker was found in the view from behind."),
     "right_lateral": message("No marker was found in the view of the right side."),
     "left_lateral": message("No marker was found in the view of the left side."),
+}
+FOUND_IN = {
+    "anterior": message("In the view from the front: {notice}"),
+    "posterior": message("In the view from behind: {notice}"),
+    "right_lateral": message("In the view of the right side: {notice}"),
+    "left_lateral": message("In the view of the left side: {notice}"),
 }
 NOTICE = message("{notice}")
 
@@ -144,11 +150,17 @@ def measure_body(request: BodyRequest, progress: Progress, clock: Clock = utc_no
     _check_views(request)
     seen = (_standing if request.turn is None else _turned)(request, progress)
     sources = seen.sources
-    views = [_marked(view, sources[view.view], request) for view in seen.views]
+    looked = [_marked(view, sources[view.view], request) for view in seen.views]
+    views = [view for view, _told in looked]
     lacking = _check_markers(request, views)
+    told = tuple(
+        Sentence(FOUND_IN[view.view], {"notice": notice})
+        for view, notices in looked
+        for notice in notices
+    )
     provenances = {view.view: _provenance(sources[view.view], view, clock) for view in seen.views}
     body = measure_views(views, provenances, request.patient, request.protocol, request.params)
-    return replace(body, notices=(*seen.notices, *lacking, *body.notices))
+    return replace(body, notices=(*seen.notices, *lacking, *told, *body.notices))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -282,10 +294,12 @@ def _check_labels(request: BodyRequest, names: Iterable[str]) -> None:
         )
 
 
-def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedView:
-    """Return a view with its markers, where any are to be looked for."""
+def _marked(
+    view: BodyView, one: ViewRequest, request: BodyRequest
+) -> tuple[MarkedView, tuple[Message, ...]]:
+    """Return a view with its markers, where any are to be looked for, and the doubts about them."""
     if not request.markers:
-        return MarkedView(view)
+        return MarkedView(view), ()
     wish = request.protocol
     is_named = wish is not None and one.view in wish.protocol.views
     found = find_in_recording(
@@ -302,7 +316,7 @@ def _marked(view: BodyView, one: ViewRequest, request: BodyRequest) -> MarkedVie
         lambda _done, _total: None,
         may_lack=one.view not in request.labels,
     )
-    return MarkedView(view, found.markers)
+    return MarkedView(view, found.markers), found.doubts
 
 
 def _check_markers(request: BodyRequest, views: Sequence[MarkedView]) -> tuple[Sentence, ...]:

@@ -110,7 +110,7 @@ def see_view(request: ViewRequest, progress: Progress) -> BodyView:
         Nobody is seen, or no floor.
     """
     with open_recording(request.recording) as recording:
-        wanted = wanted_frames(recording, request.frames)
+        wanted = wanted_frames(recording, request.frames, request.recording.name)
         calibration = calibration_of(recording, request.calibration)
         camera = depth_camera_of(calibration)
         total = DisparitySum(calibration.depth_bias, camera)

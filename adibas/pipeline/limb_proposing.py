@@ -75,7 +75,7 @@ def propose_recording(request: ProposingRequest, progress: Progress) -> Proposed
     said: Counter[str] = Counter()
     n_proposed = 0
     with open_recording(request.recording) as recording:
-        wanted = wanted_frames(recording, request.frames)
+        wanted = wanted_frames(recording, request.frames, request.recording.name)
         desk = LabellingDesk(
             recording,
             request.recording.name,

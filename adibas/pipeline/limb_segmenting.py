@@ -118,7 +118,7 @@ def segment_recording(request: SegmentingRequest, progress: Progress) -> Segment
     sentences: dict[str, Sentence] = {}
     n_frames = n_people = n_known = 0
     with open_recording(request.recording) as recording:
-        wanted = wanted_frames(recording, request.frames)
+        wanted = wanted_frames(recording, request.frames, request.recording.name)
         calibration = calibration_of(recording, request.calibration)
         looker = Looker(calibration, recording.info, request.rotation_deg)
         files = _files_of(request, recording, model, looker.camera)

@@ -142,7 +142,7 @@ def map_recording(
     if request.tracking.graph.solver == "gtsam":
         check_gtsam()
     with request.access.open(request.recording) as recording:
-        wanted = wanted_frames(recording, request.frames)
+        wanted = wanted_frames(recording, request.frames, request.recording.name)
         calibration = calibration_of(recording, request.calibration)
         frames = MapFrames(recording, wanted, calibration, is_body=request.is_body)
         frames.look_for_floor()

@@ -43,6 +43,7 @@ from adibas.recordings.clock_jumps import check_steps
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.joints_csv import is_joint_table, read_joints_csv
 from adibas.recordings.ports import RecordingReader
+from adibas.recordings.reading import no_whole_frame
 from adibas.skeleton.sides import BACK, FRONT
 from adibas.skeleton.tracking import TrackedNames, name_movement
 from adibas.texts import message
@@ -193,7 +194,7 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
     target = read_target(request.markers)
     with open_recording(request.source) as recording:
         if len(recording) == 0:
-            raise RecordingError("The recording holds no whole frame. Record the session again.")
+            raise no_whole_frame(request.source.name)
         check_steps(request.source.name, np.asarray(recording.timestamps_ns) / NS_PER_S)
         calibration = calibration_of(recording, request.calibration)
         check_age(calibration, request.oldest_calibration_days, clock())

@@ -147,7 +147,7 @@ def pose_recording(
     """
     model = shipped_model() if request.model is None else load_model(request.model)
     with request.access.open(request.recording) as recording:
-        wanted = wanted_frames(recording, request.frames)
+        wanted = wanted_frames(recording, request.frames, request.recording.name)
         times_ns = np.asarray(recording.timestamps_ns)[wanted.start : wanted.stop]
         check_steps(request.recording.name, times_ns / NS_PER_S)
         calibration = calibration_of(recording, request.calibration)

@@ -28,7 +28,7 @@ from adibas.measures.sight_plane import up_of_picture, up_without_floor
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
 from adibas.pipeline.posture_checks import apart_from_merged, count_people, refuse_beside
-from adibas.texts import message
+from adibas.texts import Message, message
 
 MarkerTarget: TypeAlias = ColorModel | LedParams
 """What to look for: learned colours, or LEDs in a dark image."""
@@ -317,7 +317,7 @@ def _measured(found: BurstMarker, finder: PositionFinder) -> Marker:
     )
 
 
-def doubts_about(found: MarkerFindings) -> tuple[str, ...]:
+def doubts_about(found: MarkerFindings) -> tuple[Message, ...]:
     """Return what the reader should know of the markers that were found."""
     if not found.markers:
         return ()

@@ -34,7 +34,9 @@ from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.ports import RecordingReader
+from adibas.recordings.reading import no_whole_frame
 from adibas.skeleton.namer import Namer
+from adibas.texts import Message
 
 MARKERS_FOR_A_DISTANCE = 2
 
@@ -95,6 +97,9 @@ class FoundMarkers:
     frames : (int, int)
         Of the burst, the end not included.
     notices : tuple of str
+        What was lost of the recording.
+    doubts : tuple of Message
+        What the reader should know of the markers.
     """
 
     target: MarkerTarget
@@ -105,6 +110,7 @@ class FoundMarkers:
     picture_rgb: UInt8Array
     frames: tuple[int, int]
     notices: tuple[str, ...]
+    doubts: tuple[Message, ...]
 
 
 def find_in_recording(
@@ -131,7 +137,7 @@ def find_in_recording(
     if request.protocol is not None:
         check_view(request.protocol, request.view)
     with open_recording(request.recording) as recording:
-        frames = _burst_range(recording, request.frames)
+        frames = _burst_range(recording, request.frames, request.recording.name)
         calibration = calibration_of(recording, request.calibration)
         check_age(calibration, request.oldest_calibration_days, clock())
         burst = _Burst(recording, calibration, *frames, progress)
@@ -142,12 +148,15 @@ def find_in_recording(
     markers = with_labels(findings.markers, labels)
     wish, rotation_deg = request.protocol, request.params.rotation_deg
     namer = None if wish is None else namer_of(wish.protocol, request.view)
+    doubts = doubts_about(findings)
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
         markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
-        notices += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
+        view_doubts = doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
+        doubts = (*view_doubts, *doubts)
+    picture_rgb = burst.picture_rgb()
     return FoundMarkers(
-        target, findings, markers, namer, calibration, burst.picture_rgb(), frames, notices
+        target, findings, markers, namer, calibration, picture_rgb, frames, notices, doubts
     )
 
 
@@ -192,7 +201,7 @@ def analyse_recording(
             ),
             found.namer,
         ),
-        notices=(*found.notices, *doubts_about(findings)),
+        notices=(*found.notices, *found.doubts),
         surface_per_m=findings.surface.mean_per_m,
     )
     if request.protocol is None:
@@ -257,33 +266,43 @@ def check_findings(findings: MarkerFindings) -> None:
         )
 
 
-def wanted_frames(recording: RecordingReader, frames: tuple[int, int | None]) -> range:
+def wanted_frames(recording: RecordingReader, frames: tuple[int, int | None], name: str) -> range:
     """Return the indices of the frames from the first one on, up to the second one (None: all).
 
     Raises
     ------
     RecordingError
-        The recording has none of them.
+        The recording, which its user knows as `name`, has none of them.
     """
     wanted = range(*slice(*frames).indices(len(recording)))
     if not wanted:
-        raise RecordingError("The recording has no such frames. Choose others with --frames.")
+        raise _no_such_frames(recording, frames, name)
     return wanted
 
 
-def _burst_range(recording: RecordingReader, frames: tuple[int, int | None]) -> tuple[int, int]:
+def _burst_range(
+    recording: RecordingReader, frames: tuple[int, int | None], name: str
+) -> tuple[int, int]:
     begin, asked_end = frames
     end = len(recording) if asked_end is None else asked_end
-    if len(recording) == 0:
-        raise RecordingError("The recording holds no whole frame. Record the session again.")
     if not begin < end <= len(recording):
-        raise RecordingError(
-            "The recording has {n_frames} frames, so frames {frames} cannot be read. Choose a "
-            "range inside 0:{n_frames}.",
-            n_frames=len(recording),
-            frames=f"{begin}:{'' if asked_end is None else asked_end}",
-        )
+        raise _no_such_frames(recording, frames, name)
     return begin, end
+
+
+def _no_such_frames(
+    recording: RecordingReader, frames: tuple[int, int | None], name: str
+) -> RecordingError:
+    if len(recording) == 0:
+        return no_whole_frame(name)
+    begin, end = frames
+    return RecordingError(
+        "{file} has {n_frames} frames, so frames {frames} cannot be read. Choose a range inside "
+        "0:{n_frames}.",
+        file=name,
+        n_frames=len(recording),
+        frames=f"{begin}:{'' if end is None else end}",
+    )
 
 
 def calibration_of(recording: RecordingReader, path: Path | None) -> RgbdCalibration:

@@ -141,7 +141,7 @@ def see_turn(request: ViewRequest, progress: Progress, params: CutParams | None 
         Nobody is seen, no floor, the person is lost, or does not turn.
     """
     with open_recording(request.recording) as recording:
-        wanted = wanted_frames(recording, request.frames)
+        wanted = wanted_frames(recording, request.frames, request.recording.name)
         calibration = calibration_of(recording, request.calibration)
         turn = RecordedTurn(
             *(recording, calibration, wanted, request.recording.name, request.view),

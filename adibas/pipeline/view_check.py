@@ -8,7 +8,7 @@ from adibas.data.markers import Marker
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.skeleton_names import diameters_of, upright_turn
 from adibas.skeleton.namer import Namer
-from adibas.texts import message
+from adibas.texts import Message, message
 
 LOOKS_OTHERWISE = message(
     "The markers look like a patient who shows the camera the opposite side than declared: "
@@ -22,7 +22,7 @@ def doubts_about_view(
     view: str,
     calibration: RgbdCalibration,
     rotation_deg: int = 0,
-) -> tuple[str, ...]:
+) -> tuple[Message, ...]:
     """Return what must be known of the declared view, or nothing.
 
     The markers are named once more without being told the view: where the shape alone is sure of

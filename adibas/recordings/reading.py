@@ -28,6 +28,11 @@ def cannot_read(file: str, error: OSError) -> RecordingError:
     )
 
 
+def no_whole_frame(file: str) -> RecordingError:
+    """Say that the file was cut before its first frame ended."""
+    return RecordingError("{file} holds no whole frame. Record the session again.", file=file)
+
+
 def damaged_frame(file: str, index: int) -> RecordingError:
     """Say which frame (counted from 0) is damaged."""
     return RecordingError(

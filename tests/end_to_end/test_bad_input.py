@@ -129,6 +129,27 @@ def test_a_cut_recording_gives_its_whole_frames_and_a_notice(demo, tmp_path, cap
     assert "is cut" in captured.err
 
 
+@pytest.mark.parametrize("command", ["posture", "pose", "limbs segment", "map", "body", "movement"])
+def test_a_recording_cut_within_its_first_frame_is_told_by_its_name(
+    command, demo, tmp_path, capsys
+):
+    path = tmp_path / "cut.mcap"
+    path.write_bytes(demo.recording.read_bytes()[:4096])
+    given = {"body": f"posterior={path}"}.get(command, path)
+    markers = ["--markers", demo.colors] if command in ("posture", "movement") else []
+    out = tmp_path / {"map": "b.ply", "body": "b.ply", "limbs segment": "b"}.get(command, "b.csv")
+    told = fails(capsys, *command.split(), given, *markers, "--out", out)
+    assert told == "cut.mcap holds no whole frame. Record the session again."
+    assert sorted(tmp_path.iterdir()) == [path]
+
+
+def test_frames_that_a_recording_has_not_are_told_with_those_it_has(demo, tmp_path, capsys):
+    out = tmp_path / "joints.csv"
+    told = fails(capsys, "pose", demo.recording, "--frames", "5000:", "--out", out)
+    assert f"recording.mcap has {demo.n_frames} frames, so frames 5000: cannot be read" in told
+    assert not out.exists()
+
+
 @pytest.mark.parametrize(
     ("lost", "word"),
     [

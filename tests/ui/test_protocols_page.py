@@ -5,7 +5,7 @@ from dataclasses import replace
 from unittest.mock import create_autospec
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, QSize, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QCheckBox,
@@ -308,11 +308,26 @@ def test_a_landmark_is_added_by_a_form_and_taken_back_by_undo(page):
     assert typed(page) == json.loads(new_protocol_text())
 
 
+def test_a_measure_of_eight_landmarks_squeezes_no_field_of_its_form(page, qapp):
+    page.resize(1024, 768)
+    button(page, "Add a meas&ure...").click()
+    form = page.findChild(MeasureForm)
+    kind, *points, _axis = form.findChildren(QComboBox)
+    kind.setCurrentIndex(kind.findData("trunk_symmetry"))
+    for size in (form.size(), QSize(0, 0)):  # as it is, and as small as it lets itself be made
+        form.resize(size)
+        qapp.processEvents()
+        assert all(box.isVisible() for box in points)
+        assert [box.height() for box in points] == [box.sizeHint().height() for box in points]
+        assert points[-1].mapTo(form, QPoint(0, points[-1].height())).y() < form.height()
+    form.reject()
+
+
 def test_a_measure_is_added_by_a_form_without_writing_json(page, qtbot):
     button(page, "Add a meas&ure...").click()
     form = page.findChild(MeasureForm)
     name, positive = form.findChildren(QLineEdit)
-    kind, axis, *points = form.findChildren(QComboBox)
+    kind, *points, axis = form.findChildren(QComboBox)
     name.setText("Shoulder beside the middle")
     {one.text(): one for one in form.findChildren(QCheckBox)}["Front"].click()
     assert [box.isVisibleTo(form) for box in points] == [True] * 2 + [False] * 6
@@ -339,7 +354,7 @@ def test_a_measure_is_added_by_a_form_without_writing_json(page, qtbot):
 def test_a_distance_has_neither_direction_nor_sign(page):
     button(page, "Add a meas&ure...").click()
     form = page.findChild(MeasureForm)
-    kind, axis, *_points = form.findChildren(QComboBox)
+    kind, *_points, axis = form.findChildren(QComboBox)
     kind.setCurrentIndex(kind.findData("distance"))
     form.findChildren(QLineEdit)[0].setText("Shoulders")
     {one.text(): one for one in form.findChildren(QCheckBox)}["Back"].click()

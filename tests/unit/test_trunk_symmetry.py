@@ -15,6 +15,7 @@ from adibas.measures.protocol_store import find_protocol
 from adibas.measures.sight_plane import Vertical
 from adibas.pipeline.demo import N_CLICKS
 from adibas.pipeline.learning import LearningRequest, learn_from_file
+from adibas.pipeline.posture import TOO_FEW_PIXELS
 from adibas.recordings import create_recording
 from adibas.simulation.depth_noise import EXACT
 from adibas.simulation.patient import MarkerSettings
@@ -225,6 +226,15 @@ def test_a_body_is_measured_where_only_the_back_is_marked(recorded, capsys):
     assert own == pytest.approx(fused, abs=1.5)
     assert {one["name"] for one in document["landmarks"]} == {one.name for one in truth}
     assert "not marked" in measures["ATSI"]["remark"]
+
+
+def test_doubts_about_the_markers_of_a_view_are_told_with_the_view(recorded, capsys, monkeypatch):
+    monkeypatch.setattr("adibas.pipeline.posture.LEAST_WIDTH_PX", 100.0)
+    assert body_of(recorded[0]) == 0
+    told = json.loads(capsys.readouterr().out)["notices"]
+    assert [one for one in told if TOO_FEW_PIXELS in one] == [
+        f"In the view from behind: {TOO_FEW_PIXELS}"
+    ]
 
 
 def test_labels_of_a_view_without_markers_are_no_small_matter(recorded, capsys):

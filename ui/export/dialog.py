@@ -28,11 +28,10 @@ from ui.export.presenter import ExportPresenter
 from ui.orders.dialog import open_orders
 from ui.widgets.dates import moment_text
 from ui.widgets.flow import in_a_flow
-from ui.widgets.scrolled import Scrolled
+from ui.widgets.scrolled import Scrolled, window_room
 from ui.workspace import Workspace
 
 LETTERS_IN_A_LINE = 74
-SHARE_OF_WINDOW = 0.95
 KINDS: dict[Kind, str] = {
     "fhir": message("A &FHIR file, for medical records"),
     "dicom": message("&DICOM files, for picture archives"),
@@ -99,7 +98,7 @@ class ExportDialog(QDialog):
         column.setSpacing(12)
         column.addWidget(inside, 1)
         column.addWidget(self._box)
-        self._inside, self._column = inside, column
+        self._inside = inside
         self._word()
         fields = (
             *(self._server, self._order, self._no_order, self._identity),
@@ -188,16 +187,10 @@ class ExportDialog(QDialog):
 
     def _make_room(self) -> None:
         """Be as high as all sentences need, within the window."""
-        width = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
-        parent = self.parentWidget()
-        room = self.screen().size() if parent is None else parent.window().size()
-        margins = self._column.contentsMargins()
-        inner_px = width - margins.left() - margins.right()
-        wished_px = self._inside.column.totalHeightForWidth(inner_px)
-        wished_px += self._box.sizeHint().height() + self._column.spacing()
-        wished_px += margins.top() + margins.bottom()
-        most_px = round(SHARE_OF_WINDOW * room.height())
-        self.setMinimumSize(min(width, room.width()), min(wished_px, most_px))
+        wished_px = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
+        width = min(wished_px, window_room(self).width())
+        box_px = self._box.sizeHint().height()
+        self.setMinimumSize(width, self._inside.height_in(self, width, box_px))
 
     def _on_accepted(self) -> None:
         if self._kind == "server":

@@ -12,7 +12,7 @@ from ui.view_names import VIEW_NAMES
 from ui.widgets.dates import day_text, moment_text
 from ui.widgets.flow import in_a_flow
 from ui.widgets.for_roles import keep_for_roles
-from ui.widgets.scrolled import Scrolled
+from ui.widgets.scrolled import SHARE_OF_WINDOW, Scrolled, window_room
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 LETTERS_IN_A_LINE, LINES = 84, 30
 FEWEST_LETTERS, FEWEST_LINES = 40, 8
-SHARE_OF_WINDOW = 0.95
 GAP_PX = 12
 
 
@@ -92,12 +91,11 @@ class HoldingsDialog(QDialog):
 
     def _fit(self) -> None:
         """Be as large as a long list wants, within the window; some of it is always seen."""
-        metrics, parent = self.fontMetrics(), self.parentWidget()
+        metrics, room = self.fontMetrics(), window_room(self)
         buttons = (self._hide, self._remove, self._close)
         row = sum(button.sizeHint().width() for button in buttons) + 2 * GAP_PX
         letters = metrics.averageCharWidth() * FEWEST_LETTERS
         self._inside.setMinimumSize(max(row, letters), metrics.height() * FEWEST_LINES)
-        room = self.screen().size() if parent is None else parent.window().size()
         width = metrics.averageCharWidth() * LETTERS_IN_A_LINE
         height = metrics.height() * LINES
         most = round(SHARE_OF_WINDOW * room.height())

@@ -13,14 +13,13 @@ from ui.recovery.presenter import RecoveryKeyPresenter
 from ui.recovery.printing import print_sheet
 from ui.widgets.dates import day_text
 from ui.widgets.flow import in_a_flow
-from ui.widgets.scrolled import Scrolled
+from ui.widgets.scrolled import SHARE_OF_WINDOW, Scrolled, window_room
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
     from adibas.reports.recovery_sheet import RecoverySheet
 
 LETTERS_IN_A_LINE = 84
-SHARE_OF_WINDOW = 0.95
 GROUPS_IN_A_LINE = 4
 KEY_SCALE = 1.8
 FILE_NAME = "adibas-recovery-key.pdf"
@@ -148,16 +147,11 @@ class RecoveryKeyDialog(QDialog):
 
     def _make_room(self) -> None:
         """Be as high as all sentences need, within the window."""
-        parent = self.parentWidget()
-        room = self.screen().size() if parent is None else parent.window().size()
         margins = self._column.contentsMargins()
         wished_px = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
-        width = min(wished_px, round(SHARE_OF_WINDOW * room.width()))
-        inner_px = width - margins.left() - margins.right()
-        height = self._inside.column.totalHeightForWidth(inner_px)
-        height += self._buttons.heightForWidth(inner_px) + self._column.spacing()
-        height += margins.top() + margins.bottom()
-        self.setMinimumSize(width, min(height, round(SHARE_OF_WINDOW * room.height())))
+        width = min(wished_px, round(SHARE_OF_WINDOW * window_room(self).width()))
+        buttons_px = self._buttons.heightForWidth(width - margins.left() - margins.right())
+        self.setMinimumSize(width, self._inside.height_in(self, width, buttons_px))
 
 
 def open_recovery_key(

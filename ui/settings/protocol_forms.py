@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 from PySide6.QtCore import Signal
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -23,6 +24,7 @@ from adibas.texts import message, spoken_language
 from adibas.texts import translate as _
 from ui.view_names import VIEW_NAMES
 from ui.widgets.flow import in_a_flow
+from ui.widgets.scrolled import Scrolled, window_room
 
 KIND_TEXTS = {
     "line_to_horizontal": message("line against the horizontal"),
@@ -67,11 +69,13 @@ class LandmarkForm(QDialog):
         self._form = QFormLayout()
         self._form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
         self._name_label = self._row(self._name)
-        column = QVBoxLayout(self)
         self._form.addRow(_("Seen in"), in_a_flow(*self._views.values()))
-        column.addLayout(self._form)
-        column.addStretch()
-        column.addWidget(self._box)
+        self._inside = Scrolled(self)
+        self._inside.column.addLayout(self._form)
+        self._inside.column.addStretch()
+        self._column = QVBoxLayout(self)
+        self._column.addWidget(self._inside, 1)
+        self._column.addWidget(self._box)
         self._box.accepted.connect(self._on_accepted)
         self._box.rejected.connect(self.reject)
         self._name.textChanged.connect(lambda _text: self._allow())
@@ -84,6 +88,19 @@ class LandmarkForm(QDialog):
         self._box.button(Ok).setText(_("&Add to the protocol"))
         self._box.button(Ok).setEnabled(False)
         self._box.button(Cancel).setText(_("Cancel"))
+
+    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802  (Qt's name)
+        self._make_room()
+        super().showEvent(event)
+
+    def _make_room(self) -> None:
+        """Be as large as all fields need, within the window."""
+        margins, inside = self.contentsMargins() + self._column.contentsMargins(), self._inside
+        inside.column.invalidate()  # a row may have come or gone
+        width = inside.column.minimumSize().width() + inside.verticalScrollBar().sizeHint().width()
+        width = min(width + margins.left() + margins.right(), window_room(self).width())
+        height = inside.height_in(self, width, self._box.sizeHint().height())
+        self.setMinimumSize(width, height)
 
     def _row(self, field: QWidget) -> QLabel:
         label = QLabel(self)
@@ -160,6 +177,7 @@ class MeasureForm(LandmarkForm):
                 self._axis.addItem(_(told), axis)
         self._axis.setCurrentIndex(max(self._axis.findData(before), 0))
         self._allow()
+        self._make_room()
 
     def _is_whole(self) -> bool:
         has_sign = KINDS[self._kind.currentData()].has_axis

@@ -1,7 +1,10 @@
-"""A part of a page that scrolls where it has less room than it needs."""
+"""A part of a page or dialog that scrolls where it has less room than it needs."""
 
-from PySide6.QtCore import QEvent, Qt
-from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QSize, Qt
+from PySide6.QtWidgets import QDialog, QFrame, QScrollArea, QVBoxLayout, QWidget
+
+SHARE_OF_WINDOW = 0.95
+"""That a dialog may take."""
 
 
 class Scrolled(QScrollArea):
@@ -28,6 +31,27 @@ class Scrolled(QScrollArea):
         self._kept[part] = n_lines
         self._fit()
 
+    def height_in(self, dialog: QDialog, width_px: int, below_px: int) -> int:
+        """Return how high a dialog shows all of this, within the window.
+
+        Parameters
+        ----------
+        dialog : QDialog
+            Laid out as a column with this in it.
+        width_px : int
+            Of the dialog.
+        below_px : int
+            Height of what stands under this.
+        """
+        around, column = dialog.contentsMargins(), dialog.layout()
+        if column is not None:
+            around = column.contentsMargins()
+            below_px += column.spacing()
+        inside_px = width_px - around.left() - around.right()
+        wished_px = self.column.totalHeightForWidth(inside_px) + below_px
+        wished_px += around.top() + around.bottom()
+        return min(wished_px, round(SHARE_OF_WINDOW * window_room(dialog).height()))
+
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802  (Qt's name)
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange:
@@ -37,3 +61,9 @@ class Scrolled(QScrollArea):
         line_px = self.fontMetrics().height()
         for part, n_lines in self._kept.items():
             part.setMinimumHeight(n_lines * line_px)
+
+
+def window_room(dialog: QDialog) -> QSize:
+    """Return the size of the window that a dialog belongs to, else of the screen."""
+    parent = dialog.parentWidget()
+    return dialog.screen().size() if parent is None else parent.window().size()
