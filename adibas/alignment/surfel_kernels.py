@@ -6,17 +6,13 @@ import numpy as np
 
 from adibas.alignment.projective_kernels import Goal, cell_of
 from adibas.arrays import Float32Array, FloatArray, Int32Array, UInt8Array
+from adibas.data.discs import HALF_DIAGONAL, LEAST_FACING
 from adibas.kernels import compiled
 
 PLACE, NORMAL, COLOR, RADIUS, CONFIDENCE, FACING, MISSES = 0, 3, 6, 9, 10, 11, 12
 N_COLUMNS = 13
 """Of a surfel: place (3), normal (3), colour (3), radius, confidence, how squarely the frame of its
 colour saw it, and how often it was seen through."""
-
-HALF_DIAGONAL = 0.71
-"""Of a square of side 1: discs of that radius leave no gap."""
-LEAST_FACING = 0.3
-"""A disc is not made larger than that of a surface seen so."""
 
 
 class Shot(NamedTuple):

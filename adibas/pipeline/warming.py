@@ -207,7 +207,7 @@ def follow_an_exercise() -> None:
 
 
 def map_a_room() -> None:
-    """Put two pictures of one place together; where to is not asked."""
+    """Put two pictures of one place together, where to is not asked, and look at the place."""
     from adibas.alignment.features import FeatureParams
     from adibas.alignment.key_frames import Tracker
     from adibas.alignment.pairing import Moment
@@ -215,6 +215,7 @@ def map_a_room() -> None:
     from adibas.alignment.surfels import SurfelMap
     from adibas.alignment.turn import seen_after
     from adibas.alignment.views import prepare_view
+    from adibas.geometry.disc_kernels import draw_discs
     from adibas.geometry.rigid import IDENTITY
     from adibas.simulation.scenes import open_scene
 
@@ -236,6 +237,9 @@ def map_a_room() -> None:
     for _ in range(2):
         surfels.add(view, color_rgb, calibration, IDENTITY)
     seen_after(view, IDENTITY)
+    found = surfels.surface()
+    places, normals, radii = found.points_m.copy(), found.normals.copy(), found.radii_m.copy()
+    draw_discs(places, normals, radii, found.colors_rgb, (8, 8))
 
 
 def pack_depth() -> None:

@@ -22,11 +22,12 @@ from PySide6.QtWidgets import (
 from adibas.data.patients import Identity
 from adibas.pipeline import stored_body
 from adibas.pipeline.stored_body import stored_back
-from adibas.reports.body_numbers import on_paper
+from adibas.reports.body_numbers import GREY, on_paper
 from adibas.sessions.audit_words import kind_text
 from adibas.surface.asymmetry import asymmetry_m
 from adibas.surface.merging import BodySurface
 from adibas.texts import decimal_text
+from tests.ui.disc_samples import discs_at
 from tests.unit.standing_bodies import add_body_session, unheard
 from tests.unit.store_samples import add_patient
 from tests.unit.turning_bodies import add_turn, turn_images
@@ -178,16 +179,17 @@ def test_the_joined_body_is_turned_and_its_girths_stand_below(qtbot, screen, sto
     assert space.grab().toImage() != before
 
 
-def test_a_body_without_colours_is_shown_by_its_shape():
+def test_where_a_body_has_no_colour_its_discs_are_grey_and_face_as_it_does():
     normals = np.array([[0.0, 0.0, 1.0], [0.9, 0.1, -0.42], [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
     colors = np.array([[np.nan] * 3, [np.nan] * 3, [np.nan] * 3, [10.0, 200.0, 30.0]])
     surface = BodySurface(np.zeros((4, 3)), normals, np.ones(4), np.ones(4), colors)
     whole = SimpleNamespace(surface=surface, joined=None)
     body = SimpleNamespace(whole=whole, landmarks=(), n_frames={}, stature_m=None, girths=())
-    behind, slanted, before, colored = seen_body(body).space.colors_rgb.tolist()
-    assert behind == before
-    assert behind[0] > slanted[0] + 60
-    assert colored == [10, 200, 30]
+    discs = seen_body(body).space.discs
+    assert discs.colors_rgb.tolist() == [[GREY] * 3] * 3 + [[10, 200, 30]]
+    # The patient's back (last axis) looks at who stands behind, whose axes go right, down, away.
+    assert discs.normals[:, 2].tolist() == pytest.approx([-1.0, 0.42, 1.0, -1.0])
+    assert discs.normals[1, :2].tolist() == pytest.approx([0.9, -0.1])
 
 
 def test_a_turn_is_shown_as_the_body_that_it_gives(screen, store, patient):
@@ -217,6 +219,7 @@ def yellow_pixels(qtbot):
     """Return what shows landmarks on a wall, and gives the pixels of their dots and names."""
     wall_m = np.stack([*np.meshgrid(np.linspace(-1, 1, 80), np.linspace(-1, 1, 80))], axis=-1)
     points_m = np.concatenate([wall_m.reshape(-1, 2), np.full((6400, 1), 2.0)], axis=1)
+    wall = discs_at(points_m, np.full((6400, 3), 90), radius_m=0.02)
     view = SpaceView()
     qtbot.addWidget(view)
     view.resize(400, 400)
@@ -226,7 +229,7 @@ def yellow_pixels(qtbot):
 
     def found(**landmarks_m):
         places = {name: np.array(place) for name, place in landmarks_m.items()}
-        view.show_space(Space(points_m, np.full((6400, 3), 90, np.uint8), places))
+        view.show_space(Space(wall, places))
         image = view.grab().toImage()
         every = ((x, y) for x in range(400) for y in range(400))
         return {(x, y) for x, y in every if is_yellow(image.pixelColor(x, y))}

@@ -5,7 +5,7 @@ from unittest.mock import create_autospec
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction
+from PySide6.QtGui import QAction, QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QCheckBox, QFileDialog, QLabel, QPushButton
 
@@ -16,12 +16,14 @@ from adibas.pipeline.recording_access import FILES
 from adibas.recordings import open_recording
 from adibas.sessions.audit_words import kind_text
 from tests.ui import window_user
+from tests.ui.disc_samples import discs_at
 from tests.unit.room_recordings import INFO, room_frames, written
 from tests.unit.store_samples import add_patient
 from ui.behaviour.screen import build_behaviour_screen
 from ui.mapping.content import MapView, RecordingToMap, Standing
 from ui.mapping.dialog import MapDialog
 from ui.mapping.presenter import MapPresenter
+from ui.theme import DRAWN
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
 
@@ -63,7 +65,8 @@ def test_a_map_is_shown_told_and_saved(presenter, view, tmp_path):
     presenter.start(is_body=False)
     assert standing(view) == Standing(has_map=True)
     (shown,) = view.show_growing.call_args.args
-    assert len(shown.points_m) == len(shown.colors_rgb) > 5000
+    assert len(shown.discs) > 5000
+    assert shown.path_m.shape == (N_FRAMES, 3)
     assert f"from {N_FRAMES} of {N_FRAMES} frames" in told(view).args[0][0]
     presenter.save_surface(tmp_path / "m.ply")
     presenter.save_path(tmp_path / "t.txt")
@@ -130,13 +133,35 @@ def test_a_surface_that_grows_is_looked_at_from_where_one_looked(qtbot):
     qtbot.addWidget(space)
     points = np.random.default_rng(0).normal(size=(500, 3))
     colors = np.zeros((500, 3), np.uint8)
-    space.show_space(Space(points[:400], colors[:400]))
+    space.show_space(Space(discs_at(points[:400], colors[:400])))
     QTest.keyClick(space, Qt.Key.Key_Left)
     turned = space._yaw_rad
-    space.renew_space(Space(points, colors))
+    space.renew_space(Space(discs_at(points, colors)))
     assert space._yaw_rad == turned != 0.0
-    space.show_space(Space(points, colors))
+    space.show_space(Space(discs_at(points, colors)))
     assert space._yaw_rad == 0.0
+
+
+def test_the_way_of_the_camera_is_drawn_over_the_surface(qtbot):
+    space = SpaceView()
+    qtbot.addWidget(space)
+    space.resize(300, 300)
+    points = np.random.default_rng(0).uniform(-1, 1, (2000, 3))
+    discs = discs_at(points, np.full((2000, 3), 90), radius_m=0.1)
+    path_m = np.array([[-0.5, 0.5, 0.0], [0.0, 0.5, 0.0], [0.5, -0.5, 0.0]])
+    way = QColor(DRAWN["outline"]).rgb()
+
+    def n_green():
+        image = space.grab().toImage()
+        return sum(image.pixel(x, y) == way for x in range(300) for y in range(300))
+
+    space.show_space(Space(discs))
+    assert n_green() == 0
+    space.show_space(Space(discs, path_m=path_m))
+    places, _depths = space.project(path_m)
+    assert n_green() >= np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
+    x, y = places[-1].round().astype(int)
+    assert space.grab().toImage().pixel(x, y) == way, "where the camera is now"
 
 
 def named(dialog, text):

@@ -21,6 +21,7 @@ from adibas.data.markers import AutomaticName
 from adibas.sessions import open_store
 from adibas.texts import use_language
 from tests.ui.conftest import PASSPHRASE, NoSensor
+from tests.ui.disc_samples import discs_at
 from tests.ui.review_scene import (
     DOTS,
     REFUSED,
@@ -587,11 +588,11 @@ def test_points_of_the_surface_are_painted_where_they_project(qtbot):
     view.resize(200, 200)
     points_m = np.array([[-0.5, -0.5, 2.0], [0.5, 0.5, 2.0], [0.0, 0.0, 2.0]])
     colors = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255]], np.uint8)
-    view.show_space(Space(points_m, colors))
+    view.show_space(Space(discs_at(points_m, colors, radius_m=0.03)))
     picture = view.grab().toImage()
     places_px, depths = view.project(points_m)
     for (x, y), color in zip(places_px, colors, strict=True):
-        assert picture.pixelColor(round(x) + 1, round(y) + 1).getRgb()[:3] == tuple(color)
+        assert picture.pixelColor(int(x), int(y)).getRgb()[:3] == tuple(color)
     assert places_px[0][0] < places_px[1][0]
     assert places_px[0][1] < places_px[1][1]
     assert np.ptp(depths) == pytest.approx(0.0)

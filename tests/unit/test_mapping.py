@@ -135,7 +135,14 @@ def test_a_watcher_sees_the_map_grow_where_it_is_at_last(taken):
     mapped = map_recording(MapRequest(taken[0]), lambda _done, _total: None, seen.append)
     assert [len(one.path_m) for one in seen[:-1]] == list(range(1, mapped.n_key_frames + 1))
     surface = mapped.surface.points_m
-    assert len(seen[-1].points_m) == len(seen[-1].colors_rgb) == len(surface)
-    early = seen[-2].points_m[::50]
+    assert len(seen[-1].discs) == len(surface)
+    grown = seen[-2]
+    early = grown.discs.points_m[::50]
     apart_m = np.linalg.norm(early[:, None] - surface[None, ::5], axis=2).min(axis=1)
     assert np.median(apart_m) < 0.03
+    # Discs look at where the camera was; it turned by less than a right angle.
+    towards = np.median(grown.path_m, axis=0) - grown.discs.points_m
+    facing = (grown.discs.normals * towards).sum(axis=1)
+    known = np.isfinite(facing)
+    assert known.mean() > 0.7
+    assert (facing[known] > 0).mean() > 0.95

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adibas.arrays import UInt8Array
 from adibas.data.body_measures import BodyMeasure
+from adibas.data.discs import HALF_DIAGONAL, Discs
 from adibas.reports.body_numbers import GREY
 from ui.widgets.space import Space
 
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
 AHEAD = np.array([1.0, -1.0, -1.0])
 """From patient axes (right, up, back) to those of who stands behind: right, down, away."""
-LIGHT = np.array([0.35, 0.45, 0.82])
-DARKEST = 0.3
-"""Share of the grey that is left where the light only grazes a place without a colour."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,8 +59,7 @@ def seen_body(body: "MeasuredBody") -> SeenBody:
     """Return what is shown of a body."""
     surface, joined = body.whole.surface, body.whole.joined
     space = Space(
-        surface.points_m * AHEAD,
-        _colors_of(surface),
+        _discs_of(surface),
         {
             mark.name: np.mean(list(mark.places_m.values()), axis=0) * AHEAD
             for mark in body.landmarks
@@ -79,9 +75,13 @@ def seen_body(body: "MeasuredBody") -> SeenBody:
     )
 
 
-def _colors_of(surface: "BodySurface") -> UInt8Array:
-    """Return the colours; where none is known grey as two lights show the shape, not an outline."""
-    lit = np.abs(surface.normals @ LIGHT) / np.linalg.norm(LIGHT)
-    grey = GREY * (DARKEST + (1.0 - DARKEST) * lit[:, None])
-    colors: UInt8Array = np.where(np.isnan(surface.colors), grey, surface.colors).astype(np.uint8)
-    return colors
+def _discs_of(surface: "BodySurface") -> Discs:
+    """Return it as discs of a cell's size; grey where no colour is known."""
+    from adibas.surface.merging import MergeParams
+
+    return Discs(
+        (surface.points_m * AHEAD).astype(np.float32),
+        (surface.normals * AHEAD).astype(np.float32),
+        np.full(len(surface.points_m), HALF_DIAGONAL * MergeParams().cell_m, np.float32),
+        np.where(np.isnan(surface.colors), GREY, surface.colors).astype(np.uint8),
+    )

@@ -81,7 +81,7 @@ class MapView(Protocol):
 
 def space_of(picture: "MapPicture") -> Space:
     """Return a map as the 3-D view shows it."""
-    return Space(picture.points_m, picture.colors_rgb)
+    return Space(picture.discs, path_m=picture.path_m)
 
 
 def told_of(mapped: "MappedRecording") -> tuple[Sentence, ...]:

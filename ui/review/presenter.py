@@ -140,10 +140,10 @@ class ReviewPresenter:
             return
 
         def work(_control: JobControl) -> Space:
-            from adibas.pipeline.point_cloud import surface_points
+            from adibas.pipeline.surface_discs import surface_discs
 
-            cloud = surface_points(surface, capture.calibration, picture_rgb)
-            return Space(cloud.points_m, cloud.colors_rgb, rotation_deg=rotation_deg)
+            discs = surface_discs(surface, capture.calibration, picture_rgb)
+            return Space(discs, rotation_deg=rotation_deg)
 
         def done(space: Space) -> None:
             if self._opened == capture.capture_id:

@@ -3,7 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from adibas.arrays import FloatArray, UInt8Array
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.data.discs import Discs
+
+
+def _no_path() -> FloatArray:
+    return np.zeros((0, 3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -12,17 +19,17 @@ class Space:
 
     Attributes
     ----------
-    points_m : (N, 3) array
+    discs : Discs
         Of the surface.
-    colors_rgb : (N, 3) uint8 array
-        Of the points.
     landmarks_m : mapping
         (3,) place of each landmark, by its name.
+    path_m : (P, 3) array
+        Where the camera went.
     rotation_deg : int
         How far the picture is turned clockwise to be upright.
     """
 
-    points_m: FloatArray
-    colors_rgb: UInt8Array
+    discs: Discs
     landmarks_m: Mapping[str, FloatArray] = field(default_factory=dict)
+    path_m: FloatArray = field(default_factory=_no_path)
     rotation_deg: int = 0

@@ -1,6 +1,5 @@
 """A surface and landmarks from any side; painted without OpenGL, so that it works anywhere."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TypeVar
@@ -15,11 +14,13 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
+    QPolygonF,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QWidget
 
-from adibas.arrays import Float32Array, FloatArray, Int32Array
+from adibas.arrays import Float32Array, FloatArray
+from adibas.data.discs import Discs
 from adibas.data.landmark_texts import landmark_text
 from adibas.texts import translate as _
 from ui.theme import DRAWN, PICTURE_GROUND
@@ -27,19 +28,22 @@ from ui.widgets.label_places import Ring
 from ui.widgets.overlay_painter import paint_names
 from ui.widgets.space import Space
 
-GROUND = QColor(PICTURE_GROUND).rgb()
+GROUND = QColor(PICTURE_GROUND)
 WHEEL_STEP = 1.2
 TURN_PER_PX = 0.008
 TURN_PER_KEY = 0.1
 STEEPEST_RAD = 1.4
 LEAST_ZOOM, MOST_ZOOM = 0.3, 8.0
 DOT_PX = 4.0
+PATH_PX = 2.0
 LEAST_SIZE_M = 0.3
-LARGEST_SQUARE_PX = 6
-CELL_PX, BEHIND_M = 8, 0.05
-"""A landmark that lies so far behind what is seen in its cell is on the other side."""
-GAP_FACTOR = 1.6
-"""Squares are so much wider than points are apart, for surfaces seen at a slant."""
+ON_SIDE_DEG = (90, 270)
+OUTLIERS_PERCENT, ROOM = 0.5, 1.08
+"""What is left aside at each end, and how much more than the rest is seen."""
+AROUND_PX, BEHIND_M = 4, 0.05
+"""A landmark that lies so far behind what is seen around it is on the other side."""
+OVERLAP = 1.3
+"""Discs are made so much larger: measured ones do not lie evenly."""
 TURNS = {
     Qt.Key.Key_Left: (-TURN_PER_KEY, 0.0),
     Qt.Key.Key_Right: (TURN_PER_KEY, 0.0),
@@ -54,7 +58,7 @@ AnyFloats = TypeVar("AnyFloats", FloatArray, Float32Array)
 class SpaceView(QWidget):
     """Turns with the mouse or the arrows, comes nearer with the wheel or plus, 0 looks from ahead.
 
-    Points are projected in parallel: distances across the view can be compared.
+    It is projected in parallel: distances across the view can be compared.
     """
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -62,10 +66,8 @@ class SpaceView(QWidget):
         self._space: Space | None = None
         self._empty_text = ""
         self._middle_m = np.zeros(3)
-        self._size_m, self._pitch_m = 1.0, 0.0
-        self._packed = np.zeros(0, np.uint32)
-        self._nearest = np.zeros((0, 0), np.float32)
-        self._points_m = np.zeros((0, 3), np.float32)
+        self._sizes_m = np.ones(2)
+        self._nearest_m = np.zeros((0, 0), np.float32)
         self._yaw_rad, self._pitch_rad, self._zoom = 0.0, 0.0, 1.0
         self._pressed_at: QPointF | None = None
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -91,14 +93,13 @@ class SpaceView(QWidget):
 
     def _take(self, space: Space | None) -> None:
         self._space = space
-        if space is not None and len(space.points_m):
-            low, self._middle_m, high = np.percentile(space.points_m, (5, 50, 95), axis=0)
-            self._size_m = float(max((high - low)[:2].max(), LEAST_SIZE_M)) * 1.3
-            steps_m = np.linalg.norm(np.diff(space.points_m, axis=0), axis=1)
-            self._pitch_m = float(np.median(steps_m)) if len(steps_m) else 0.0
-            self._points_m = space.points_m.astype(np.float32)
-            red, green, blue = space.colors_rgb.astype(np.uint32).T
-            self._packed = 0xFF000000 | red << 16 | green << 8 | blue
+        if space is not None and len(space.discs):
+            ends = (OUTLIERS_PERCENT, 100.0 - OUTLIERS_PERCENT)
+            low, high = np.percentile(space.discs.points_m, ends, axis=0)
+            self._middle_m = (low + high) / 2
+            across_m, down_m, _away_m = np.maximum(high - low, LEAST_SIZE_M) * ROOM
+            is_on_side = space.rotation_deg in ON_SIDE_DEG
+            self._sizes_m = np.array([down_m, across_m] if is_on_side else [across_m, down_m])
 
     def show_landmarks(self, landmarks_m: Mapping[str, FloatArray]) -> None:
         """Show the landmarks where they are now."""
@@ -116,7 +117,8 @@ class SpaceView(QWidget):
     @property
     def _scale(self) -> float:
         """Widget pixels a metre."""
-        return min(self.width(), self.height()) / self._size_m * self._zoom
+        across_m, down_m = self._sizes_m
+        return float(min(self.width() / across_m, self.height() / down_m)) * self._zoom
 
     def _rotation(self) -> FloatArray:
         """Return the axes of the view in the camera's: upright first, then turned and tilted."""
@@ -130,7 +132,7 @@ class SpaceView(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802  (Qt's name)
         painter = QPainter(self)
-        painter.fillRect(event.rect(), QColor.fromRgb(GROUND))
+        painter.fillRect(event.rect(), GROUND)
         if self._space is None:
             painter.setPen(QColor("#B3C0CB"))
             wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
@@ -138,47 +140,58 @@ class SpaceView(QWidget):
             text = self._empty_text or usual
             painter.drawText(self.rect().adjusted(16, 16, -16, -16), wrapped, text)
         else:
-            painter.drawImage(0, 0, self._surface_image())
+            painter.drawImage(0, 0, self._surface_image(self._space.discs))
             painter.save()
+            self._paint_path(painter, self._space)
             self._paint_landmarks(painter, self._space)
             painter.restore()
         if self.hasFocus():
             painter.setPen(QColor(DRAWN["plumb"]))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
-    def _surface_image(self) -> QImage:
-        """Paint the points from far to near, each a square that leaves no gaps when fitted."""
-        width, height = self.width(), self.height()
-        places, depths = self.project(self._points_m)
-        side = min(max(math.ceil(GAP_FACTOR * self._pitch_m * self._scale), 1), LARGEST_SQUARE_PX)
-        columns, rows = np.rint(places).astype(np.int32).T
-        is_seen = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-        order = np.argsort(-depths[is_seen])
-        self._note_nearest(columns[is_seen][order], rows[is_seen][order], depths[is_seen][order])
-        # Squares at the edges reach into a margin, so that no pixel needs to be checked again.
-        stride = width + side
-        picture = np.full((height + side) * stride, GROUND, np.uint32)
-        first = (rows[is_seen] * stride + columns[is_seen])[order]
-        colors = self._packed[is_seen][order]
-        for down in range(side):
-            for across in range(side):
-                picture[first + (down * stride + across)] = colors
-        image = QImage(picture.data, width, height, 4 * stride, QImage.Format.Format_RGB32)
-        return image.copy()
+    def _surface_image(self, discs: Discs) -> QImage:
+        """Draw the discs as fine as the screen is."""
+        from adibas.geometry.disc_kernels import draw_discs  # the compiler comes with it
 
-    def _note_nearest(self, columns: Int32Array, rows: Int32Array, depths: Float32Array) -> None:
-        """Note how near the surface is in each cell; points come from far to near."""
-        shape = (self.height() // CELL_PX + 1, self.width() // CELL_PX + 1)
-        self._nearest = np.full(shape, np.inf, np.float32)
-        self._nearest[rows // CELL_PX, columns // CELL_PX] = depths
+        ratio = self.devicePixelRatio()
+        width, height = round(self.width() * ratio), round(self.height() * ratio)
+        places, depths_m = self.project(discs.points_m)
+        scale = self._scale * ratio
+        picture, is_drawn, nearest_px = draw_discs(
+            np.column_stack([places * ratio, depths_m * scale]).astype(np.float32),
+            discs.normals @ self._rotation().T.astype(np.float32),
+            discs.radii_m * np.float32(OVERLAP * scale),
+            discs.colors_rgb,
+            (height, width),
+        )
+        picture[~is_drawn] = (GROUND.red(), GROUND.green(), GROUND.blue())
+        self._nearest_m = nearest_px / np.float32(scale)
+        kind = QImage.Format.Format_RGB888
+        image = QImage(picture.data, width, height, 3 * width, kind).copy()
+        image.setDevicePixelRatio(ratio)
+        return image
 
-    def _is_before(self, x_px: float, y_px: float, depth: float) -> bool:
+    def _is_before(self, x_px: float, y_px: float, depth_m: float) -> bool:
         """Say whether a place is on the side that is seen."""
-        row, column = int(y_px) // CELL_PX, int(x_px) // CELL_PX
-        n_rows, n_columns = self._nearest.shape
-        if not (0 <= row < n_rows and 0 <= column < n_columns):
+        ratio, around = self.devicePixelRatio(), AROUND_PX
+        row, column = int(y_px * ratio), int(x_px * ratio)
+        if not (0 <= x_px < self.width() and 0 <= y_px < self.height()):
             return False
-        return depth <= float(self._nearest[row, column]) + BEHIND_M
+        near_m = self._nearest_m[
+            max(row - around, 0) : row + around, max(column - around, 0) : column + around
+        ]
+        return depth_m <= float(near_m.min()) + BEHIND_M
+
+    def _paint_path(self, painter: QPainter, space: Space) -> None:
+        if not len(space.path_m):
+            return
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        places, _depths = self.project(space.path_m)
+        corners = [QPointF(x, y) for x, y in places.tolist()]
+        painter.setPen(QPen(QColor(DRAWN["outline"]), PATH_PX))
+        painter.drawPolyline(QPolygonF(corners))
+        painter.setBrush(QColor(DRAWN["outline"]))
+        painter.drawEllipse(corners[-1], DOT_PX, DOT_PX)  # where the camera is now
 
     def _paint_landmarks(self, painter: QPainter, space: Space) -> None:
         if not space.landmarks_m:
