@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QColor
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QCheckBox, QFileDialog, QLabel, QPushButton
+from PySide6.QtWidgets import QCheckBox, QFileDialog, QLabel, QPushButton, QWidget
 
 from adibas.data.patients import Identity
 from adibas.data.sessions import SessionSetup
@@ -162,6 +162,26 @@ def test_the_way_of_the_camera_is_drawn_over_the_surface(qtbot):
     assert n_green() >= np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
     x, y = places[-1].round().astype(int)
     assert space.grab().toImage().pixel(x, y) == way, "where the camera is now"
+
+
+def test_in_the_smallest_dialog_nothing_is_squeezed(qtbot):
+    window = QWidget()
+    qtbot.addWidget(window)
+    window.resize(1280, 800)
+    window.show()
+    dialog = MapDialog("Recording", window)
+    dialog.bind(create_autospec(MapPresenter, instance=True))
+    dialog.show_told(("What is told of a map takes more than one line. " * 9,) * 3, is_problem=True)
+    dialog.show()
+    dialog.resize(0, 0)
+    qtbot.waitUntil(lambda: dialog.height() < 500)
+    told, space = dialog._told, dialog.findChild(SpaceView)
+    assert told.height() >= told.heightForWidth(told.width()) > 5 * dialog.fontMetrics().height()
+    assert space.height() >= 8 * dialog.fontMetrics().height()
+    for button in dialog.findChildren(QPushButton):
+        assert button.height() >= button.sizeHint().height()
+        assert button.geometry().bottom() < dialog.height()
+    dialog.close()
 
 
 def named(dialog, text):

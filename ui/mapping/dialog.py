@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QProgressBar,
     QPushButton,
-    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -20,11 +19,13 @@ from adibas.texts import translate as _
 from ui.mapping.content import RecordingToMap, Standing
 from ui.mapping.presenter import MapPresenter
 from ui.widgets.flow import in_a_flow
+from ui.widgets.scrolled import SHARE_OF_WINDOW, Scrolled, window_room
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
 from ui.workspace import Workspace
 
 USUAL_LETTERS, USUAL_LINES = 110, 42
+SURFACE_LINES = 8
 LOOK_EVERY_MS = 200
 
 
@@ -44,7 +45,6 @@ class MapDialog(QDialog):
         self._space.setAccessibleName(_("Surface of the map"))
         self._space.setToolTip(_("Drag or arrows: turn. Wheel or + and -: nearer. 0: from ahead."))
         self._space.set_empty_text(_("The surface grows here while it is computed."))
-        self._space.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
         self._bar = QProgressBar(self)
         self._bar.setAccessibleName(_("Progress"))
         self._body = QCheckBox(_("The &person alone, who turns before a still camera"), self)
@@ -66,15 +66,22 @@ class MapDialog(QDialog):
         column = QVBoxLayout(self)
         column.setContentsMargins(24, 20, 24, 20)
         column.setSpacing(12)
-        column.addWidget(self._title)
-        column.addWidget(self._space, 1)
-        column.addWidget(self._bar)
-        column.addWidget(self._told)
-        column.addWidget(self._body)
+        inside = Scrolled(self)
+        inside.keep_lines(self._space, SURFACE_LINES)
+        inside.column.setSpacing(column.spacing())
+        inside.column.addWidget(self._title)
+        inside.column.addWidget(self._space, 1)
+        for part in (self._bar, self._told, self._body):
+            inside.column.addWidget(part)
+        column.addWidget(inside, 1)
         column.addLayout(in_a_flow(self._run, self._surface, self._path, self._close))
-        letters, parent = self.fontMetrics(), self.parentWidget()
+        letters, room = self.fontMetrics(), window_room(self)
         wanted = QSize(USUAL_LETTERS * letters.averageCharWidth(), USUAL_LINES * letters.height())
-        self.resize(wanted if parent is None else wanted.boundedTo(parent.window().size()))
+        self.resize(wanted.boundedTo(room))
+        buttons = (self._run, self._surface, self._path, self._close)
+        row_px = sum(button.sizeHint().width() + column.spacing() for button in buttons)
+        least_px = min(row_px, round(SHARE_OF_WINDOW * room.width()))
+        inside.setMinimumSize(least_px, SURFACE_LINES * letters.height())
         self._run.setFocus()
 
     def bind(self, presenter: MapPresenter) -> None:

@@ -74,7 +74,7 @@ class SpaceView(QWidget):
         self.setMinimumSize(160, 120)
 
     def sizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
-        return QSize(640, 480)
+        return QSize(320, 240)
 
     def set_empty_text(self, text: str) -> None:
         """Say so where there is no surface; the usual sentence is on captures without depth."""
