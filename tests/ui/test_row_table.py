@@ -2,8 +2,8 @@
 
 import pytest
 
-from ui.comparison.row_table import RowTable
-from ui.comparison.rows import Row
+from ui.widgets.row_table import RowTable
+from ui.widgets.rows import Row
 
 LONG = "Horizontal alignment of the anterior superior iliac spines, standing"
 

@@ -7,9 +7,9 @@ from PySide6.QtWidgets import QWidget
 from adibas.data.protocols import MeasureDefinition
 from adibas.data.reliability import Agreement
 from adibas.texts import translate as _
-from ui.comparison.rows import number
 from ui.theme import Theme
 from ui.widgets.plot import Plot, spread
+from ui.widgets.rows import number
 
 if TYPE_CHECKING:
     from pyqtgraph import PlotWidget

@@ -10,9 +10,7 @@ from adibas.data.sessions import Session
 from adibas.data.trends import Trend
 from adibas.pipeline.picture_overlay import PictureOverlay
 from adibas.pipeline.session_comparison import is_earlier
-
-Key = tuple[str, str]
-"""View and measure."""
+from ui.widgets.rows import Key
 
 
 @dataclass(frozen=True, slots=True)

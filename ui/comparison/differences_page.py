@@ -10,8 +10,9 @@ from adibas.texts import message
 from adibas.texts import translate as _
 from ui.comparison.content import Differences, clinical_ids
 from ui.comparison.empty_or import EmptyOr
-from ui.comparison.row_table import RowTable
-from ui.comparison.rows import Row, change_headers, change_rows
+from ui.comparison.rows import change_headers, change_rows
+from ui.widgets.row_table import RowTable
+from ui.widgets.rows import Row
 
 NO_CHANGES = message("Choose two sessions above.")
 LOOKING = message("Changes are marked as soon as the clinic's repeats are looked through.")

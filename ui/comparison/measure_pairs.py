@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from adibas.data.body_measures import BodyMeasure, Definition
 from adibas.reports.body_numbers import DIGITS_TO_READ, on_paper
 from adibas.texts import translate as _
-from ui.comparison.rows import Row, interval_text, number
+from ui.widgets.rows import Row, interval_text, number
 
 
 @dataclass(frozen=True, slots=True)

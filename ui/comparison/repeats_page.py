@@ -16,9 +16,10 @@ from adibas.texts import translate as _
 from ui.comparison.agreement_plot import AgreementPlot, agreement_text
 from ui.comparison.content import Repeats, definitions_of
 from ui.comparison.empty_or import EmptyOr
-from ui.comparison.row_table import RowTable
-from ui.comparison.rows import measure_text, reliability_text, repeat_headers, repeat_rows
+from ui.comparison.rows import reliability_text, repeat_headers, repeat_rows
 from ui.theme import Theme
+from ui.widgets.row_table import RowTable
+from ui.widgets.rows import measure_text
 from ui.widgets.scrolled import Scrolled
 
 TABLE_WIDTH, PLOT_WIDTH = 660, 460

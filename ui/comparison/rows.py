@@ -1,42 +1,14 @@
 """Lines of the screen's tables, worded in the language in use."""
 
-from dataclasses import dataclass
-
 from adibas.data.protocols import MeasureDefinition
-from adibas.data.reliability import Change, Reliability, Verdict
+from adibas.data.reliability import Change, Reliability
 from adibas.data.trends import Trend
 from adibas.reports.facts import verdict_text
-from adibas.texts import decimal_text
 from adibas.texts import translate as _
-from ui.comparison.content import Differences, Key, Repeats, definitions_of
+from ui.comparison.content import Differences, Repeats, definitions_of
 from ui.view_names import VIEW_NAMES
 from ui.widgets.dates import moment_text
-
-NOTHING = "\N{EN DASH}"
-Order = float | str | None
-Interval = tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One line.
-
-    Attributes
-    ----------
-    key : (str, str)
-        View and measure, or whatever tells lines apart.
-    cells : tuple of str
-        What is read.
-    order : tuple
-        What each column is sorted by; None comes last.
-    verdict : Verdict or None
-        Of a change.
-    """
-
-    key: Key
-    cells: tuple[str, ...]
-    order: tuple[Order, ...]
-    verdict: Verdict | None = None
+from ui.widgets.rows import NOTHING, Interval, Key, Row, interval_text, measure_text, number
 
 
 def change_headers() -> tuple[str, ...]:
@@ -163,24 +135,6 @@ def reliability_text(found: Reliability) -> str:
     if found.mdc95 is not None:
         parts.append(_("{name} {value}.").format(name="MDC95", value=number(found.mdc95, 2)))
     return " ".join(parts)
-
-
-def measure_text(definition: MeasureDefinition) -> str:
-    """Name a measure, with its unit."""
-    return f"{definition.name.text} [{_(definition.unit)}]"
-
-
-def number(value: float | None, n_decimals: int = 1) -> str:
-    """Write a number, or a dash for none."""
-    return NOTHING if value is None else decimal_text(value, n_decimals)
-
-
-def interval_text(interval: Interval | None, n_decimals: int = 1) -> str:
-    """Write the ends of an interval."""
-    if interval is None:
-        return NOTHING
-    low, high = interval
-    return _("{low} to {high}").format(low=number(low, n_decimals), high=number(high, n_decimals))
 
 
 def _told(name: str, value: float, interval: Interval) -> str:

@@ -10,8 +10,8 @@ from adibas.data.body_measures import BodyMeasure
 from adibas.texts import translate as _
 from ui.comparison.empty_or import EmptyOr
 from ui.comparison.measure_pairs import measure_pairs, pair_headers, pair_row
-from ui.comparison.row_table import RowTable
 from ui.widgets.notes import Notes
+from ui.widgets.row_table import RowTable
 from ui.widgets.scrolled import Scrolled
 
 PICTURE_LINES, TABLE_LINES = 16, 6

@@ -13,11 +13,9 @@ from PySide6.QtWidgets import (
 from adibas.data.trends import Trend
 from adibas.texts import decimal_text, message
 from adibas.texts import translate as _
-from ui.comparison.content import Key, Trends
+from ui.comparison.content import Trends
 from ui.comparison.empty_or import EmptyOr
-from ui.comparison.row_table import RowTable
 from ui.comparison.rows import (
-    measure_text,
     point_headers,
     point_rows,
     trend_headers,
@@ -26,6 +24,8 @@ from ui.comparison.rows import (
 from ui.comparison.trend_plot import TrendPlot
 from ui.theme import Theme
 from ui.widgets.flow import in_a_flow
+from ui.widgets.row_table import RowTable
+from ui.widgets.rows import Key, measure_text
 from ui.widgets.scrolled import Scrolled
 
 NO_TRENDS = message("No session of this patient has a measure of this protocol.")

@@ -19,7 +19,7 @@ from ui.comparison.back_page import BackPage
 from ui.comparison.body_content import Bodies
 from ui.comparison.body_page import BodyPage
 from ui.comparison.choosers import Choosers
-from ui.comparison.content import Choices, Differences, Key, Pair, Repeats, Trends
+from ui.comparison.content import Choices, Differences, Pair, Repeats, Trends
 from ui.comparison.differences_page import DifferencesPage
 from ui.comparison.pictures_page import PicturesPage
 from ui.comparison.presenter import ComparisonPresenter
@@ -28,6 +28,7 @@ from ui.comparison.trends_page import TrendsPage
 from ui.navigation import TITLES
 from ui.theme import Theme
 from ui.widgets.dates import moment_text
+from ui.widgets.rows import Key
 from ui.widgets.screen import Screen
 
 

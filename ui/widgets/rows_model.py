@@ -7,9 +7,8 @@ from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersisten
 from PySide6.QtGui import QFont
 
 from adibas.data.reliability import Verdict
-from ui.comparison.content import Key
-from ui.comparison.rows import Order, Row
 from ui.widgets.line_table import NUMBERS, title_data
+from ui.widgets.rows import Key, Order, Row
 
 Role = Qt.ItemDataRole
 Index = QModelIndex | QPersistentModelIndex

@@ -6,10 +6,9 @@ from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QHeaderView, QLineEdit, QVBoxLayout, QWidget
 
 from adibas.texts import translate as _
-from ui.comparison.content import Key
-from ui.comparison.rows import Row
-from ui.comparison.rows_model import RowsModel
 from ui.widgets.line_table import LineTable
+from ui.widgets.rows import Key, Row
+from ui.widgets.rows_model import RowsModel
 
 N_ROWS_MEASURED = 60
 """Whose texts decide how wide columns are."""
