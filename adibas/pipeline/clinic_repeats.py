@@ -17,10 +17,8 @@ from adibas.data.protocol_measures import ProtocolMeasures
 from adibas.data.protocols import KINDS
 from adibas.data.reliability import Reliability, Repeat
 from adibas.data.sessions import Capture, Session
-from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.reliability import LEAST_REPEATS, reliability_of, unwrap_repeats
-from adibas.measures.sight_plane import vertical_of
-from adibas.pipeline.protocol_measuring import ProtocolWish
+from adibas.pipeline.protocol_measuring import ProtocolWish, measured_capture
 from adibas.progress import Progress
 from adibas.sessions import SessionStore
 from adibas.sessions.roles import Permission
@@ -89,10 +87,7 @@ def _known(store: SessionStore, session_id: str, wish: ProtocolWish) -> tuple[Ca
 
 
 def _measured(session: Session, capture: Capture, wish: ProtocolWish) -> ProtocolMeasures:
-    by_hand = capture.history.placed_by_hand()
-    vertical = vertical_of(capture.calibration, session.setup.rotation_deg)
-    capturing = Capturing(capture.view, vertical, wish.plane, by_hand)
-    return measure_protocol(wish.protocol, capture.markers(), capturing)
+    return measured_capture(capture, capture.markers(), wish, session.setup.rotation_deg)
 
 
 def _of_patient(

@@ -3,10 +3,11 @@
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
+from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
-from adibas.data.protocol_measures import PlaneChoice
+from adibas.data.protocol_measures import PlaneChoice, ProtocolMeasures
 from adibas.data.protocols import Protocol
-from adibas.data.sessions import Session
+from adibas.data.sessions import Capture, Session
 from adibas.errors import ProtocolError
 from adibas.measures.protocol_measures import Capturing, measure_protocol
 from adibas.measures.protocol_store import find_protocol
@@ -82,6 +83,34 @@ def with_measures(
         analysis,
         measures=measure_protocol(wish.protocol, analysis.markers, capturing),
         provenance=replace(provenance, parameters=parameters),
+    )
+
+
+def measured_capture(
+    capture: Capture,
+    markers: tuple[Marker, ...],
+    wish: ProtocolWish,
+    rotation_deg: int,
+    by_hand: Collection[str] | None = None,
+) -> ProtocolMeasures:
+    """Return a protocol's measures on markers of a capture.
+
+    Parameters
+    ----------
+    capture : Capture
+    markers : tuple of Marker
+        As corrected, or as they are being corrected.
+    wish : ProtocolWish
+        Whose protocol knows the capture's view.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
+    by_hand : collection of str or None
+        Labels of markers that were placed by hand; None: those of the saved corrections.
+    """
+    vertical = vertical_of(capture.calibration, rotation_deg)
+    placed = capture.history.placed_by_hand() if by_hand is None else by_hand
+    return measure_protocol(
+        wish.protocol, markers, Capturing(capture.view, vertical, wish.plane, placed)
     )
 
 

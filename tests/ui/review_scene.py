@@ -54,14 +54,14 @@ def mm_between(a, b):
     return float(np.hypot(a[0] - b[0], a[1] - b[1]) / 280.0 * WALL_M * 1000.0)
 
 
-def new_capture(view="anterior", markers=None):
+def new_capture(view="anterior", markers=None, calibration=CALIBRATION):
     """Return a capture before it is saved."""
     return NewCapture(
         view=view,
         recording_id="",
         first_frame=0,
         n_frames=30,
-        calibration=CALIBRATION,
+        calibration=calibration,
         detected=detected() if markers is None else markers,
         rejected=(REFUSED,),
         provenance=Provenance("", "", "1", "2024-01-01T00:00:00+00:00", {}),
@@ -69,13 +69,23 @@ def new_capture(view="anterior", markers=None):
     )
 
 
-def saved_session(store, views=("anterior",), *, surface=SURFACE, rotation_deg=0, protocol=""):
+def saved_session(
+    store,
+    views=("anterior",),
+    *,
+    surface=SURFACE,
+    rotation_deg=0,
+    protocol="",
+    calibration=CALIBRATION,
+):
     """Save a patient with one session and return (patient, session, captures)."""
     patient = add_patient(store, Identity("Somebody"))
     setup = SessionSetup(rotation_deg=rotation_deg, protocol=protocol)
     session = store.sessions.start(patient.pseudonym, setup)
     captures = tuple(
-        store.captures.add(session.session_id, new_capture(view), picture_rgb(), surface)
+        store.captures.add(
+            session.session_id, new_capture(view, None, calibration), picture_rgb(), surface
+        )
         for view in views
     )
     return patient, store.sessions.get(session.session_id), captures

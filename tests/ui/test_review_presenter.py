@@ -1,5 +1,7 @@
 """The review without Qt: what is shown, what is saved, and what is left alone."""
 
+import math
+from dataclasses import replace
 from unittest.mock import create_autospec
 
 import numpy as np
@@ -11,6 +13,7 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import StoreError
 from adibas.markers.snapping import HAND_RADIUS_PX
 from tests.ui.review_scene import (
+    CALIBRATION,
     DOTS,
     HEIGHT,
     REFUSED,
@@ -622,8 +625,8 @@ def test_names_that_come_too_late_are_not_suggested(
 def test_the_surface_is_shown_with_the_markers(review, view):
     review.open_space()
     space = view.show_space.call_args.args[0]
-    assert len(space.points_m) > 1000
-    np.testing.assert_allclose(space.points_m[:, 2], 1.0, rtol=1e-5)
+    assert len(space.discs) > 1000
+    np.testing.assert_allclose(space.discs.points_m[:, 2], 1.0, rtol=1e-5)
     assert list(space.landmarks_m) == list(DOTS)
 
 
@@ -653,6 +656,60 @@ def late_tables(inline_jobs, monkeypatch):
 
     monkeypatch.setattr(inline_jobs, "start", hold_tables)
     return waiting
+
+
+UPRIGHT = replace(CALIBRATION, gravity=np.array([0.0, 1.0, 0.0]))
+
+
+@pytest.fixture
+def by_protocol(view, workspace, store):
+    """The review of a session that follows SAPO-1, both acromia named."""
+    saved = saved_session(store, ("anterior",), protocol="sapo-1", calibration=UPRIGHT)
+    with entered_review(view, workspace, saved) as presenter:
+        presenter.points.rename("m01", "right_acromion")
+        presenter.points.rename("m02", "left_acromion")
+        yield presenter.points
+
+
+def tilt_deg(seen):
+    """Return the tilt of the line of the acromia as the protocol tells it."""
+    measures = seen.last("show_protocol").args[0]
+    points = ("right_acromion", "left_acromion")
+    (found,) = [
+        one
+        for one in measures.results
+        if set(one.definition.points) == set(points) and one.definition.kind == "line_to_horizontal"
+    ]
+    return math.degrees(found.main.value)
+
+
+def test_measures_of_the_protocol_follow_a_marker_that_is_dragged(by_protocol, seen):
+    assert tilt_deg(seen) == pytest.approx(0.0, abs=0.01)
+    x, y = DOTS["m02"]
+    by_protocol.press("left_acromion")
+    by_protocol.drag("left_acromion", x, y + 16)
+    # On the wall, which the camera sees squarely, 16 pixels down on a way of 160.
+    assert abs(tilt_deg(seen)) == pytest.approx(math.degrees(math.atan(0.1)), abs=0.01)
+    by_protocol.drop("left_acromion", x, y - 16, is_free=True)
+    after = tilt_deg(seen)
+    by_protocol.undo()
+    by_protocol.drag("left_acromion", x, y + 16)
+    assert tilt_deg(seen) == pytest.approx(-after, abs=0.01)
+
+
+def test_a_marker_placed_by_hand_is_told_among_the_measures(by_protocol, seen):
+    x, y = DOTS["m02"]
+    by_protocol.press("left_acromion")
+    by_protocol.drag("left_acromion", x, y + 5)
+    by_protocol.drop("left_acromion", x, y + 5, is_free=True)
+    measures = seen.last("show_protocol").args[0]
+    assert any("left_acromion" in one.by_hand for one in measures.results)
+
+
+@pytest.mark.usefixtures("review")
+def test_without_a_protocol_nothing_is_measured_by_one(seen):
+    assert seen.last("show_protocol").args == (None,)
+    assert seen.measures
 
 
 def test_a_table_that_is_late_is_followed_by_the_newest(late_tables, points, seen):

@@ -364,7 +364,8 @@ def test_measures_follow_a_drag(qtbot, user):
 
 def test_all_measures_are_filtered_and_kept(qtbot, user):
     assert len(user.lines(user.all)) == 6
-    text = next(e for e in user.screen.findChildren(QLineEdit) if e.placeholderText())
+    named = {edit.accessibleName(): edit for edit in user.screen.findChildren(QLineEdit)}
+    text = named["Show only measures of these markers"]
     qtbot.keyClicks(text, "M02 m03")
     assert {line[1] for line in user.lines(user.all)} >= {"m02 \u2013 m03"}
     user.screen.findChild(QComboBox).setCurrentIndex(1)

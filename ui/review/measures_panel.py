@@ -1,4 +1,4 @@
-"""Measures beside the picture: those that were chosen first, then all."""
+"""Measures beside the picture: those that were chosen first, then all, then the protocol's."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow
 from ui.review.measures_model import INTERVAL, KIND, NAME, VALUE, MeasuresModel
+from ui.review.protocol_panel import ProtocolPanel
 from ui.review.wording import interval_text, value_text
 from ui.widgets.line_table import LineTable
 
@@ -24,7 +25,12 @@ KINDS: tuple[bool | None, ...] = (None, False, True)
 
 
 class MeasuresPanel(QTabWidget):
-    """Two tables; a line of the second can be taken into the first."""
+    """Three tables; a line of the second can be taken into the first.
+
+    Attributes
+    ----------
+    protocol : ProtocolPanel
+    """
 
     kept = Signal(tuple)
     removed = Signal(tuple)
@@ -32,6 +38,7 @@ class MeasuresPanel(QTabWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._chosen, self._all = MeasuresModel(), MeasuresModel()
+        self.protocol = ProtocolPanel(self)
         self._chosen_table = LineTable(self, takes_delete=True)
         self._all_table = LineTable(self)
         self._remove, self._keep = QPushButton(self), QPushButton(self)
@@ -73,7 +80,8 @@ class MeasuresPanel(QTabWidget):
             layout.setContentsMargins(8, 8, 8, 8)
         self.addTab(chosen, "")
         self.addTab(everything, "")
-        self.tabBar().setUsesScrollButtons(False)  # both names are read, in large letters too
+        self.addTab(self.protocol, "")
+        self.tabBar().setUsesScrollButtons(False)  # all names are read, in large letters too
 
     def _connect(self) -> None:
         self._text.textChanged.connect(self._on_filter)
@@ -92,6 +100,8 @@ class MeasuresPanel(QTabWidget):
         """Set the texts in the language in use."""
         self.setTabText(0, _("Chosen measures"))
         self.setTabText(1, _("All of them"))
+        self.setTabText(2, _("Protocol"))
+        self.protocol.retranslate()
         self._chosen_table.setAccessibleName(_("Chosen measures"))
         self._all_table.setAccessibleName(_("All measures"))
         self._hint.setText(

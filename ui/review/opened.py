@@ -26,13 +26,16 @@ class Opened:
     target : MarkerTarget or None
         What markers look like, for snapping.
     protocol : Protocol or None
-        Of the session: its landmarks are what markers are named after.
+        Of the session: its landmarks are what markers are named after, its measures what is shown.
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
     """
 
     picture_rgb: UInt8Array
     surface: "CaptureSurface"
     target: "MarkerTarget | None"
     protocol: "LandmarkProtocol | None" = None
+    rotation_deg: int = 0
 
     def placed(
         self, label: str, u: float, v: float, *, is_free: bool, before: Marker | None = None

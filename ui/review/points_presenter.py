@@ -12,11 +12,12 @@ from adibas.data.sessions import Capture
 from adibas.texts import translate as _
 from ui.review.content import MeasureRow, Mode, Points
 from ui.review.editor import CaptureEditor
-from ui.review.measuring import MeasureTable, free_rows
+from ui.review.measuring import Asked, Measured, MeasureTable, free_rows
 from ui.review.opened import Opened, PassedLandmarks
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
+    from adibas.data.protocol_measures import ProtocolMeasures
     from adibas.sessions.conflicts import Decision
 
 SAME_PLACE_PX = 1.0
@@ -27,6 +28,9 @@ class PointsView(Protocol):
 
     def show_points(self, points: Points) -> None:
         """Show the markers on the picture and in the list, and what can be done."""
+
+    def show_protocol(self, measures: "ProtocolMeasures | None") -> None:
+        """Show the measures of the session's protocol in this view; None where there are none."""
 
     def show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
         """Show every pair and triplet."""
@@ -82,7 +86,7 @@ class PointsPresenter:
         self._editor = CaptureEditor(capture, partial(self._save, capture.capture_id))
         self._opened, self._selected, self._picked = None, None, ()
         self._passed = PassedLandmarks()
-        self._view.show_measures(())
+        self._show_measures(Measured())
         self._show()
 
     def give_surface(self, opened: Opened) -> None:
@@ -91,6 +95,8 @@ class PointsPresenter:
         if opened.protocol is None and self._mode is Mode.NAME:
             self._mode = Mode.CHOOSE
         self._show()
+        if opened.protocol is not None:
+            self.measure_all()
 
     def close_capture(self) -> None:
         """Show no markers."""
@@ -100,8 +106,14 @@ class PointsPresenter:
 
     def measure_all(self) -> None:
         """Show every measure of the markers as seen, as soon as possible."""
-        if self._editor is not None:
-            self._table.follow(self._editor.capture.capture_id, self._editor.markers())
+        editor, opened = self._editor, self._opened
+        if editor is None:
+            return
+        by_hand = editor.history.placed_by_hand()
+        protocol, rotation_deg = (
+            (None, 0) if opened is None else (opened.protocol, opened.rotation_deg)
+        )
+        self._table.follow(Asked(editor.capture, editor.markers(), by_hand, protocol, rotation_deg))
 
     def let_go(self) -> None:
         """Forget a drag that is in progress: nothing of it was saved."""
@@ -305,10 +317,11 @@ class PointsPresenter:
         self._show()
         self.measure_all()
 
-    def _show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
-        """Show the table; with the first one the free measures get their values."""
-        self._view.show_measures(rows)
-        if rows and not self._has_values:
+    def _show_measures(self, found: Measured) -> None:
+        """Show the tables; with the first ones the free measures get their values."""
+        self._view.show_measures(found.rows)
+        self._view.show_protocol(found.protocol)
+        if found.rows and not self._has_values:
             self._show()
 
     def _free_measures(self, editor: CaptureEditor) -> tuple[MeasureRow, ...]:

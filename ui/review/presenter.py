@@ -250,7 +250,7 @@ class ReviewPresenter:
 
     def _load_surface(self, capture: Capture, picture_rgb: UInt8Array) -> None:
         store = self._workspace.store
-        session = self._session
+        session, rotation_deg = self._session, self._rotation_deg
 
         def work(_control: JobControl) -> "tuple[BurstDisparity | None, Opened]":
             from adibas.pipeline.protocol_measuring import wish_of_session
@@ -263,7 +263,7 @@ class ReviewPresenter:
             height, width = picture_rgb.shape[:2]
             on_surface.snapped(picture_rgb, width / 2, height / 2, target=target)  # loads kernels
             protocol = None if wish is None else wish.protocol
-            return surface, Opened(picture_rgb, on_surface, target, protocol)
+            return surface, Opened(picture_rgb, on_surface, target, protocol, rotation_deg)
 
         def done(found: "tuple[BurstDisparity | None, Opened]") -> None:
             if self._opened == capture.capture_id:

@@ -1,6 +1,7 @@
 """The review screen: captures, picture, markers, measures, notes. No decisions."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence, QShortcut
@@ -33,6 +34,9 @@ from ui.widgets.picture_canvas import WHEEL_STEP
 from ui.widgets.screen import Screen
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
+
+if TYPE_CHECKING:
+    from adibas.data.protocol_measures import ProtocolMeasures
 
 NOTHING_PAGE, REVIEW_PAGE = 0, 1
 PICTURE_PAGE, SPACE_PAGE = 0, 1
@@ -204,6 +208,9 @@ class ReviewScreen(Screen):
 
     def show_measures(self, rows: tuple[MeasureRow, ...]) -> None:
         self._measures.show_all(rows)
+
+    def show_protocol(self, measures: "ProtocolMeasures | None") -> None:
+        self._measures.protocol.show_protocol(measures)
 
     def show_space(self, space: Space | None) -> None:
         self._space.show_space(space)
