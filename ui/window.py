@@ -125,6 +125,8 @@ class MainWindow(QMainWindow):
         """Speak the new language."""
         if event.type() == QEvent.Type.LanguageChange:
             self.retranslate()
+            # What stands in the window hears of it later.
+            QTimer.singleShot(0, self, lambda: renew_least_sizes(self))
         super().changeEvent(event)
 
     def dress(self) -> None:

@@ -4,7 +4,7 @@ Run as a module it makes ``resources/models/likeness.json`` again, for the shipp
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -20,17 +20,20 @@ from adibas.pipeline.likeness_file import write_likeness
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_quantities import QUANTITIES, describer
 from adibas.pipeline.pose_following import forest_segmenter
-from adibas.simulation.crowds import CrowdFrame, open_crowd
+from adibas.simulation.crowds import CrowdFrame, CrowdScene, open_crowd
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import ThingFrames
+from adibas.simulation.odd_plans import ODD_PLANS
 
 SEED, WHOLE_SEED, SPARED_SEEDS = 6300, 6303, (6301, 6302)
 N_PEOPLE, N_THINGS, N_SPARED = 300, 440, 120
 CROWDS, CROWD_FRAMES = ("seated_child", "passer_by"), (0, 45)
 N_CROWDS, N_SPARED_CROWDS = 24, 12
+ANIMALS, ANIMAL_SEEDS, ANIMAL_FRAMES = ("quadruped", "sitting_dog"), range(6700, 6900), (0, 10, 20)
 LEAST_PIXELS = 50
 Shown = Iterator[tuple[AnyArray, BoolArray]]
 """Depth in millimetres, 0 where not measured, and a mask."""
+_NOTHING = np.empty((0, len(QUANTITIES)))
 
 
 def people_shown(seed: int, n_images: int, step: int) -> Shown:
@@ -53,7 +56,7 @@ def described(shown: Shown, camera: CameraCalibration, model: LimbModel) -> Floa
     """Return the (N, Q) quantities of all that other words do not refuse already."""
     describe = describer(camera)
     focal_px = camera.intrinsics.fx
-    found = [np.empty((0, len(QUANTITIES)))]
+    found = [_NOTHING]
     for depth_mm, mask in shown:
         depth_m = np.where(depth_mm > 0, depth_mm, np.nan).astype(np.float32) / np.float32(1000)
         if np.count_nonzero(mask) < LEAST_PIXELS or not judge_mask(depth_m, mask).is_person:
@@ -66,25 +69,45 @@ def described(shown: Shown, camera: CameraCalibration, model: LimbModel) -> Floa
 
 def crowd_described(seeds: range, model: LimbModel) -> FloatArray:
     """Return the (N, Q) quantities of people at tables and half hidden, as they are found."""
-    found = [np.empty((0, len(QUANTITIES)))]
-    for name, seed in itertools.product(CROWDS, seeds):
-        scene = open_crowd(name, seed)
-        calibration = scene.info.calibration
-        if calibration is None or calibration.depth is None:
-            raise ValueError("a simulated scene has a calibrated depth camera")
-        camera = calibration.depth
-        describe, segmented = describer(camera), forest_segmenter(model, camera)
-        for index in CROWD_FRAMES:
-            frame = scene.frame(index)
-            depth_m = _metres(frame, calibration, scene.info.depth_unit_m)
-            for mask in find_people(depth_m, camera, calibration.floor):
-                pixels = mask.pixels
-                owner = np.bincount(frame.owners[pixels], minlength=1).argmax()
-                if not owner or not judge_mask(depth_m, pixels).is_person:
-                    continue
-                parts = segmented(depth_m, pixels)
-                if judge_parts(parts, pixels).is_person:
-                    found.append(describe(depth_m, pixels, parts, None)[None])
+    scenes = (open_crowd(name, seed) for name, seed in itertools.product(CROWDS, seeds))
+    return np.concatenate(
+        [_NOTHING, *(scene_described(one, CROWD_FRAMES, model, of_people=True) for one in scenes)]
+    )
+
+
+def animals_described(model: LimbModel) -> FloatArray:
+    """Return the (N, Q) quantities of animals alone in a room, as they are found.
+
+    Of single images most animals are refused by other words, and few are left to learn from.
+    """
+    pairs = itertools.product(ANIMALS, ANIMAL_SEEDS)
+    scenes = (CrowdScene(ODD_PLANS[name], seed) for name, seed in pairs)
+    return np.concatenate(
+        [_NOTHING, *(scene_described(one, ANIMAL_FRAMES, model, of_people=False) for one in scenes)]
+    )
+
+
+def scene_described(
+    scene: CrowdScene, frames: Iterable[int], model: LimbModel, *, of_people: bool
+) -> FloatArray:
+    """Return the (N, Q) quantities of people in a scene, or of all else that stands there."""
+    calibration = scene.info.calibration
+    if calibration is None or calibration.depth is None:
+        raise ValueError("a simulated scene has a calibrated depth camera")
+    camera = calibration.depth
+    describe, segmented = describer(camera), forest_segmenter(model, camera)
+    found = [_NOTHING]
+    for index in frames:
+        frame = scene.frame(index)
+        depth_m = _metres(frame, calibration, scene.info.depth_unit_m)
+        for mask in find_people(depth_m, camera, calibration.floor):
+            pixels = mask.pixels
+            is_person = bool(np.bincount(frame.owners[pixels], minlength=1).argmax())
+            if is_person is not of_people or not judge_mask(depth_m, pixels).is_person:
+                continue
+            parts = segmented(depth_m, pixels)
+            if judge_parts(parts, pixels).is_person:
+                found.append(describe(depth_m, pixels, parts, None)[None])
     return np.concatenate(found)
 
 
@@ -112,7 +135,7 @@ def learn() -> Likeness:
     second = range(SPARED_SEEDS[0] + N_CROWDS, SPARED_SEEDS[0] + N_CROWDS + N_SPARED_CROWDS)
     people = np.concatenate([people, crowd_described(first, model)])
     spared.append(crowd_described(second, model))
-    shown = people, np.concatenate(things)
+    shown = people, np.concatenate([*things, animals_described(model)])
     return learn_likeness(QUANTITIES, shown, np.concatenate(spared), provenance_of(model))
 
 
@@ -124,6 +147,8 @@ def provenance_of(model: LimbModel) -> dict[str, object]:
         "spared_seeds": list(SPARED_SEEDS),
         "n_people": N_PEOPLE,
         "n_things": 2 * N_THINGS,
+        "animal_seeds": [ANIMAL_SEEDS.start, ANIMAL_SEEDS.stop],
+        "n_animal_scenes": len(ANIMALS) * len(ANIMAL_SEEDS),
         "n_crowds": len(CROWDS) * N_CROWDS,
         "n_spared_crowds": len(CROWDS) * N_SPARED_CROWDS,
         "n_spared": N_SPARED * len(SPARED_SEEDS),

@@ -8,12 +8,14 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QProgressBar, QTabBar
 
 from adibas.data.patients import Identity
+from adibas.data.posture import VIEWS
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import SensorState
 from adibas.sessions import open_store
 from adibas.texts import LANGUAGES
 from tests.ui import window_user
 from tests.ui.conftest import CHEAP
+from tests.ui.review_scene import SURFACE, new_capture, picture_rgb
 from tests.ui.window_user import SECRET, visible
 from tests.unit.store_samples import add_patient
 from ui.capture.status_line import SPACING_PX, StatusLine
@@ -26,10 +28,13 @@ open_window = window_user.open_window
 
 @pytest.fixture(autouse=True)
 def prepared(tmp_path):
-    """A store with one patient and a session."""
+    """A store with one patient, a session without pictures, and one of all views."""
     with open_store(tmp_path / "store", SECRET, key_params=CHEAP) as store:
         patient = add_patient(store, Identity("Rosa Ibarra", None, "HC-77"))
         store.sessions.start(patient.pseudonym, SessionSetup())
+        taken = store.sessions.start(patient.pseudonym, SessionSetup(protocol="sapo-1"))
+        for view in VIEWS:
+            store.captures.add(taken.session_id, new_capture(view), picture_rgb(), SURFACE)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -98,7 +98,7 @@ class MeasuresPanel(QTabWidget):
 
     def retranslate(self) -> None:
         """Set the texts in the language in use."""
-        self.setTabText(0, _("Chosen measures"))
+        self.setTabText(0, _("Chosen"))
         self.setTabText(1, _("All of them"))
         self.setTabText(2, _("Protocol"))
         self.protocol.retranslate()

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from adibas.texts import translate as _
-from ui.widgets.rows import NOTHING, Row, interval_text, measure_text, number
+from ui.widgets.rows import Row, interval_text, measure_text, number
 
 if TYPE_CHECKING:
     from adibas.data.protocol_measures import MeasureResult, ProtocolMeasures
@@ -15,19 +15,44 @@ def protocol_headers() -> tuple[str, ...]:
 
 
 def protocol_rows(measures: "ProtocolMeasures") -> tuple[Row, ...]:
-    """Return a line for each measure; one without a value says why."""
+    """Return a line for each measure."""
     return tuple(_row(measures.view, one) for one in measures.results)
 
 
 def _row(view: str, result: "MeasureResult") -> Row:
-    definition, main = result.definition, result.main
-    key, name = (view, definition.measure_id), measure_text(definition)
-    if main is None:
-        why = NOTHING if result.reason is None else result.reason.text
-        return Row(key, (f"{name}: {why}", NOTHING, NOTHING), (name, None, None))
-    value = main.value / definition.per_unit
-    low, high = (limit / definition.per_unit for limit in main.interval)
-    return Row(key, (name, number(value), interval_text((low, high))), (name, value, high - low))
+    """Return the line of a measure as reports have it."""
+    from adibas.reports.rows import measure_row
+
+    told, name = measure_row(result), measure_text(result.definition)
+    value, interval = (
+        (None, None) if told.main is None else (told.main.value, (told.main.low, told.main.high))
+    )
+    return Row(
+        (view, told.measure_id),
+        (name, number(value), interval_text(interval)),
+        (name, value, None if interval is None else interval[1] - interval[0]),
+    )
+
+
+def measure_details(measures: "ProtocolMeasures", measure_id: str) -> str:
+    """Say why a measure has no value, what its sign means, and what others found."""
+    from adibas.reports.rows import measure_row
+
+    results = [one for one in measures.results if one.definition.measure_id == measure_id]
+    if not results:
+        return ""
+    told = measure_row(results[0])
+    titled = (
+        ("{title}: {text}.", _("Positive means"), told.positive),
+        ("{title}: {text}", _("Reference"), told.reference),
+    )
+    return "\n".join(
+        [
+            f"{told.name}.",
+            *([f"{told.remark}."] if told.remark else []),
+            *(form.format(title=title, text=text) for form, title, text in titled if text),
+        ]
+    )
 
 
 def protocol_notices(measures: "ProtocolMeasures") -> tuple[str, ...]:

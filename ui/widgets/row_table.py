@@ -27,6 +27,8 @@ class RowTable(QWidget):
         Takes the room that is left.
     is_plain : bool
         No field, and no sorting.
+    cuts_names : bool
+        Whether a plain table, too, cuts names that leave the others no room.
     """
 
     chosen = Signal(object)
@@ -41,13 +43,16 @@ class RowTable(QWidget):
         parent: QWidget | None = None,
         *,
         is_plain: bool = False,
+        cuts_names: bool = False,
     ) -> None:
         super().__init__(parent)
         self._model = RowsModel(numbers, self)
-        self._wide_column, self._is_plain = wide_column, is_plain
+        self._wide_column, self._keeps_names = wide_column, is_plain and not cuts_names
         self._is_wanted: Callable[[Row], bool] | None = None
         self._current: Key | None = None
         self.table, self.words = LineTable(self), QLineEdit(self)
+        if cuts_names:  # the ends of names tell them apart
+            self.table.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.words.setClearButtonEnabled(True)
         self.words.setVisible(not is_plain)
         self.above = QHBoxLayout()
@@ -137,7 +142,7 @@ class RowTable(QWidget):
         """Return how wide the wide column is at least: long names are cut, a few lines are not."""
         letters_px = LEAST_LETTERS * self.table.fontMetrics().averageCharWidth()
         needed_px = self.table.sizeHintForColumn(self._wide_column)
-        return needed_px if self._is_plain else min(letters_px, needed_px)
+        return needed_px if self._keeps_names else min(letters_px, needed_px)
 
     def _left_px(self) -> int:
         """Return what the other columns leave; the titles know their widths a moment later."""
