@@ -54,6 +54,23 @@ def test_what_has_no_room_goes_into_the_next_row(panel, width, expected):
     assert flow.heightForWidth(width) == expected[-1][1] + HEIGHT
 
 
+@pytest.mark.parametrize(
+    ("width", "expected"),
+    [(300, [(44, 0), (152, 0), (220, 0)]), (200, [(32, 0), (140, 0), (120, 28)])],
+)
+def test_rows_that_end_at_the_right_begin_where_they_must(qtbot, width, expected):
+    widget = QWidget()
+    qtbot.addWidget(widget)
+    blocks = [Block(one, widget) for one in WIDTHS]
+    column = QVBoxLayout(widget)
+    column.setContentsMargins(0, 0, 0, 0)
+    column.addLayout(in_a_flow(*blocks, at_right=True))
+    column.addStretch(1)
+    widget.resize(width, 200)
+    widget.show()
+    assert corners(blocks) == expected
+
+
 def test_it_wants_one_row_and_needs_the_widest_control(panel):
     _widget, _blocks, flow = panel
     assert flow.sizeHint() == QSize(sum(WIDTHS) + 2 * GAP, HEIGHT)

@@ -4,7 +4,7 @@ import threading
 from types import SimpleNamespace
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QLabel, QProgressBar, QTabBar
 
 from adibas.data.patients import Identity
@@ -22,6 +22,7 @@ from ui.capture.status_line import SPACING_PX, StatusLine
 from ui.navigation import TITLES
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
+from ui.widgets.side_panel import SidePanel
 
 open_window = window_user.open_window
 
@@ -54,6 +55,13 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
         assert_fits(user, size, name)
         for tabs in filter(QTabBar.isVisible, user.window.findChildren(QTabBar)):
             assert tabs.sizeHint().width() <= tabs.parentWidget().width(), f"the tabs of {name}"
+    user.window.show_screen("patients")
+    user.window.resize(*size)
+    user.key(Qt.Key.Key_N, window_user.CTRL)  # the form for a patient
+    user.settle()
+    user.qapp.processEvents()
+    assert_fits(user, size, "the form for a patient")
+    user.key(Qt.Key.Key_Escape)
     user.window.resize(*size)
     user.window.show_help()
     for name in TITLES:
@@ -102,6 +110,19 @@ def test_with_smaller_letters_the_window_can_be_as_narrow_as_ever(open_window):
     user.close()
 
 
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_in_another_language_large_letters_still_have_room(open_window, language):
+    user = open_window(font_scale=2.0)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    for name in TITLES:
+        user.window.show_screen(name)
+        user.settle()
+    user.application.preferences.change(language=language)
+    assert least_width_px(user) <= 1280
+    user.close()
+
+
 def least_width_px(user):
     """Return how narrow the window may be once Qt has laid out what was shown last."""
     user.qapp.processEvents()
@@ -112,6 +133,9 @@ def assert_fits(user, size, where):
     least = user.window.minimumSizeHint()
     assert least.width() <= size[0], where
     assert least.height() <= size[1], where
+    for panel in filter(SidePanel.isVisible, user.window.findChildren(SidePanel)):
+        right = panel.mapTo(user.window, QPoint(panel.width(), 0)).x()
+        assert right <= user.window.width(), f"a panel of {where}"
 
 
 def test_the_help_stands_beside_the_screen_where_there_is_room_and_floats_elsewhere(open_window):

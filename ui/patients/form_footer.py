@@ -1,6 +1,8 @@
 """What stays in view below a form however long it is: what is wrong, and the buttons."""
 
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
+
+from ui.widgets.flow import in_a_flow
 
 
 def lay_out_footer(
@@ -11,12 +13,10 @@ def lay_out_footer(
     problem.setWordWrap(True)
     problem.hide()
     save.setProperty("main", "true")
-    column, buttons = QVBoxLayout(footer), QHBoxLayout()
+    column = QVBoxLayout(footer)
     column.setContentsMargins(12, 8, 8, 0)
     column.setSpacing(8)
     column.addWidget(problem)
-    column.addLayout(buttons)
-    buttons.addStretch(1)
+    column.addLayout(in_a_flow(cancel, save, at_right=True))
     for button in (cancel, save):
         button.setAutoDefault(True)
-        buttons.addWidget(button)

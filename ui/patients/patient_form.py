@@ -92,6 +92,7 @@ class PatientForm(QWidget):
         """Put a field below its label."""
         label = self._labels[field]
         label.setBuddy(field)
+        label.setWordWrap(True)
         pairs.addWidget(label, row, column, 1, n)
         pairs.addWidget(field, row + 1, column, 1, n)
 

@@ -7,10 +7,17 @@ SPACING_PX = 8
 
 
 class FlowLayout(QLayout):
-    """As wide as its widest control at least; hidden controls take no room."""
+    """As wide as its widest control at least; hidden controls take no room.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    at_right : bool
+        Whether rows end at the right, as the buttons of a form, and do not begin at the left.
+    """
+
+    def __init__(self, *, at_right: bool = False) -> None:
         super().__init__()
+        self._at_right = at_right
         self._items: list[QLayoutItem] = []
         self.setContentsMargins(0, 0, 0, 0)
         self.setSpacing(SPACING_PX)
@@ -71,6 +78,9 @@ class FlowLayout(QLayout):
         top = room.top()
         for row in rows:
             left, height = room.left(), max((size.height() for _item, size in row), default=0)
+            if self._at_right:
+                taken = sum(size.width() + self.spacing() for _item, size in row) - self.spacing()
+                left += max(room.width() - taken, 0)
             for item, size in row:
                 above = (height - size.height()) // 2
                 places.append((item, QRect(left, top + above, size.width(), size.height())))
@@ -79,9 +89,9 @@ class FlowLayout(QLayout):
         return places
 
 
-def in_a_flow(*widgets: QWidget) -> FlowLayout:
+def in_a_flow(*widgets: QWidget, at_right: bool = False) -> FlowLayout:
     """Return a layout of controls in this order."""
-    flow = FlowLayout()
+    flow = FlowLayout(at_right=at_right)
     for widget in widgets:
         flow.addWidget(widget)
     return flow
