@@ -48,11 +48,12 @@ def walk(n_frames: int, n_of_turn: int) -> Walk:
     Parameters
     ----------
     n_frames : int
-        The first so many.
+        So many; after the whole way it goes on round the room.
     n_of_turn : int
         Frames that the whole way takes: the fewer, the faster it goes.
     """
-    poses = tuple(_pose(share) for share in np.linspace(0.0, 1.0, n_of_turn)[:n_frames])
+    shares = np.linspace(0.0, (n_frames - 1) / (n_of_turn - 1), n_frames)
+    poses = tuple(_pose(share) for share in shares)
     path = FOLDER / f"walk-{SEED}-{n_frames}-of-{n_of_turn}.mcap"
     if not path.exists():
         _draw(path, poses)

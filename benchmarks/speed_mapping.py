@@ -7,6 +7,7 @@ of both is left in `build/benchmarks`.
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +62,25 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _flatness("fusing", [following[-1], *(one for one in log if one.done > n_frames)])
     yield from _path(mapped, walked.camera_from_world)
     _draw(FOLDER / f"mapping-{n_frames}.png", log)
+    yield from _second_round(n_frames)
+
+
+def _second_round(n_frames: int) -> Iterator[Row]:
+    """Go twice as fast, so that the second half shows what the first one has seen."""
+    n_of_turn = n_frames // 2
+    walked = walk(n_frames, n_of_turn)
+    log = [_now(0)]
+    map_recording(MapRequest(walked.path), lambda done, _total: log.append(_now(done)))
+    told = f"twice round a room, {n_frames} frames, second round against first"
+    for step, first in (("following", 0), ("fusing", n_frames)):
+        ends = (log[first], log[first + n_of_turn], log[min(first + n_frames, len(log) - 1)])
+        for name, row in (("work a frame", "cpu_s"), ("memory grown", "memory_mb")):
+            before, after = (
+                (getattr(end, row) - getattr(begin, row)) / n_of_turn
+                for begin, end in pairwise(ends)
+            )
+            size, unit = (1e3, "ms") if row == "cpu_s" else (1.0, "MB a frame")
+            yield Row(f"{told}: {step}, {name}", size * after, unit, size * before, "first round")
 
 
 def _flatness(step: str, log: list[Reached]) -> Iterator[Row]:
