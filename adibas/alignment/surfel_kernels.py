@@ -15,6 +15,10 @@ N_COLUMNS = 13
 colour saw it, and how often it was seen through."""
 
 
+NEAREST_M = 0.1
+"""Nearer than any sensor sees."""
+
+
 class Shot(NamedTuple):
     """A frame as the map takes it.
 
@@ -40,17 +44,27 @@ def into_camera(pose: FloatArray, surfel: Float32Array) -> tuple[float, float, f
 
 
 @compiled
-def find_surfels(surfels: Float32Array, n: int, shot: Shot, gate_per_m: float) -> Int32Array:
+def find_surfels(
+    surfels: Float32Array, n: int, shot: Shot, limits: tuple[float, float]
+) -> tuple[Int32Array, int]:
     """Return the (h, w) number of the surfel nearest to the camera in each cell, -1 for none.
 
-    A surfel that lies before what the cell sees was seen through, which is counted.
+    A surfel that lies before what the cell sees was seen through, which is counted; the second
+    number is of those that were seen through too often now. They are there no more.
+
+    Parameters
+    ----------
+    limits : (float, float)
+        ``gate_per_m`` and ``most_misses`` of `SurfelParams`.
     """
+    gate_per_m, most_misses = limits
+    n_missed = 0
     height, width, _ = shot.goal.planes.shape
     seen = np.full((height, width), -1, np.int32)
     nearest = np.zeros((height, width), np.float32)
     for i in range(n):
         x, y, z = into_camera(shot.pose, surfels[i])
-        if z <= 0.1:  # noqa: PLR2004  (nearer than any sensor sees)
+        if z <= NEAREST_M or surfels[i, MISSES] >= most_misses:
             continue
         row, column = cell_of(shot.goal, x, y, z)
         if row < 0:
@@ -59,10 +73,11 @@ def find_surfels(surfels: Float32Array, n: int, shot: Shot, gate_per_m: float) -
         off = 1.0 / z - (plane[0] * x / z + plane[1] * y / z + plane[2])
         if off > gate_per_m:
             surfels[i, MISSES] += 1.0
+            n_missed += surfels[i, MISSES] >= most_misses
         elif off > -gate_per_m and 1.0 / z > nearest[row, column]:
             nearest[row, column] = 1.0 / z
             seen[row, column] = i
-    return seen
+    return seen, n_missed
 
 
 @compiled

@@ -30,6 +30,8 @@ from adibas.geometry.rigid import RigidTransform
 UNSEEN = 128
 """Grey where the colour camera does not look."""
 FEWEST_ROWS = 1 << 16
+MISSED_SHARE = 0.02
+"""Of all surfels, that are there no more and take room until then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,12 +118,12 @@ class SurfelMap:
     def __init__(self, params: SurfelParams | None = None) -> None:
         self._params = params or SurfelParams()
         self._surfels = np.zeros((min(FEWEST_ROWS, self._params.capacity), N_COLUMNS), np.float32)
-        self._n = 0
+        self._n = self._n_missed = 0
         self._was_full = False
 
     def __len__(self) -> int:
         """Return the number of surfels."""
-        return self._n
+        return self._n - self._n_missed
 
     @property
     def was_full(self) -> bool:
@@ -144,12 +146,17 @@ class SurfelMap:
             np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]]),
         )
         cells = shot.colors.shape[0] * shot.colors.shape[1]
+        if self._n + cells > params.capacity:
+            self._remove_missed()
         self._reserve(min(self._n + cells, params.capacity))
-        seen = find_surfels(self._surfels, self._n, shot, params.gate_per_m)
+        gate = (params.gate_per_m, float(params.most_misses))
+        seen, n_missed = find_surfels(self._surfels, self._n, shot, gate)
+        self._n_missed += n_missed
         limits = (float(np.cos(params.largest_angle_rad)), float(np.cos(params.alike_rad)))
         self._n = add_shot(self._surfels, self._n, shot, seen, limits)
         self._was_full |= self._n >= params.capacity
-        self._remove_missed()
+        if self._n_missed > MISSED_SHARE * self._n:
+            self._remove_missed()
 
     def distances_m(self, view: View, world_from_camera: RigidTransform) -> "Distances":
         """Return how far what a frame sees lies behind the surface; nothing is fused.
@@ -163,7 +170,8 @@ class SurfelMap:
         goal = goal_of(view, 0)
         shot = Shot(goal, view.levels[0].rays, np.zeros((1, 1, 3), np.uint8), pose)
         known = self._surfels[: self._n].copy()  # what is seen through would be counted
-        seen = find_surfels(known, self._n, shot, self._params.gate_per_m)
+        gate = (self._params.gate_per_m, float(self._params.most_misses))
+        seen, _n_missed = find_surfels(known, self._n, shot, gate)
         cells = seen >= 0
         points_m = known[seen[cells], PLACE : PLACE + 3].astype(float)
         planes = goal.planes[cells].astype(float)
@@ -175,6 +183,7 @@ class SurfelMap:
     def surface(self) -> Surface:
         """Return what is sure enough."""
         doubtful = self._surfels[: self._n, CONFIDENCE] < self._params.least_confidence
+        doubtful |= self._surfels[: self._n, MISSES] >= self._params.most_misses
         kept = np.delete(self._surfels[: self._n], np.nonzero(doubtful)[0], axis=0)
         return Surface(
             kept[:, PLACE : PLACE + 3].copy(),
@@ -191,10 +200,11 @@ class SurfelMap:
             self._surfels = larger
 
     def _remove_missed(self) -> None:
-        is_missed = self._surfels[: self._n, MISSES] >= self._params.most_misses
-        if is_missed.any():
+        """Close the gaps of surfels that are there no more; all others are copied for it."""
+        if self._n_missed:
+            is_missed = self._surfels[: self._n, MISSES] >= self._params.most_misses
             kept = np.delete(self._surfels[: self._n], np.nonzero(is_missed)[0], axis=0)
-            self._n = len(kept)
+            self._n, self._n_missed = len(kept), 0
             self._surfels[: self._n] = kept
 
 
