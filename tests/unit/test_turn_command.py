@@ -108,7 +108,7 @@ def test_markers_are_looked_for_in_no_frame_that_was_not_wanted(turn, monkeypatc
     def look(request, _progress, *, may_lack):
         assert may_lack
         looked[request.view] = request.frames
-        return SimpleNamespace(markers=(Marker("m01", 0.0, 0.0, 5.0, np.eye(2)),))
+        return SimpleNamespace(markers=(Marker("m01", 0.0, 0.0, 5.0, np.eye(2)),), doubts=())
 
     monkeypatch.setattr(body, "find_in_recording", look)
     wanted = ViewRequest("posterior", turn, frames=(2, 17))  # 84 degrees: each side is at an end
