@@ -247,7 +247,7 @@ def test_a_recording_without_depth_or_calibration_is_told(folder, scene):
     told = f"posterior={folder / 'behind.mcap'}"
     code, _, err = run("body", told, "--frames", "7:9", "--out", folder / "c.ply")
     assert code == 1
-    assert "no such frames" in err
+    assert "behind.mcap has 2 frames, so frames 7:9 cannot be read" in err
 
 
 @pytest.mark.parametrize("rotation_deg", [0, 90])
@@ -277,7 +277,7 @@ def test_markers_are_looked_for_as_the_picture_is_turned(folder, tmp_path, monke
     def look(request, _progress, *, may_lack):
         assert may_lack
         asked.append(request.params.rotation_deg)
-        return SimpleNamespace(markers=(Marker("m01", 0.0, 0.0, 5.0, np.eye(2)),))
+        return SimpleNamespace(markers=(Marker("m01", 0.0, 0.0, 5.0, np.eye(2)),), doubts=())
 
     monkeypatch.setattr("adibas.pipeline.body.find_in_recording", look)
     told = f"posterior={folder / 'behind.mcap'}"

@@ -132,7 +132,7 @@ def test_a_model_for_other_limbs_is_refused_in_words(recorded, tmp_path, capsys)
     [
         (["--out", "joints.txt"], "is no file of joints"),
         (["--out", "joints.csv", "--person", "7"], "There is no person 7. Choose one of: 1."),
-        (["--out", "joints.csv", "--frames", "90:"], "no such frames"),
+        (["--out", "joints.csv", "--frames", "90:"], "so frames 90: cannot be read"),
     ],
 )
 def test_what_cannot_be_done_is_told(recorded, tmp_path, capsys, monkeypatch, arguments, words):
