@@ -59,6 +59,8 @@ setup:
 lock:
 	uv pip compile pyproject.toml --extra dev --extra realsense --extra server --extra installer --universal --python-version 3.11 \
 		--generate-hashes --no-emit-index-url --no-header --no-annotate -o installers/requirements.lock
+	uv pip compile --group boris --universal --python-version 3.11 \
+		--generate-hashes --no-emit-index-url --no-header --no-annotate -o installers/boris.lock
 
 ## Build the manual that the window opens (F1), where a source of it is newer; no network.
 manual: $(MANUAL)

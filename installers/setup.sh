@@ -10,6 +10,8 @@ cd "$(dirname "$0")/.."
 packages=installers/debian-packages.txt
 lock=installers/requirements.lock
 stamp=.venv/.installed
+boris=.venv-boris
+boris_lock=installers/boris.lock
 case "${1:-}" in
     installer) comments='/^# CI/,$d; s/#.*//' ;;
     ci) comments='/^# Installer/,/^# CI/d; s/#.*//' ;;
@@ -54,19 +56,38 @@ find_python() {
     return 1
 }
 
+make_environment() {
+    [ -x "$1/bin/python" ] && return 0
+    python=$(find_python)
+    "$python" -m venv "$1"
+}
+
+# The lock is whole. Left to look for dependencies, an older pip meets "coverage[toml]" of
+# pytest-cov, takes a release newer than the locked one, and refuses it for want of a hash.
+install() {
+    environment=$1
+    shift
+    "$environment/bin/python" -m pip install -q --disable-pip-version-check --no-deps "$@"
+}
+
 install_python_packages() {
     wanted=$(cat "$lock" pyproject.toml | cksum)
     [ "$(cat "$stamp" 2>/dev/null || true)" = "$wanted" ] && return 0
-    if ! [ -x .venv/bin/python ]; then
-        python=$(find_python)
-        "$python" -m venv .venv
-    fi
-    # The lock is whole. Left to look for dependencies, an older pip meets "coverage[toml]" of
-    # pytest-cov, takes a release newer than the locked one, and refuses it for want of a hash.
-    .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps --require-hashes -r "$lock"
-    .venv/bin/python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -e .
+    make_environment .venv
+    install .venv --require-hashes -r "$lock"
+    install .venv --no-build-isolation -e .
     echo "$wanted" >"$stamp"
+}
+
+# BORIS, which tests let read what we write.
+install_boris() {
+    wanted=$(cksum <"$boris_lock")
+    [ "$(cat "$boris/.installed" 2>/dev/null || true)" = "$wanted" ] && return 0
+    make_environment "$boris"
+    install "$boris" --require-hashes -r "$boris_lock"
+    echo "$wanted" >"$boris/.installed"
 }
 
 install_system_packages
 install_python_packages
+[ "${1:-}" != ci ] || install_boris

@@ -92,8 +92,31 @@ def test_a_second_run_installs_nothing(machine, tmp_path):
     assert log.read_text().splitlines() == calls
 
 
-def test_the_lock_names_no_index_and_hashes_everything():
-    lock = (ROOT / "installers" / "requirements.lock").read_text()
+def test_ci_has_boris_in_an_environment_of_its_own(machine, tmp_path):
+    add_command, run, tree = machine
+    log = tmp_path / "log"
+    add_command("dpkg-query", "echo installed")
+    add_command(
+        "python3",
+        'if [ "$1" = -c ]; then exit 0; fi\n'
+        'mkdir -p "$3/bin"\n'
+        f'printf \'#!/bin/sh\\necho "$0 $@" >>{log}\\n\' >"$3/bin/python"\n'
+        'chmod +x "$3/bin/python"',
+    )
+    assert run("ci").returncode == 0
+    calls = log.read_text().splitlines()
+    assert [call.split()[0] for call in calls] == [".venv/bin/python"] * 2 + [
+        ".venv-boris/bin/python"
+    ]
+    assert "--no-deps --require-hashes -r installers/boris.lock" in calls[2]
+    assert run("ci").returncode == 0
+    assert log.read_text().splitlines() == calls
+    assert (tree / ".venv-boris").is_dir()
+
+
+@pytest.mark.parametrize("name", ["requirements.lock", "boris.lock"])
+def test_the_lock_names_no_index_and_hashes_everything(name):
+    lock = (ROOT / "installers" / name).read_text()
     assert "://" not in lock
     assert "index-url" not in lock
     requirements = [line for line in lock.splitlines() if "==" in line]
