@@ -15,7 +15,9 @@ from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PersonNow, PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
+from adibas.skeleton.sides import SideParams
 
+SIDES = SideParams()
 SET_BACK_S = 2.0
 """A clock that goes back so far belongs to a sensor that was opened anew."""
 
@@ -56,12 +58,15 @@ class LiveJoints:
     person : int
     n_seen : int
         Joints that have a place in space.
+    is_view_sure : bool
+        Whether it is known if the front or the back is seen, and so which joints are left.
     in_color, in_depth : dict
         Pixels of the colour and of the depth image; empty without a calibrated camera.
     """
 
     person: int
     n_seen: int
+    is_view_sure: bool
     in_color: Places
     in_depth: Places
 
@@ -141,6 +146,7 @@ def joints_in_pictures(person: PersonNow, calibration: RgbdCalibration) -> LiveJ
     return LiveJoints(
         person.person,
         person.joints.n_seen,
+        SIDES.is_sure(person.joints.front_probability),
         _places(in_color_m, calibration.color),
         _places(joints_m, calibration.depth),
     )

@@ -30,11 +30,9 @@ def settled(frames: Sequence[ChosenJoints], params: SideParams) -> list[ChosenJo
         From which odds on the view is sure.
     """
     fronts = np.array([one.front_probability for one in frames])
-    least = 1.0 / (1.0 + math.exp(-params.sure_odds)) - EVEN
-    sure = np.flatnonzero(np.abs(fronts - EVEN) >= least)
-    if not len(sure) or sure[0] == 0:
+    first = next((k for k, front in enumerate(fronts) if params.is_sure(front)), 0)
+    if first == 0:
         return list(frames)
-    first = int(sure[0])
     view = math.copysign(1.0, fronts[first] - EVEN)
     told = list(frames)
     is_exchanged = False

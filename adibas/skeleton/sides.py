@@ -61,6 +61,11 @@ class SideParams:
     most_odds: float = 5.0
     wide_share: float = 0.35
 
+    def is_sure(self, front_probability: float) -> bool:
+        """Say whether front or back is known well enough to decide which side is left."""
+        least = 1.0 / (1.0 + math.exp(-self.sure_odds))
+        return max(front_probability, 1.0 - front_probability) >= least
+
 
 class SideKeeper:
     """Exchanges left and right where the labels have exchanged them.
@@ -111,8 +116,7 @@ class SideKeeper:
         self._latest_s[seen] = time_s
 
     def _is_exchanged(self, best_m: FloatArray, shown: float, time_s: float) -> bool:
-        is_sure = bool(self._view) or abs(self._odds) >= self._params.sure_odds
-        if is_sure and shown:
+        if shown and self._params.is_sure(self.front_probability):
             self._doubted_since_s = math.inf
             return (shown > 0) != (self.front_probability > 0.5)  # noqa: PLR2004  (even odds)
         says = self._says_exchanged(best_m, time_s)

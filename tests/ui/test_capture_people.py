@@ -33,7 +33,7 @@ from ui.widgets.overlays import Dot, Line
 from ui.workspace import Workspace
 
 FRAME = LiveFrame(1, 5, None, np.ones((4, 4), np.float32))
-JOINTS = LiveJoints(1, 13, {"head": (5.0, 6.0)}, {})
+JOINTS = LiveJoints(1, 13, True, {"head": (5.0, 6.0)}, {})
 
 
 class Scene:
@@ -144,6 +144,13 @@ def test_joints_are_drawn_and_told_to_be_no_markers_until_they_are_not_wanted(sc
     assert scene.view.show_followed.call_args.args == ("",)
 
 
+def test_where_front_or_back_is_not_known_it_is_told(scene):
+    scene.watch.joints_seen.emit((replace(JOINTS, is_view_sure=False),))
+    told = scene.view.show_followed.call_args.args[0]
+    assert told.startswith("Found without markers")
+    assert told.endswith("It is not sure yet whether the front or the back is seen.")
+
+
 def test_a_gesture_is_told_before_the_joints_which_come_back_after_it(scene):
     scene.watch.gesture_seen.emit("clap")
     scene.watch.joints_seen.emit((JOINTS,))
@@ -198,7 +205,7 @@ def chain(monkeypatch):
         monkeypatch.setattr("adibas.pipeline.live_gestures.LiveGestures", gestures)
         monkeypatch.setattr(
             "adibas.pipeline.live_people.joints_in_pictures",
-            lambda one, _calibration: LiveJoints(1, 1, {"head": (float(one), 0.0)}, {}),
+            lambda one, _calibration: LiveJoints(1, 1, True, {"head": (float(one), 0.0)}, {}),
         )
 
     return put
@@ -338,7 +345,7 @@ def test_the_capture_screen_draws_joints_over_colour_and_depth_while_the_box_is_
     assert screen._followed.isVisibleTo(screen)
     screen.show()
     screen.show_both()
-    screen.show_joints((LiveJoints(1, 1, {"head": (5.0, 6.0)}, {"head": (2.0, 3.0)}),))
+    screen.show_joints((LiveJoints(1, 1, True, {"head": (5.0, 6.0)}, {"head": (2.0, 3.0)}),))
     picture = np.zeros((8, 8, 3), np.uint8)
     screen.show_frame(LiveFrame(1, 5, picture, np.ones((4, 4), np.float32)))
     for view, place in ((screen._color, (5.0, 6.0)), (screen._depth, (2.0, 3.0))):

@@ -14,6 +14,7 @@ from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.live_people import LivePeople, joints_in_pictures
 from adibas.recordings.decoding import to_rgbd
 from adibas.simulation.scenes import SceneSettings, SimulatedScene
+from adibas.skeleton.following import ChosenJoints
 
 TURNED = cv2.Rodrigues(np.array([0.01, -0.02, 0.03]))[0]
 COLOR = CameraCalibration(
@@ -25,9 +26,9 @@ CALIBRATION = RgbdCalibration(
 )
 
 
-def somebody(joints_m):
-    n_seen = int(np.isfinite(joints_m).all(axis=1).sum())
-    return SimpleNamespace(person=3, joints=SimpleNamespace(joints_m=joints_m, n_seen=n_seen))
+def somebody(joints_m, front_probability=0.99):
+    joints = ChosenJoints(joints_m, joints_m[:, 0] * 0.0 + 0.5, front_probability)
+    return SimpleNamespace(person=3, joints=joints)
 
 
 @pytest.fixture
@@ -62,6 +63,14 @@ def test_joints_that_are_not_seen_or_beside_the_picture_have_no_place(joints_m):
     joints_m[2, 2] = -1.0
     found = joints_in_pictures(somebody(joints_m), CALIBRATION)
     assert set(found.in_color) == set(found.in_depth) == set(JOINT_NAMES[3:])
+
+
+@pytest.mark.parametrize(
+    ("front_probability", "is_sure"), [(0.0, True), (0.04, True), (0.5, False), (0.94, False)]
+)
+def test_which_side_is_seen_is_sure_from_odds_of_twenty_on(joints_m, front_probability, is_sure):
+    found = joints_in_pictures(somebody(joints_m, front_probability), CALIBRATION)
+    assert found.is_view_sure is is_sure
 
 
 def test_without_a_calibrated_camera_its_picture_shows_no_joints(joints_m):

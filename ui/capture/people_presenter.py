@@ -179,4 +179,7 @@ def _told_of(people: "tuple[LiveJoints, ...]") -> str:
         told = _("Found without markers, less exact than with them: {n} people.")
         return told.format(n=len(people))
     told = _("Found without markers, less exact than with them: {n} of {all} joints.")
-    return told.format(n=people[0].n_seen, all=len(JOINT_NAMES))
+    found = told.format(n=people[0].n_seen, all=len(JOINT_NAMES))
+    if people[0].is_view_sure:
+        return found
+    return " ".join([found, _("It is not sure yet whether the front or the back is seen.")])
