@@ -92,13 +92,13 @@ def _told(name: str, seed: int) -> _Told:
             truths_m.append(frame.truth.joints_m)
     if not found:
         return _Told(*[np.empty(0)] * 4)
-    params, truth_m = SideParams(), np.stack(truths_m)
-    sure = np.array([params.is_sure(one.front_probability) for one in found])
+    truth_m = np.stack(truths_m)
+    sure = np.array([one.is_view_sure for one in found])
     when_sure = [one for one, is_sure in zip(found, sure, strict=True) if is_sure]
     return _Told(
         _at_other(found, truth_m),
         _at_other(when_sure, truth_m[sure]) if when_sure else np.empty(0),
-        _at_other(settled(found, params), truth_m),
+        _at_other(settled(found, SideParams()), truth_m),
         1.0 - sure,
     )
 

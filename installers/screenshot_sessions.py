@@ -5,7 +5,7 @@ markers that were placed anew and a little elsewhere.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -21,11 +21,13 @@ from adibas.data.surface import BurstDisparity
 from adibas.markers.disparity import fuse_depth
 from adibas.sessions import NewCapture, SessionStore, open_store
 from adibas.sessions.key_wrapping import Argon2Params
-from adibas.simulation.scenes import open_scene
+from adibas.simulation.patient import MarkerSettings
+from adibas.simulation.scenes import VIEW_MARKERS, open_scene
+from adibas.simulation.truth import MarkerTruth
 
 PROTOCOL = "sapo-1"
 IN_PROTOCOL = {"shoulder": "acromion", "elbow": "lateral_epicondyle"}
-"""What the simulator calls otherwise."""
+"""Landmarks beside the joints that the demo patient has stickers at."""
 FARTHEST_PX = 60.0
 """Between a marker and the landmark that it is of: the patient sways."""
 PLACED_ANEW_M = 0.002
@@ -125,19 +127,39 @@ def _leaning(capture: Capture) -> BurstDisparity:
 
 
 def _named(capture: Capture) -> Iterator[Marker]:
-    """Yield the markers under the names of the landmarks that they are of."""
-    truth = open_scene(capture.view).frame(0).truth
-    places = {one.name: (one.u, one.v) for one in truth.markers if one.is_in_view}
+    """Yield the markers where the landmarks are that they stand for, under their names."""
+    truth, landmarks = _stickers(capture.view, {}), _stickers(capture.view, IN_PROTOCOL)
+    places = {name: (one.u, one.v) for name, one in truth.items() if one.is_in_view}
     for marker in capture.markers():
         here = (marker.u, marker.v)
         name = min(places, key=lambda one, here=here: math.dist(places[one], here))
         if math.dist(places.pop(name), here) < FARTHEST_PX:
-            yield replace(marker, label=_in_protocol(name))
+            told = _in_protocol(name, IN_PROTOCOL)
+            yield _moved(marker, truth[name], landmarks[told], told)
 
 
-def _in_protocol(name: str) -> str:
+def _stickers(view: str, names: Mapping[str, str]) -> dict[str, MarkerTruth]:
+    """Return the stickers of a view that the simulator knows, some in other places."""
+    wanted = tuple(_in_protocol(name, names) for name in VIEW_MARKERS[view])
+    truth = open_scene(view, markers=MarkerSettings(wanted)).frame(0).truth
+    return {one.name: one for one in truth.markers}
+
+
+def _moved(marker: Marker, old: MarkerTruth, new: MarkerTruth, label: str) -> Marker:
+    """Return the marker as far from the new place as it was from the old one."""
+    position_m = marker.position_m
+    return replace(
+        marker,
+        label=label,
+        u=float(marker.u + new.u - old.u),
+        v=float(marker.v + new.v - old.v),
+        position_m=None if position_m is None else position_m + new.position_m - old.position_m,
+    )
+
+
+def _in_protocol(name: str, names: Mapping[str, str]) -> str:
     side, _underscore, place = name.partition("_")
-    return f"{side}_{IN_PROTOCOL[place]}" if place in IN_PROTOCOL else name
+    return f"{side}_{names[place]}" if place in names else name
 
 
 def _placed(marker: Marker, lower_m: float, rng: np.random.Generator, capture: Capture) -> Marker:

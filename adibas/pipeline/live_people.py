@@ -15,9 +15,7 @@ from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PersonNow, PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
-from adibas.skeleton.sides import SideParams
 
-SIDES = SideParams()
 SET_BACK_S = 2.0
 """A clock that goes back so far belongs to a sensor that was opened anew."""
 
@@ -146,7 +144,7 @@ def joints_in_pictures(person: PersonNow, calibration: RgbdCalibration) -> LiveJ
     return LiveJoints(
         person.person,
         person.joints.n_seen,
-        SIDES.is_sure(person.joints.front_probability),
+        person.joints.is_view_sure,
         _places(in_color_m, calibration.color),
         _places(joints_m, calibration.depth),
     )

@@ -11,8 +11,6 @@ from adibas.skeleton.following import ChosenJoints, PersonFollower
 from adibas.skeleton.sides import SideParams, sideways
 from adibas.texts import message
 
-SURE_VIEW = 0.85
-"""Of front and back. Where no shape tells, the labels, which expect fronts, come to 0.84."""
 MOST_AGAINST = 0.1
 """Share of the frames with sides against the view that is thought likelier."""
 SIDES_UNSURE = message(
@@ -48,7 +46,8 @@ class PersonFacts:
     @property
     def is_view_sure(self) -> bool:
         """Say whether it is sure enough which side is seen, and so which limbs are left."""
-        return self.view_confidence >= SURE_VIEW and self.against_share <= MOST_AGAINST
+        least = SideParams().told_share
+        return self.view_confidence >= least and self.against_share <= MOST_AGAINST
 
 
 def facts_of(

@@ -79,11 +79,14 @@ class ChosenJoints:
         0 to 1; NaN: not seen.
     front_probability : float
         That the person shows the front.
+    is_view_sure : bool
+        Whether, as the frame came, it was known which side is seen, and the joints lie so.
     """
 
     joints_m: FloatArray
     confidence: FloatArray
     front_probability: float
+    is_view_sure: bool = False
 
     @property
     def n_seen(self) -> int:
@@ -156,7 +159,10 @@ class PersonFollower:
             joints_m[~picture.shows(joints_m)] = np.nan
         confidence[~np.isfinite(joints_m[:, 0])] = np.nan
         self._learn(joints_m, time_s)
-        return ChosenJoints(joints_m, confidence, self.sides.front_probability)
+        sides = self.sides
+        return ChosenJoints(
+            joints_m, confidence, sides.front_probability, sides.is_view_sure(joints_m)
+        )
 
     def _laid(
         self,

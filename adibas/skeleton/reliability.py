@@ -11,7 +11,7 @@ probability estimates, KDD 2002 (isotonic regression by pooling adjacent violato
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -96,10 +96,10 @@ class Reliability:
             confidence = float(joints.confidence[joint])
             shares[joint] = min(self.curves[name](confidence) for name in names)
         is_kept = shares >= (least if any(picture.is_cut) else 0.0)
-        return ChosenJoints(
-            np.where(is_kept[:, None], joints.joints_m, np.nan),
-            np.where(is_kept, shares, np.nan),
-            joints.front_probability,
+        return replace(
+            joints,
+            joints_m=np.where(is_kept[:, None], joints.joints_m, np.nan),
+            confidence=np.where(is_kept, shares, np.nan),
         )
 
 

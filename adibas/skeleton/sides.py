@@ -46,6 +46,9 @@ class SideParams:
         Limit of the log odds of front against back: 5 (99.3 %).
     sure_odds : float
         Where they are beyond this, they decide which side is left: 3 (95 %).
+    told_share : float
+        From this probability on of front or back it is told to be sure: 0.85. Where no shape
+        tells, the labels, which expect fronts, come to 0.84.
     wide_share : float
         Shoulders and hips that lie so far apart sideways, of their distance, tell front from
         back: 0.35.
@@ -58,6 +61,7 @@ class SideParams:
     keep: float = 0.97
     label_weight: float = 0.05
     sure_odds: float = 3.0
+    told_share: float = 0.85
     most_odds: float = 5.0
     wide_share: float = 0.35
 
@@ -92,6 +96,13 @@ class SideKeeper:
         if self._view:
             return float(self._view == FRONT)
         return 1.0 / (1.0 + math.exp(-self._odds))
+
+    def is_view_sure(self, joints_m: FloatArray) -> bool:
+        """Say whether it is told to be sure which side is seen, and the joints (15, 3) lie so."""
+        front = self.front_probability
+        shown = sideways(joints_m, self._params.wide_share)
+        agrees = not shown or (shown > 0) == (front > 0.5)  # noqa: PLR2004  (even odds)
+        return agrees and max(front, 1.0 - front) >= self._params.told_share
 
     def is_exchanged(self, proposals: JointProposals, time_s: float, evidence: float = 0.0) -> bool:
         """Say whether left and right must be exchanged to be as before, or as the view says.

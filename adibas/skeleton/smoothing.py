@@ -7,7 +7,7 @@ line ends at the frame itself: causal, and noisier.
 """
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -102,7 +102,7 @@ def smoothed(
         result_m[joint] = _line_at_zero(
             since_s[use], joints_m[use, joint], weights[use, joint], params.gain
         )
-    return ChosenJoints(result_m, confidence, now.front_probability)
+    return replace(now, joints_m=result_m, confidence=confidence)
 
 
 def _is_near(places_m: FloatArray, use: BoolArray, outlier_m: float) -> BoolArray:

@@ -20,6 +20,7 @@ from adibas.pipeline.facing_file import shipped_facing
 from adibas.pipeline.facing_training import described, held_out_share, learn_facing
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.skeleton.following import ChosenJoints
+from adibas.skeleton.proportions import MIRRORED
 from adibas.skeleton.settled_sides import settled
 from adibas.skeleton.sides import SideKeeper, SideParams, breadth
 
@@ -192,3 +193,27 @@ def test_the_shape_tells_less_the_less_squarely_somebody_is_seen():
         keeper.is_exchanged(proposals, 0.0, evidence=-0.4)
         odds.append(np.log(keeper.front_probability / (1 - keeper.front_probability)))
     np.testing.assert_allclose(odds, [-0.4, -0.1])
+
+
+def told_of(evidence, left_is_at, n_frames=20, view=""):
+    """Say of each frame whether the side that is seen is known, and the left shoulder lies so."""
+    joints_m = seen(0.5, left_is_at).joints_m
+    proposals = JointProposals(joints_m[:, None], np.ones((len(JOINT_NAMES), 1)))
+    keeper = SideKeeper(view)
+    told = []
+    for k in range(n_frames):
+        is_exchanged = keeper.is_exchanged(proposals, k / 30, evidence)
+        given_m = joints_m[list(MIRRORED)] if is_exchanged else joints_m
+        told.append((keeper.is_view_sure(given_m), keeper.front_probability, is_exchanged))
+        keeper.learn(given_m, k / 30)
+    return told
+
+
+def test_the_side_that_is_seen_is_sure_once_it_is_probable_and_the_joints_lie_so():
+    fronts = told_of(evidence=0.3, left_is_at=0.2)
+    assert [is_sure for is_sure, *_ in fronts] == [front >= 0.85 for _, front, _ in fronts]
+    backs = told_of(evidence=-0.4, left_is_at=0.2)
+    assert any(front < 0.15 and not is_exchanged for _, front, is_exchanged in backs)
+    # A back of which the labels make a front is not sure before the sides are exchanged.
+    assert [is_sure for is_sure, *_ in backs] == [is_exchanged for *_, is_exchanged in backs]
+    assert all(is_sure for is_sure, *_ in told_of(0.0, 0.2, view="posterior"))

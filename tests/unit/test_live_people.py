@@ -26,8 +26,8 @@ CALIBRATION = RgbdCalibration(
 )
 
 
-def somebody(joints_m, front_probability=0.99):
-    joints = ChosenJoints(joints_m, joints_m[:, 0] * 0.0 + 0.5, front_probability)
+def somebody(joints_m, is_view_sure=True):
+    joints = ChosenJoints(joints_m, joints_m[:, 0] * 0.0 + 0.5, 0.9, is_view_sure)
     return SimpleNamespace(person=3, joints=joints)
 
 
@@ -65,11 +65,9 @@ def test_joints_that_are_not_seen_or_beside_the_picture_have_no_place(joints_m):
     assert set(found.in_color) == set(found.in_depth) == set(JOINT_NAMES[3:])
 
 
-@pytest.mark.parametrize(
-    ("front_probability", "is_sure"), [(0.0, True), (0.04, True), (0.5, False), (0.94, False)]
-)
-def test_which_side_is_seen_is_sure_from_odds_of_twenty_on(joints_m, front_probability, is_sure):
-    found = joints_in_pictures(somebody(joints_m, front_probability), CALIBRATION)
+@pytest.mark.parametrize("is_sure", [True, False])
+def test_whether_the_side_that_is_seen_is_known_goes_with_the_joints(joints_m, is_sure):
+    found = joints_in_pictures(somebody(joints_m, is_sure), CALIBRATION)
     assert found.is_view_sure is is_sure
 
 
