@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from adibas.data.discs import Discs
+from adibas.geometry import disc_kernels
 from adibas.geometry.disc_kernels import INSIDE, LIGHT, draw_discs
 
 SHAPE = (60, 80)
 TOWARDS_VIEWER = (0.0, 0.0, -1.0)
+LOOPS = ("draw_discs", "_covered", "_bring_near", "_blend", "_hit", "_tilt", "_blended")
 
 
 def drawn(places, normals, radii, colors=None, shape=SHAPE):
@@ -111,6 +113,27 @@ def test_a_disc_smaller_than_a_pixel_is_seen_and_one_beside_the_picture_is_not()
     )
     assert is_drawn[5, 10]
     assert is_drawn.sum() <= 2
+
+
+def test_the_compiled_loops_are_the_written_ones(monkeypatch):
+    rng = np.random.default_rng(6)
+    places = np.column_stack([rng.uniform(-9, [49, 39], (60, 2)), rng.uniform(0, 9, 60)])
+    normals = rng.normal(size=(60, 3))
+    normals[::7, 2] *= 0.01
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals[::11] = np.nan
+    colors = rng.integers(0, 256, (60, 3))
+    scene = (places, normals, rng.uniform(0.1, 9.0, 60), colors, (30, 40))
+    compiled = drawn(*scene)
+    for name in LOOPS:
+        monkeypatch.setattr(disc_kernels, name, getattr(disc_kernels, name).py_func)
+    monkeypatch.setattr("tests.unit.test_disc_drawing.draw_discs", disc_kernels.draw_discs)
+    picture, is_drawn, nearest = drawn(*scene)
+    # Rounding of single precision decides at borders.
+    assert (is_drawn != compiled[1]).mean() < 0.002
+    both = is_drawn & compiled[1]
+    assert np.median(np.abs(nearest[both] - compiled[2][both])) < 1e-5
+    assert (np.abs(picture[both].astype(int) - compiled[0][both]) > 1).mean() < 0.01
 
 
 def test_fewer_discs_cover_as_much():
