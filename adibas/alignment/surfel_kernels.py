@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adibas.alignment.projective_kernels import Goal, cell_of
-from adibas.arrays import Float32Array, FloatArray, Int32Array, UInt8Array
+from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray, UInt8Array
 from adibas.data.discs import HALF_DIAGONAL, LEAST_FACING
 from adibas.kernels import compiled
 
@@ -14,20 +14,25 @@ N_COLUMNS = 13
 """Of a surfel: place (3), normal (3), colour (3), radius, confidence, how squarely the frame of its
 colour saw it, and how often it was seen through."""
 
-
+BLOCK = 256
+"""Rows of the map that have a box together (`surfel_blocks`)."""
 NEAREST_M = 0.1
 """Nearer than any sensor sees."""
+SLACK_M = 1e-3
+"""Of a box, against rounding."""
 
 
 class Shot(NamedTuple):
     """A frame as the map takes it.
 
-    ``goal`` has its planes; ``rays`` (H, W, 2) are of all pixels; ``colors`` (h, w, 3) uint8, one
-    for each plane; ``pose`` (3, 4) world from camera.
+    ``goal`` has its planes; ``rays`` (H, W, 2) are of all pixels; ``sides`` are the least and
+    largest x/z, and y/z, that it shows; ``colors`` (h, w, 3) uint8, one for each plane; ``pose``
+    (3, 4) world from camera.
     """
 
     goal: Goal
     rays: Float32Array
+    sides: tuple[float, float, float, float]
     colors: UInt8Array
     pose: FloatArray
 
@@ -44,8 +49,43 @@ def into_camera(pose: FloatArray, surfel: Float32Array) -> tuple[float, float, f
 
 
 @compiled
+def _may_show(shot: Shot, box: Float32Array) -> bool:
+    """Say whether the picture may show something of a box: of the ball about it, to be quick."""
+    radius = SLACK_M
+    middle = np.empty(3, np.float32)
+    squares = 0.0
+    for k in range(3):
+        if box[k] > box[k + 3]:
+            return False
+        middle[k] = 0.5 * (box[k] + box[k + 3])
+        squares += (0.5 * (box[k + 3] - box[k])) ** 2
+    radius += np.sqrt(squares)
+    x, y, z = into_camera(shot.pose, middle)
+    left, right, top, bottom = shot.sides
+    return bool(
+        z + radius > NEAREST_M
+        and x - left * z >= -radius * np.sqrt(1.0 + left * left)
+        and right * z - x >= -radius * np.sqrt(1.0 + right * right)
+        and y - top * z >= -radius * np.sqrt(1.0 + top * top)
+        and bottom * z - y >= -radius * np.sqrt(1.0 + bottom * bottom)
+    )
+
+
+@compiled
+def _hold(box: Float32Array, surfel: Float32Array) -> None:
+    """Make a box hold a surfel."""
+    for k in range(3):
+        box[k] = min(box[k], surfel[PLACE + k])
+        box[k + 3] = max(box[k + 3], surfel[PLACE + k])
+
+
+@compiled
 def find_surfels(
-    surfels: Float32Array, n: int, shot: Shot, limits: tuple[float, float]
+    surfels: Float32Array,
+    boxes: Float32Array,
+    n: int,
+    shot: Shot,
+    limits: tuple[float, float],
 ) -> tuple[Int32Array, int]:
     """Return the (h, w) number of the surfel nearest to the camera in each cell, -1 for none.
 
@@ -54,6 +94,8 @@ def find_surfels(
 
     Parameters
     ----------
+    boxes : (M, 6) float32 array
+        Of the blocks of surfels.
     limits : (float, float)
         ``gate_per_m`` and ``most_misses`` of `SurfelParams`.
     """
@@ -62,22 +104,42 @@ def find_surfels(
     height, width, _ = shot.goal.planes.shape
     seen = np.full((height, width), -1, np.int32)
     nearest = np.zeros((height, width), np.float32)
-    for i in range(n):
-        x, y, z = into_camera(shot.pose, surfels[i])
-        if z <= NEAREST_M or surfels[i, MISSES] >= most_misses:
+    for first in range(0, n, BLOCK):
+        if not _may_show(shot, boxes[first // BLOCK]):
             continue
-        row, column = cell_of(shot.goal, x, y, z)
-        if row < 0:
-            continue
-        plane = shot.goal.planes[row, column]
-        off = 1.0 / z - (plane[0] * x / z + plane[1] * y / z + plane[2])
-        if off > gate_per_m:
-            surfels[i, MISSES] += 1.0
-            n_missed += surfels[i, MISSES] >= most_misses
-        elif off > -gate_per_m and 1.0 / z > nearest[row, column]:
-            nearest[row, column] = 1.0 / z
-            seen[row, column] = i
+        for i in range(first, min(first + BLOCK, n)):
+            x, y, z = into_camera(shot.pose, surfels[i])
+            if z <= NEAREST_M or surfels[i, MISSES] >= most_misses:
+                continue
+            row, column = cell_of(shot.goal, x, y, z)
+            if row < 0:
+                continue
+            plane = shot.goal.planes[row, column]
+            off = 1.0 / z - (plane[0] * x / z + plane[1] * y / z + plane[2])
+            if off > gate_per_m:
+                surfels[i, MISSES] += 1.0
+                n_missed += surfels[i, MISSES] >= most_misses
+            elif off > -gate_per_m and 1.0 / z > nearest[row, column]:
+                nearest[row, column] = 1.0 / z
+                seen[row, column] = i
     return seen, n_missed
+
+
+@compiled
+def arrange(surfels: Float32Array, order: IntArray) -> None:
+    """Put row ``order[i]`` in place i, for all rows of (N, 13) surfels; nothing is copied whole."""
+    moved = np.zeros(len(order), np.bool_)
+    held = np.empty(N_COLUMNS, np.float32)
+    for begin in range(len(order)):
+        if moved[begin]:
+            continue
+        held[:] = surfels[begin]
+        place = begin
+        while not moved[place]:
+            moved[place] = True
+            source = order[place]
+            surfels[place] = held if source == begin else surfels[source]
+            place = source
 
 
 @compiled
@@ -137,7 +199,12 @@ def _is_alike(one: Float32Array, other: Float32Array, least_cosine: float) -> bo
 
 @compiled
 def add_shot(
-    surfels: Float32Array, n: int, shot: Shot, seen: Int32Array, limits: tuple[float, float]
+    surfels: Float32Array,
+    boxes: Float32Array,
+    n: int,
+    shot: Shot,
+    seen: Int32Array,
+    limits: tuple[float, float],
 ) -> int:
     """Fuse what a frame sees into the map, and return how many surfels there are then.
 
@@ -145,6 +212,8 @@ def add_shot(
     ----------
     surfels : (capacity, 13) float32 array
         Changed in place; what does not fit any more is left out.
+    boxes : (M, 6) float32 array
+        Of their blocks, changed in place.
     limits : (float, float)
         Cosine of the angle to the ray up to which surfels are added, and of that between normals
         up to which they are one surface.
@@ -160,7 +229,9 @@ def add_shot(
             if number >= 0:
                 if _is_alike(surfels[number], fresh, limits[1]):
                     _fuse(surfels[number], fresh)
+                    _hold(boxes[number // BLOCK], surfels[number])
             elif facing > limits[0] and n < len(surfels):
                 surfels[n] = fresh
+                _hold(boxes[n // BLOCK], fresh)
                 n += 1
     return n

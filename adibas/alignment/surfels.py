@@ -10,6 +10,7 @@ import numpy as np
 
 from adibas.alignment.joint_fit import goal_of
 from adibas.alignment.sights import color_pixels
+from adibas.alignment.surfel_blocks import boxes_of, order_by_place
 from adibas.alignment.surfel_kernels import (
     COLOR,
     CONFIDENCE,
@@ -20,6 +21,7 @@ from adibas.alignment.surfel_kernels import (
     RADIUS,
     Shot,
     add_shot,
+    arrange,
     find_surfels,
 )
 from adibas.alignment.views import View
@@ -32,6 +34,8 @@ UNSEEN = 128
 FEWEST_ROWS = 1 << 16
 MISSED_SHARE = 0.02
 """Of all surfels, that are there no more and take room until then."""
+LATER_SHARE = 0.25
+"""Of all surfels, that lie as frames brought them until then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +122,8 @@ class SurfelMap:
     def __init__(self, params: SurfelParams | None = None) -> None:
         self._params = params or SurfelParams()
         self._surfels = np.zeros((min(FEWEST_ROWS, self._params.capacity), N_COLUMNS), np.float32)
-        self._n = self._n_missed = 0
+        self._boxes = boxes_of(self._surfels[:0, PLACE : PLACE + 3], len(self._surfels))
+        self._n = self._n_missed = self._n_in_order = 0
         self._was_full = False
 
     def __len__(self) -> int:
@@ -139,24 +144,20 @@ class SurfelMap:
     ) -> None:
         """Fuse a frame seen from a pose of the depth camera; the finest level is enough."""
         params = self._params
-        shot = Shot(
-            goal_of(view, 0),
-            view.levels[0].rays,
-            _cell_colors(view, color_rgb, calibration),
-            np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]]),
-        )
+        shot = _shot(view, _cell_colors(view, color_rgb, calibration), world_from_camera)
         cells = shot.colors.shape[0] * shot.colors.shape[1]
         if self._n + cells > params.capacity:
-            self._remove_missed()
+            self._put_in_order()
         self._reserve(min(self._n + cells, params.capacity))
         gate = (params.gate_per_m, float(params.most_misses))
-        seen, n_missed = find_surfels(self._surfels, self._n, shot, gate)
+        seen, n_missed = find_surfels(self._surfels, self._boxes, self._n, shot, gate)
         self._n_missed += n_missed
         limits = (float(np.cos(params.largest_angle_rad)), float(np.cos(params.alike_rad)))
-        self._n = add_shot(self._surfels, self._n, shot, seen, limits)
+        self._n = add_shot(self._surfels, self._boxes, self._n, shot, seen, limits)
         self._was_full |= self._n >= params.capacity
-        if self._n_missed > MISSED_SHARE * self._n:
-            self._remove_missed()
+        n_later = self._n - self._n_in_order
+        if self._n_missed > MISSED_SHARE * self._n or n_later > LATER_SHARE * self._n:
+            self._put_in_order()
 
     def distances_m(self, view: View, world_from_camera: RigidTransform) -> "Distances":
         """Return how far what a frame sees lies behind the surface; nothing is fused.
@@ -166,15 +167,13 @@ class SurfelMap:
         view : View
             The finest level is enough.
         """
-        pose = np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]])
-        goal = goal_of(view, 0)
-        shot = Shot(goal, view.levels[0].rays, np.zeros((1, 1, 3), np.uint8), pose)
+        shot = _shot(view, np.zeros((1, 1, 3), np.uint8), world_from_camera)
         known = self._surfels[: self._n].copy()  # what is seen through would be counted
         gate = (self._params.gate_per_m, float(self._params.most_misses))
-        seen, _n_missed = find_surfels(known, self._n, shot, gate)
+        seen, _n_missed = find_surfels(known, self._boxes, self._n, shot, gate)
         cells = seen >= 0
         points_m = known[seen[cells], PLACE : PLACE + 3].astype(float)
-        planes = goal.planes[cells].astype(float)
+        planes = shot.goal.planes[cells].astype(float)
         inside = world_from_camera.inverse().apply(points_m)
         ahead = (planes * inside).sum(axis=1)
         lengths = np.linalg.norm(planes, axis=1)
@@ -198,14 +197,39 @@ class SurfelMap:
             larger = np.zeros((min(2 * n, self._params.capacity), N_COLUMNS), np.float32)
             larger[: self._n] = self._surfels[: self._n]
             self._surfels = larger
+            boxes = boxes_of(larger[:0, PLACE : PLACE + 3], len(larger))
+            boxes[: len(self._boxes)] = self._boxes
+            self._boxes = boxes
 
-    def _remove_missed(self) -> None:
-        """Close the gaps of surfels that are there no more; all others are copied for it."""
-        if self._n_missed:
-            is_missed = self._surfels[: self._n, MISSES] >= self._params.most_misses
-            kept = np.delete(self._surfels[: self._n], np.nonzero(is_missed)[0], axis=0)
-            self._n, self._n_missed = len(kept), 0
-            self._surfels[: self._n] = kept
+    def _put_in_order(self) -> None:
+        """Put near surfels side by side, and leave out those that are there no more."""
+        if self._n_missed or self._n_in_order < self._n:
+            known = self._surfels[: self._n]
+            is_missed = known[:, MISSES] >= self._params.most_misses
+            order = order_by_place(known[:, PLACE : PLACE + 3])
+            is_missed = is_missed[order]
+            arrange(known, np.concatenate([order[~is_missed], order[is_missed]]))
+            self._n -= int(np.count_nonzero(is_missed))
+            self._n_missed, self._n_in_order = 0, self._n
+            places_m = self._surfels[: self._n, PLACE : PLACE + 3]
+            self._boxes = boxes_of(places_m, len(self._surfels))
+
+
+def _shot(view: View, colors: UInt8Array, world_from_camera: RigidTransform) -> Shot:
+    """Return a frame as the kernels take it."""
+    rays = view.levels[0].rays
+    pose = np.hstack([world_from_camera.rotation, world_from_camera.translation_m[:, None]])
+    return Shot(goal_of(view, 0), rays, _sides(rays), colors, pose)
+
+
+def _sides(rays: Float32Array) -> tuple[float, float, float, float]:
+    """Return the least and largest x/z, and y/z, of a picture of pixels with these rays."""
+    border = np.concatenate([rays[0], rays[-1], rays[:, 0], rays[:, -1]])
+    least, most = border.min(axis=0).astype(float), border.max(axis=0).astype(float)
+    a_pixel = (most - least) / (min(rays.shape[:2]) - 1)
+    left, top = (least - a_pixel).tolist()
+    right, bottom = (most + a_pixel).tolist()
+    return left, right, top, bottom
 
 
 def _cell_colors(view: View, color_rgb: UInt8Array, calibration: RgbdCalibration) -> UInt8Array:

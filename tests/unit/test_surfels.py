@@ -1,9 +1,14 @@
 """The surfel map on walls whose places are known: found, fused, seen through and removed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from adibas.alignment import surfels
+from adibas.alignment.surfel_blocks import CUBE_M, NOTHING, boxes_of, order_by_place
+from adibas.alignment.surfel_kernels import BLOCK
 from adibas.alignment.surfels import SurfelMap, SurfelParams
 from adibas.alignment.views import ViewParams, prepare_view
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
@@ -27,6 +32,14 @@ def grown(views, params=None, *, pose=IDENTITY):
     for view in views:
         found.add(view, GREY, CALIBRATION, pose)
     return found
+
+
+def rows_of(surface):
+    """Return all surfels of a surface as rows, in an order that does not depend on theirs."""
+    columns = (surface.points_m, surface.normals, surface.radii_m[:, None],
+               surface.confidences[:, None])  # fmt: skip
+    rows = np.hstack(columns)
+    return rows[np.lexsort(rows.T)]
 
 
 def test_a_wall_lies_where_it_is_and_looks_at_the_camera():
@@ -68,8 +81,7 @@ def test_when_gaps_are_closed_changes_no_surfel(monkeypatch):
         surfaces.append(grown(views).surface())
     at_once, later = surfaces
     assert len(at_once.points_m) > 100
-    for name in ("points_m", "normals", "radii_m", "confidences"):
-        np.testing.assert_array_equal(getattr(at_once, name), getattr(later, name))
+    np.testing.assert_array_equal(rows_of(at_once), rows_of(later))
 
 
 def test_a_full_map_first_takes_the_room_of_what_is_gone():
@@ -77,3 +89,58 @@ def test_a_full_map_first_takes_the_room_of_what_is_gone():
     params = SurfelParams(capacity=2 * n + 10, most_misses=1)
     found = grown([wall(1.5), wall(2.5), wall(2.0), wall(2.5)], params)
     assert not found.was_full
+
+
+def poses(n, seed=2):
+    """Return poses in a room of 6 m: any turn, heights of 0.5 m."""
+    rng = np.random.default_rng(seed)
+    for _ in range(n):
+        turn = Rotation.from_euler("yx", rng.uniform([-180, -30], [180, 30]), degrees=True)
+        yield RigidTransform(turn.as_matrix(), rng.uniform([-2, -0.5, -2], [2, 0.5, 2]))
+
+
+@pytest.mark.parametrize("distortion", [(), (-0.25, 0.1, 0.002, -0.001, 0.0)])
+def test_blocks_that_are_passed_over_are_beside_the_picture(distortion, monkeypatch):
+    """As when every block is asked, through sixty frames that grow, confirm and remove."""
+    camera = replace(CAMERA, distortion=distortion)
+    rng = np.random.default_rng(5)
+    views = [
+        prepare_view(np.full((120, 160), rng.uniform(0.8, 3.5), np.float32), camera, ViewParams())
+        for _ in range(60)
+    ]
+    surfaces = []
+    for is_every_block_asked in (False, True):
+        if is_every_block_asked:
+            everywhere = np.repeat([-1e3, 1e3], 3)
+            monkeypatch.setattr(
+                surfels,
+                "boxes_of",
+                lambda _places_m, n_rows, box=everywhere: np.tile(box.astype(np.float32),
+                                                                  (n_rows // BLOCK + 1, 1)),
+            )  # fmt: skip
+        found = SurfelMap()
+        for view, pose in zip(views, poses(60), strict=True):
+            found.add(view, GREY, CALIBRATION, pose)
+        surfaces.append(rows_of(found.surface()))
+    assert len(surfaces[0]) > 20_000
+    np.testing.assert_array_equal(*surfaces)
+
+
+def test_boxes_hold_the_surfels_of_their_blocks_and_are_small_in_order():
+    found = SurfelMap()
+    for pose in poses(30):
+        found.add(wall(2.0), GREY, CALIBRATION, pose)
+    places_m = found.surface().points_m
+    shuffled = np.random.default_rng(0).permutation(places_m)
+    order = order_by_place(shuffled)
+    assert sorted(order) == list(range(len(shuffled)))
+    boxes = boxes_of(shuffled[order], len(shuffled) + 1000)
+    for number, box in enumerate(boxes):
+        block = shuffled[order][number * BLOCK : (number + 1) * BLOCK]
+        if len(block):
+            np.testing.assert_array_equal(box, [*block.min(axis=0), *block.max(axis=0)])
+        else:
+            assert (box == NOTHING).all()
+    sizes_m = (boxes[:, 3:] - boxes[:, :3]).max(axis=1)
+    assert np.median(sizes_m[np.isfinite(sizes_m)]) < 4 * CUBE_M
+    assert len(order_by_place(np.empty((0, 3), np.float32))) == 0
