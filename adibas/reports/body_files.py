@@ -16,10 +16,10 @@ from adibas.reports.body_protocol import side_rows
 from adibas.reports.json_report import number_document, protocol_document
 from adibas.reports.map_files import write_ply
 from adibas.reports.rows import angle_rows, distance_rows
+from adibas.surface.covering import covering_radii_m
 from adibas.surface.merging import BodySurface
 from adibas.texts import speaking
 
-RADIUS_M = 0.003
 PROFILE_STEP_M = 0.01
 
 
@@ -31,13 +31,12 @@ def write_body_ply(surface: BodySurface, path: Path) -> None:
     FileError
         The disk is full, or the folder cannot be written.
     """
-    n = len(surface.points_m)
     write_ply(
         Surface(
             surface.points_m.astype(np.float32),
             surface.normals.astype(np.float32),
             np.nan_to_num(surface.colors, nan=GREY).astype(np.uint8),
-            np.full(n, RADIUS_M, np.float32),
+            covering_radii_m(surface.points_m),
             surface.weights.astype(np.float32),
         ),
         path,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adibas.data.body_measures import BodyMeasure
-from adibas.data.discs import HALF_DIAGONAL, Discs
+from adibas.data.discs import Discs
 from adibas.reports.body_numbers import GREY
 from ui.widgets.space import Space
 
@@ -76,12 +76,12 @@ def seen_body(body: "MeasuredBody") -> SeenBody:
 
 
 def _discs_of(surface: "BodySurface") -> Discs:
-    """Return it as discs of a cell's size; grey where no colour is known."""
-    from adibas.surface.merging import MergeParams
+    """Return it as discs that leave no gap; grey where no colour is known."""
+    from adibas.surface.covering import covering_radii_m
 
     return Discs(
         (surface.points_m * AHEAD).astype(np.float32),
         (surface.normals * AHEAD).astype(np.float32),
-        np.full(len(surface.points_m), HALF_DIAGONAL * MergeParams().cell_m, np.float32),
+        covering_radii_m(surface.points_m),
         np.where(np.isnan(surface.colors), GREY, surface.colors).astype(np.uint8),
     )
