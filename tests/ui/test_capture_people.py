@@ -355,3 +355,22 @@ def test_the_capture_screen_draws_joints_over_colour_and_depth_while_the_box_is_
     assert wishes == [True, False]
     assert not screen._followed.isVisibleTo(screen)
     screen.closed()
+
+
+def test_a_long_sentence_takes_a_second_line_and_neither_width_nor_the_picture(qtbot, workspace):
+    screen = build_capture_screen(workspace)
+    qtbot.addWidget(screen)
+    next(one for one in screen.findChildren(QCheckBox) if "Joints" in one.text()).click()
+    screen.resize(1100, 700)
+    screen.show()
+    screen.show_followed("Found without markers.")
+    qtbot.waitExposed(screen)
+    QApplication.processEvents()
+    before = screen.minimumSizeHint().width(), screen._color.size()
+    sentence = "Nobody is followed without markers. " + "Somebody stands too near. " * 5
+    screen.show_followed(sentence)
+    QApplication.processEvents()
+    assert (screen.minimumSizeHint().width(), screen._color.size()) == before
+    label = screen._followed
+    assert label.heightForWidth(label.width()) <= label.height()
+    screen.closed()

@@ -54,6 +54,8 @@ class CaptureScreen(Screen):
         self._hints, self._status = QLabel(self), StatusLine(self)
         self._followed = QLabel(self)
         self._followed.setProperty("kind", "good")
+        self._followed.setWordWrap(True)
+        self._followed.setAlignment(Qt.AlignmentFlag.AlignTop)
         self._followed.hide()
         self._people: PeoplePresenter | None = None
         self._joints: tuple[LiveJoints, ...] = ()
@@ -196,6 +198,8 @@ class CaptureScreen(Screen):
         self._shutter.offer_consent(is_lacking=is_lacking)
 
     def show_followed(self, sentence: str) -> None:
+        # Room for two lines stays, so that the picture stays as large as it is.
+        self._followed.setMinimumHeight(2 * self._followed.fontMetrics().lineSpacing())
         self._followed.setText(sentence)
 
     def show_joints(self, people: "tuple[LiveJoints, ...]") -> None:
@@ -255,7 +259,7 @@ class CaptureScreen(Screen):
             self._hints.setText(text)
 
     def _make_room_for_followed(self) -> None:
-        self._followed.setVisible(self._display.follows_people)  # stays, so that the picture does
+        self._followed.setVisible(self._display.follows_people)
 
     def _check_wand(self) -> None:
         if not self._presenter.may_check_wand():
