@@ -150,7 +150,10 @@ runs_every_part
 display=$((90 + RANDOM % 9000))
 Xvfb ":$display" -screen 0 1400x1000x24 -nolisten tcp >"$report/xvfb" 2>&1 &
 xvfb=$!
-sleep 2
+for _ in {1..300}; do  # a busy computer takes its time
+    [ -S "/tmp/.X11-unix/X$display" ] && break
+    sleep 0.1
+done
 mkdir -p "$root/tmp/.X11-unix"
 mount --bind /tmp/.X11-unix "$root/tmp/.X11-unix"
 .venv/bin/python -m installers.first_window --display ":$display" --picture "$report/window.png" \
