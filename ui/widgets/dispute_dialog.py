@@ -12,21 +12,19 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QRadioButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
 
 from adibas.texts import translate as _
 from ui.widgets.dates import moment_text
+from ui.widgets.scrolled import SHARE_OF_WINDOW, Scrolled, window_room
 
 if TYPE_CHECKING:
     from adibas.sessions.conflicts import Choice
     from ui.disputes import Dispute, DisputeRow
 
 LETTERS_IN_A_LINE = 72
-SPARE_PX = 24
-SHARE_OF_SCREEN = 0.85
 CHOICES: "tuple[Choice, ...]" = ("theirs", "mine", "both")
 
 
@@ -60,18 +58,10 @@ class DisputeDialog(QDialog):
         self._lay_out(explanation, later)
 
     def _lay_out(self, explanation: QLabel, later: QPushButton) -> None:
-        inside = QWidget(self)
-        rows = QVBoxLayout(inside)
-        rows.setContentsMargins(0, 0, 0, 0)
+        inside = Scrolled(self)
         for group in self.groups:
-            rows.addWidget(group)
-        rows.addStretch(1)
-        area = QScrollArea(self)
-        area.setWidget(inside)
-        area.setWidgetResizable(True)
-        area.setFrameShape(QScrollArea.Shape.NoFrame)
-        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # it follows the choices in it
-        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            inside.column.addWidget(group)
+        inside.column.addStretch(1)
         buttons = QHBoxLayout()
         buttons.addStretch(1)
         buttons.addWidget(later)
@@ -80,13 +70,14 @@ class DisputeDialog(QDialog):
         column.setContentsMargins(24, 20, 24, 20)
         column.setSpacing(12)
         column.addWidget(explanation)
-        column.addWidget(area)
+        column.addWidget(inside, 1)
         column.addLayout(buttons)
-        width = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
+        wished = self.fontMetrics().averageCharWidth() * LETTERS_IN_A_LINE
+        width = min(wished, round(SHARE_OF_WINDOW * window_room(self).width()))
         self.setMinimumWidth(width)
-        hidden_px = inside.sizeHint().height() - area.sizeHint().height()
-        wished_px = column.totalHeightForWidth(width) + max(hidden_px, 0) + SPARE_PX
-        self.resize(width, min(wished_px, round(SHARE_OF_SCREEN * self.screen().size().height())))
+        text_px = width - column.contentsMargins().left() - column.contentsMargins().right()
+        around_px = explanation.heightForWidth(text_px) + buttons.sizeHint().height()
+        self.resize(width, inside.height_in(self, width, around_px + column.spacing()))
 
     def _on_chosen(self, _number: int, _is_on: bool) -> None:
         self.save.setEnabled(all(group.choices.checkedId() >= 0 for group in self.groups))
