@@ -45,7 +45,8 @@ def with_names(
     view : str
         As declared; empty: left and right only where the shape tells them.
     named_by_hand : frozenset of str
-        Labels that stay; no other marker gets one of them.
+        Labels that stay; no other marker gets one of them. Names agree with them: where the model
+        was not sure they decide, and where it was sure of another name a marker gets none.
     rotation_deg : int
         How far the picture is turned clockwise to be upright.
 
@@ -60,12 +61,15 @@ def with_names(
     turn = upright_turn(vertical_of(calibration, rotation_deg).up)
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
     diameters_m = diameters_of(placed, calibration)
-    alone = namer.label(positions_m @ turn.T, view, diameters_m)
+    given = [_given(one, named_by_hand) for one in placed]
+    alone = _labelled(namer, positions_m @ turn.T, view, diameters_m, given)
     found, sure = alone.names, alone.confidences
     flat, flat_m = _as_far_away(markers, positions_m, calibration)
     if flat:
         known_m = np.append(diameters_m, np.full(len(flat), np.nan))
-        together = namer.label(np.vstack([positions_m, flat_m]) @ turn.T, view, known_m)
+        given += [_given(one, named_by_hand) for one in flat]
+        places_m = np.vstack([positions_m, flat_m]) @ turn.T
+        together = _labelled(namer, places_m, view, known_m, given)
         found = _agreed(alone, together)
         is_confirmed = np.array([name is None for name in alone.names])
         of_placed = np.where(is_confirmed, together.confidences[: len(placed)], sure)
@@ -76,6 +80,29 @@ def with_names(
         if name is not None and name not in taken and marker.label not in named_by_hand:
             names[marker.label] = name, confidence
     return tuple(_named(marker, names.get(marker.label), namer.identity) for marker in markers)
+
+
+def _given(marker: Marker, named_by_hand: frozenset[str]) -> str:
+    """Return the name that a hand gave a marker; empty where none did."""
+    return marker.label if marker.label in named_by_hand else ""
+
+
+def _labelled(
+    namer: Namer, points_m: FloatArray, view: str, diameters_m: FloatArray, given: Sequence[str]
+) -> Labelling:
+    """Return the naming that agrees with the given names, as far as it is none against a sure one.
+
+    A hand errs, too: its error must not become a second one.
+    """
+    free = namer.label(points_m, view, diameters_m)
+    if not any(given):
+        return free
+    told = namer.label(points_m, view, diameters_m, given)
+    names = tuple(
+        name if other in (None, name) else None
+        for name, other in zip(told.names, free.names, strict=True)
+    )
+    return replace(told, names=names)
 
 
 def with_namer(provenance: Provenance, namer: Namer | None) -> Provenance:

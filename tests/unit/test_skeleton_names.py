@@ -8,7 +8,7 @@ import pytest
 
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.corrections import CorrectionHistory, MarkerCorrection
-from adibas.data.joints import JOINT_NAMES
+from adibas.data.joints import JOINT_NAMES, other_side
 from adibas.data.markers import AutomaticName, Marker
 from adibas.data.posture import Provenance
 from adibas.geometry.distortion import FoldWarning, project_distorted
@@ -270,3 +270,33 @@ def test_the_log_odds_of_the_other_way_are_divided_however_many_names_share_them
     assert side_factor(one_way, other_way, 7.0) * other_way == pytest.approx(1e-3 ** (1 / 7))
     assert side_factor(one_way, other_way, 1.0) == 1.0
     assert side_factor(one_way, 0.0, 7.0) == 1.0
+
+
+def test_one_name_by_hand_tells_all_sides_where_the_shape_tells_none(joints_m, tilted_by):
+    """Somebody as flat as a picture, of whom nobody said whether the front or the back is seen."""
+    tilted_by([0.0, -1.0, 0.0])
+    flat_m = joints_m * [1.0, 1.0, 0.0] + [0.0, 0.0, 2.2]
+    markers = list(markers_at(flat_m))
+    named = with_names(shipped_namer(), tuple(markers), "", CALIBRATION)
+    assert {one.label for one in named} & set(JOINT_NAMES) == {"head", "neck", "torso"}
+    hand = JOINT_NAMES.index("left_hand")
+    for label, expected in (
+        ("left_hand", JOINT_NAMES),
+        ("right_hand", tuple(map(other_side, JOINT_NAMES))),
+    ):
+        markers[hand] = replace(markers[hand], label=label)
+        by_hand = frozenset([label])
+        named = with_names(shipped_namer(), tuple(markers), "", CALIBRATION, by_hand)
+        assert tuple(one.label for one in named) == expected
+
+
+def test_an_error_of_the_hand_does_not_become_a_second_one(joints_m, tilted_by):
+    tilted_by([0.0, -1.0, 0.0])
+    markers = list(markers_at(joints_m))
+    left, right = (JOINT_NAMES.index(f"{side}_shoulder") for side in ("left", "right"))
+    markers[left] = replace(markers[left], label="right_shoulder")
+    by_hand = frozenset(["right_shoulder"])
+    named = with_names(shipped_namer(), tuple(markers), "anterior", CALIBRATION, by_hand)
+    assert named[right].label == markers[right].label
+    others = [one.label for i, one in enumerate(named) if i not in (left, right)]
+    assert others == [name for i, name in enumerate(JOINT_NAMES) if i not in (left, right)]
