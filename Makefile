@@ -90,4 +90,4 @@ installer-check: setup
 	installers/linux/check.sh
 
 clean:
-	rm -rf .venv build dist resources/manual
+	rm -rf .venv .venv-boris build dist resources/manual
