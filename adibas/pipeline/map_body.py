@@ -9,9 +9,11 @@ from adibas.alignment.surfels import Distances
 from adibas.arrays import FloatArray
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
+from adibas.surface.hanging_arms import are_of_arms
 
 BANDS = {"legs": (-0.05, 0.5), "trunk": (0.5, 0.85), "head": (0.85, 1.05)}
-"""Shares of the stature; arms hang along legs and trunk."""
+"""Shares of the stature, without arms that hang beside the trunk."""
+ARMS = "arms"
 HIGHEST = 99
 """Percentile of the heights over the floor up to which the person reaches."""
 FEWEST_POINTS = 50
@@ -33,8 +35,9 @@ class BodyMotion:
     largest_mm : float
         That of the worst frame.
     bands_mm : dict of str to float
-        `residual_mm` by height: legs, trunk, head; those that were seen, and none without a floor:
-        of somebody seen from the waist up nothing else would tell that these are no legs.
+        `residual_mm` of legs, trunk, head by their heights, and of arms as far as they hang apart
+        from the trunk; those that were seen, and none without a floor: of somebody seen from the
+        waist up nothing else would tell that these are no legs.
     wandered_mm : float or None
         How far the middle of the body was from its mean over the floor, root mean square: sway and
         steps, which the alignment follows. None of somebody who turned without being seen from all
@@ -84,16 +87,35 @@ def body_motion(
 
 
 def _bands_mm(seen: Sequence[tuple[Distances, RigidTransform]], floor: Plane) -> dict[str, float]:
-    heights_m = [floor.signed_distance_m(pose.inverse().apply(one.points_m)) for one, pose in seen]
-    high_m = max(float(np.percentile(np.concatenate(heights_m), HIGHEST)), 1e-6)
-    bands = {
-        name: [
-            _rms_mm(one.behind_m[(height_m >= low * high_m) & (height_m < high * high_m)])
-            for (one, _), height_m in zip(seen, heights_m, strict=True)
-        ]
+    points_m = np.concatenate([one.points_m for one, _ in seen])
+    heights_m = np.concatenate(
+        [floor.signed_distance_m(pose.inverse().apply(one.points_m)) for one, pose in seen]
+    )
+    high_m = max(float(np.percentile(heights_m, HIGHEST)), 1e-6)
+    # Places on the body, in which it stands still, not those over the floor.
+    inside_m = seen[0][1].inverse().apply(points_m)
+    are_arms = are_of_arms(inside_m @ _over(floor).T, heights_m, high_m)
+    parts = {
+        name: ~are_arms & (heights_m >= low * high_m) & (heights_m < high * high_m)
         for name, (low, high) in BANDS.items()
     }
-    return {name: float(np.nanmedian(one)) for name, one in bands.items() if np.isfinite(one).any()}
+    ends = np.cumsum([len(one.points_m) for one, _ in seen])[:-1]
+    found = {
+        name: [
+            _rms_mm(one.behind_m[is_of_part])
+            for (one, _), is_of_part in zip(seen, np.split(is_of, ends), strict=True)
+        ]
+        for name, is_of in {**parts, ARMS: are_arms}.items()
+    }
+    return {name: float(np.nanmedian(one)) for name, one in found.items() if np.isfinite(one).any()}
+
+
+def _over(level: Plane) -> FloatArray:
+    """Return two axes (2, 3) along a level plane."""
+    aside = np.eye(3)[int(np.abs(level.normal).argmin())]
+    right = np.cross(level.normal, aside)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(right, level.normal)])
 
 
 def _rms_mm(distances_m: FloatArray) -> float:
@@ -107,10 +129,7 @@ def _wandered_mm(
 ) -> float | None:
     """Return the path of the middle of the whole surface, over the floor."""
     bodies = [pose.inverse() for pose in world_from_camera]
-    aside = np.eye(3)[int(np.abs(level.normal).argmin())]
-    right = np.cross(level.normal, aside)
-    right /= np.linalg.norm(right)
-    over = np.stack([right, np.cross(right, level.normal)])
+    over = _over(level)
     if STILL_RAD < _turn_rad(bodies, over) < AROUND_RAD:
         return None
     points_m = np.concatenate([one.points_m for one in distances])

@@ -61,6 +61,24 @@ def test_what_frames_differ_by_is_told_by_height():
     assert told.wandered_mm == pytest.approx(0.0, abs=5.0)
 
 
+def test_arms_that_swing_are_told_apart_from_a_trunk_that_stands_still():
+    rng = np.random.default_rng(2)
+    n = 40_000
+    around, high_m = rng.uniform(0.0, 2 * np.pi, n), rng.uniform(0.0, 1.7, n)
+    body_m = np.column_stack([0.15 * np.cos(around), 1.2 - high_m, 0.1 * np.sin(around)])
+    around, high_m = rng.uniform(0.0, 2 * np.pi, n), rng.uniform(0.9, 1.4, n)
+    side = np.where(rng.random(n) < 0.5, 0.27, -0.27)
+    arms_m = np.column_stack([side + 0.04 * np.cos(around), 1.2 - high_m, 0.04 * np.sin(around)])
+    points_m = np.concatenate([body_m, arms_m])
+    sd_m = np.where(np.arange(2 * n) < n, 0.001, 0.02)
+    poses = [turned(angle, (0.0, 0.0, 2.0)) for angle in range(0, 360, 60)]
+    told = body_motion(
+        [Distances(points_m, rng.normal(0.0, sd_m)) for _ in poses], poses, FLOOR, is_floor=True
+    )
+    assert told.bands_mm["trunk"] == pytest.approx(1.0, rel=0.05)
+    assert told.bands_mm["arms"] == pytest.approx(20.0, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("last_deg", "is_told"), [(2.0, True), (90.0, False), (180.0, False), (360.0, True)]
 )
@@ -120,7 +138,7 @@ def test_the_person_alone_becomes_the_surface(tmp_path, capsys):
     assert said["placed"] == N_FRAMES
     assert 0.3 < said["body"]["residual_mm"] < 6.0
     assert said["body"]["wandered_mm"] < 3.0
-    assert set(said["body"]["bands_mm"]) == {"legs", "trunk", "head"}
+    assert set(said["body"]["bands_mm"]) == {"legs", "trunk", "head", "arms"}
     assert deepest_m(out) < 2.4
     assert main(["map", str(path), "--out", str(out), "--json"]) == 0
     whole = json.loads(capsys.readouterr().out)
