@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import binary_dilation, label
 
-from adibas.arrays import BoolArray, FloatArray, IntArray
+from adibas.arrays import BoolArray, FloatArray
+from adibas.surface.parts_from_above import parts_from_above
 
-ALL_NEIGHBOURS = np.ones((3, 3), np.bool_)
+N_GROWN = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +83,7 @@ def _across(over_m: FloatArray) -> FloatArray:
 
 def _apart(flat_m: FloatArray, params: ArmParams) -> BoolArray:
     """Say which points (N, 2) of a slice are apart from the trunk, and aside of it."""
-    cells = np.floor((flat_m - flat_m.min(axis=0)) / params.cell_m).astype(int)
-    parts = _parts(cells)
+    parts = parts_from_above(flat_m, params.cell_m, N_GROWN)
     sides_m = [
         (float(flat_m[parts == one, 0].min()), float(flat_m[parts == one, 0].max()))
         for one in range(int(parts.max()) + 1)
@@ -97,12 +96,3 @@ def _apart(flat_m: FloatArray, params: ArmParams) -> BoolArray:
         for left, right in sides_m
     ]
     return np.array(is_aside)[parts]
-
-
-def _parts(cells: IntArray) -> IntArray:
-    """Return of each (N, 2) cell which part it belongs to: what hangs together from above."""
-    places = tuple(cells.T + 1)
-    picture = np.zeros(cells.max(axis=0) + 3, np.bool_)
-    picture[places] = True
-    found, _ = label(binary_dilation(picture, ALL_NEIGHBOURS), ALL_NEIGHBOURS)
-    return np.asarray(found[places] - 1, np.int64)

@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import binary_dilation, label, median_filter
+from scipy.ndimage import median_filter
 from scipy.spatial import ConvexHull, QhullError
 
 from adibas.arrays import FloatArray
 from adibas.surface.merging import BodySurface
+from adibas.surface.parts_from_above import parts_from_above
 
 N_GROWN = 2
 N_SECTORS = 48
@@ -23,7 +24,6 @@ BEHIND = 0.7
 """Of a part's width, so much lies behind another that both are one."""
 FLANKS_DEG = 15.0, 75.0
 """From straight aside; beyond lie the furrow of the spine, the cleft and the breast."""
-ALL_NEIGHBOURS = np.ones((3, 3), int)
 _ANGLES = 2.0 * np.pi * (np.arange(N_SECTORS) + 0.5) / N_SECTORS
 _WAYS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
 """To the middle of each sector."""
@@ -170,12 +170,9 @@ def _free(parts: list[SlicePart], params: SliceParams) -> Seen:
 
 def _groups(flat_m: FloatArray, params: SliceParams) -> Iterator[FloatArray]:
     """Yield the points of each part: what hangs together in a picture from above."""
-    cells = np.floor((flat_m - flat_m.min(axis=0)) / params.cell_m).astype(int) + N_GROWN
-    picture = np.zeros(cells.max(axis=0) + N_GROWN + 1, np.bool_)
-    picture[tuple(cells.T)] = True
-    numbers, count = label(binary_dilation(picture, ALL_NEIGHBOURS > 0, N_GROWN), ALL_NEIGHBOURS)
-    for number in range(1, count + 1):
-        yield flat_m[numbers[tuple(cells.T)] == number]
+    parts = parts_from_above(flat_m, params.cell_m, N_GROWN)
+    for number in range(int(parts.max()) + 1):
+        yield flat_m[parts == number]
 
 
 def _joined(groups: list[FloatArray]) -> list[FloatArray]:

@@ -11,6 +11,16 @@ ROOT = Path(__file__).parents[2]
 PACKAGE_LIST = ROOT / "installers" / "debian-packages.txt"
 
 
+def logging_python(log):
+    """Return a Python that makes environments, whose Pythons write what they are told to a log."""
+    return (
+        'if [ "$1" = -c ]; then exit 0; fi\n'
+        'mkdir -p "$3/bin"\n'
+        f'printf \'#!/bin/sh\\necho "$0 $@" >>{log}\\n\' >"$3/bin/python"\n'
+        'chmod +x "$3/bin/python"'
+    )
+
+
 def package_names(text):
     return [line for line in text.splitlines() if line and not line.startswith("#")]
 
@@ -73,16 +83,10 @@ def test_as_root_it_refreshes_the_index_and_installs_what_is_missing(machine, tm
 
 
 def test_a_second_run_installs_nothing(machine, tmp_path):
-    add_command, run, tree = machine
+    add_command, run, _tree = machine
     log = tmp_path / "log"
     add_command("dpkg-query", "echo installed")
-    add_command(
-        "python3",
-        'if [ "$1" = -c ]; then exit 0; fi\n'
-        f"mkdir -p {tree}/.venv/bin\n"
-        f"printf '#!/bin/sh\\necho \"$@\" >>{log}\\n' >{tree}/.venv/bin/python\n"
-        f"chmod +x {tree}/.venv/bin/python",
-    )
+    add_command("python3", logging_python(log))
     assert run().returncode == 0
     calls = log.read_text().splitlines()
     assert len(calls) == 2
@@ -96,13 +100,7 @@ def test_ci_has_boris_in_an_environment_of_its_own(machine, tmp_path):
     add_command, run, tree = machine
     log = tmp_path / "log"
     add_command("dpkg-query", "echo installed")
-    add_command(
-        "python3",
-        'if [ "$1" = -c ]; then exit 0; fi\n'
-        'mkdir -p "$3/bin"\n'
-        f'printf \'#!/bin/sh\\necho "$0 $@" >>{log}\\n\' >"$3/bin/python"\n'
-        'chmod +x "$3/bin/python"',
-    )
+    add_command("python3", logging_python(log))
     assert run("ci").returncode == 0
     calls = log.read_text().splitlines()
     assert [call.split()[0] for call in calls] == [".venv/bin/python"] * 2 + [
