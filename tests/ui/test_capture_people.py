@@ -362,9 +362,9 @@ def test_a_long_sentence_takes_a_second_line_and_neither_width_nor_the_picture(q
     qtbot.addWidget(screen)
     next(one for one in screen.findChildren(QCheckBox) if "Joints" in one.text()).click()
     screen.resize(1100, 700)
-    screen.show()
+    with qtbot.waitExposed(screen):
+        screen.show()
     screen.show_followed("Found without markers.")
-    qtbot.waitExposed(screen)
     QApplication.processEvents()
     before = screen.minimumSizeHint().width(), screen._color.size()
     sentence = "Nobody is followed without markers. " + "Somebody stands too near. " * 5
