@@ -357,20 +357,26 @@ def test_the_capture_screen_draws_joints_over_colour_and_depth_while_the_box_is_
     screen.closed()
 
 
-def test_a_long_sentence_takes_a_second_line_and_neither_width_nor_the_picture(qtbot, workspace):
+def test_a_long_sentence_takes_a_second_line_and_neither_width_nor_the_picture(
+    qtbot, workspace, theme
+):
+    assert theme
     screen = build_capture_screen(workspace)
     qtbot.addWidget(screen)
+    label = screen._followed
     next(one for one in screen.findChildren(QCheckBox) if "Joints" in one.text()).click()
     screen.resize(1100, 700)
     with qtbot.waitExposed(screen):
         screen.show()
-    screen.show_followed("Found without markers.")
     QApplication.processEvents()
     before = screen.minimumSizeHint().width(), screen._color.size()
-    sentence = "Nobody is followed without markers. " + "Somebody stands too near. " * 5
-    screen.show_followed(sentence)
+    words = "Nobody is followed without markers."
+    while label.fontMetrics().horizontalAdvance(words) < 1.5 * label.width():
+        words += " Too near."
+    screen.show_followed(words)
     QApplication.processEvents()
-    assert (screen.minimumSizeHint().width(), screen._color.size()) == before
-    label = screen._followed
-    assert label.heightForWidth(label.width()) <= label.height()
+    after = screen.minimumSizeHint().width(), screen._color.size()
+    height_px = label.heightForWidth(label.width())
     screen.closed()
+    assert after == before
+    assert label.fontMetrics().lineSpacing() < height_px <= label.height()

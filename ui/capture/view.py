@@ -198,9 +198,8 @@ class CaptureScreen(Screen):
         self._shutter.offer_consent(is_lacking=is_lacking)
 
     def show_followed(self, sentence: str) -> None:
-        # Room for two lines stays, so that the picture stays as large as it is.
-        self._followed.setMinimumHeight(2 * self._followed.fontMetrics().lineSpacing())
-        self._followed.setText(sentence)
+        if sentence != self._followed.text():
+            self._tell_followed(sentence)
 
     def show_joints(self, people: "tuple[LiveJoints, ...]") -> None:
         self._joints = people
@@ -259,7 +258,14 @@ class CaptureScreen(Screen):
             self._hints.setText(text)
 
     def _make_room_for_followed(self) -> None:
+        self._tell_followed(self._followed.text())
         self._followed.setVisible(self._display.follows_people)
+
+    def _tell_followed(self, sentence: str) -> None:
+        """Keep room for two lines, so that the picture stays as large as it is, and say this."""
+        self._followed.setText("\n")
+        self._followed.setMinimumHeight(self._followed.sizeHint().height())
+        self._followed.setText(sentence)
 
     def _check_wand(self) -> None:
         if not self._presenter.may_check_wand():
