@@ -35,6 +35,13 @@ class MarkerCorrection:
             return "delete"
         return "move" if self.before.label == self.after.label else "rename"
 
+    @property
+    def is_by_program(self) -> bool:
+        """Whether a model gave the name; who renames by hand leaves the model's word as it was."""
+        if self.before is None or self.after is None or self.kind != "rename":
+            return False
+        return self.after.named_by not in (None, self.before.named_by)
+
 
 @dataclass(frozen=True, slots=True)
 class FreeMeasure:
@@ -74,7 +81,10 @@ AnyCorrection = TypeVar("AnyCorrection", MarkerCorrection, MeasureCorrection)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CorrectionHistory:
-    """One undo stack: the first `n_done` of `corrections` are in force, the rest can be redone."""
+    """One undo stack: the first `n_done` of `corrections` are in force, the rest can be redone.
+
+    Names that a model gave one after the other are undone, and done again, in one step.
+    """
 
     corrections: tuple[Correction, ...] = ()
     n_done: int = 0
@@ -99,16 +109,22 @@ class CorrectionHistory:
         return CorrectionHistory((*done, correction), self.n_done + 1)
 
     def undone(self) -> "CorrectionHistory":
-        """Return the history with the last correction out of force."""
+        """Return the history with the last step out of force."""
         if not self.can_undo:
             raise ValueError("nothing to undo")
-        return CorrectionHistory(self.corrections, self.n_done - 1)
+        n_done = self.n_done - 1
+        while n_done and self._is_one_step(n_done):
+            n_done -= 1
+        return CorrectionHistory(self.corrections, n_done)
 
     def redone(self) -> "CorrectionHistory":
-        """Return the history with the next correction in force again."""
+        """Return the history with the next step in force again."""
         if not self.can_redo:
             raise ValueError("nothing to redo")
-        return CorrectionHistory(self.corrections, self.n_done + 1)
+        n_done = self.n_done + 1
+        while n_done < len(self.corrections) and self._is_one_step(n_done):
+            n_done += 1
+        return CorrectionHistory(self.corrections, n_done)
 
     def markers(self, detected: tuple[Marker, ...]) -> tuple[Marker, ...]:
         """Return the markers as corrected, in the order of the detection, added ones last.
@@ -152,6 +168,11 @@ class CorrectionHistory:
                 measures.append(correction.after)
         return tuple(measures)
 
+    def _is_one_step(self, index: int) -> bool:
+        """Say whether a correction and the one before it are names that a model gave."""
+        pair = self.corrections[index - 1 : index + 1]
+        return all(isinstance(one, MarkerCorrection) and one.is_by_program for one in pair)
+
     def _in_force(self, kind: type[AnyCorrection]) -> list[AnyCorrection]:
         return [one for one in self.corrections[: self.n_done] if isinstance(one, kind)]
 
@@ -180,6 +201,8 @@ def _with_correction(markers: dict[str, Marker], correction: MarkerCorrection) -
         if before is not None and label == before.label:
             if after is not None:  # a marker that is only moved keeps who named it
                 named_by = marker.named_by if after.label == label else None
+                if correction.is_by_program:
+                    named_by = after.named_by
                 corrected[after.label] = replace(after, named_by=named_by)
         else:
             corrected[label] = marker

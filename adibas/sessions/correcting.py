@@ -7,7 +7,7 @@ from itertools import takewhile
 
 from sqlalchemy import select
 
-from adibas.data.corrections import CorrectionHistory, MarkerCorrection
+from adibas.data.corrections import Correction, CorrectionHistory, MarkerCorrection
 from adibas.data.markers import Marker
 from adibas.sessions.audit import AuditLog, last_change
 from adibas.sessions.conflicts import Conflict, Decision, settle
@@ -16,7 +16,6 @@ from adibas.sessions.documents import (
     correction_to_json,
     setup_from_json,
 )
-from adibas.sessions.json_line import from_json
 from adibas.sessions.merged_corrections import HistoryMerge
 from adibas.sessions.rows import Row, Transaction, add_numbered_row, change_row
 from adibas.sessions.schema import CAPTURES, CORRECTIONS, PATIENTS, SESSIONS
@@ -84,7 +83,7 @@ def _corrected(row: Row, corrected_utc: str) -> CorrectedCapture:
 
 
 def _last_corrections(transaction: Transaction) -> dict[str, str]:
-    """Return when the last correction of a marker that is in force was made, by capture."""
+    """Return when a hand last corrected a marker, in what is in force, by capture."""
     in_force = (
         select(CORRECTIONS.c.capture_id, CORRECTIONS.c.made_utc, CORRECTIONS.c.content)
         .join(CAPTURES, CAPTURES.c.capture_id == CORRECTIONS.c.capture_id)
@@ -94,8 +93,13 @@ def _last_corrections(transaction: Transaction) -> dict[str, str]:
     return {
         row.capture_id: row.made_utc
         for row in transaction.execute(in_force)
-        if from_json(row.content)["of"] == "marker"
+        if _is_by_hand(correction_from_json(row.content))
     }
+
+
+def _is_by_hand(correction: Correction) -> bool:
+    """Say whether somebody corrected a marker: no model learns from names that a model gave."""
+    return isinstance(correction, MarkerCorrection) and not correction.is_by_program
 
 
 def history_of(transaction: Transaction, capture: Row) -> CorrectionHistory:

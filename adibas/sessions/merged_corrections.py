@@ -158,7 +158,7 @@ def _merged(
     place, is_place_clash = _of_three(seen, theirs, mine, lambda one: (one.u, one.v))
     if is_name_clash or is_place_clash:
         return theirs, True
-    return replace(place, label=name.label), False
+    return replace(place, label=name.label, named_by=name.named_by), False
 
 
 def _of_three(
@@ -199,19 +199,24 @@ def _steps(now: Tracked, wanted: Tracked) -> Iterator[Correction]:
         moved = replace(after, label=before.label)
         if not _is_same(before, moved):
             yield MarkerCorrection(before, moved)
-    yield from _renaming({one.label: after for one, after in stay if one.label != after.label})
+    yield from _renaming(
+        {
+            one.label: (replace(after, label=one.label, named_by=one.named_by), after)
+            for one, after in stay
+            if one.label != after.label
+        }
+    )
     yield from (MarkerCorrection(None, after) for one, after in pairs if after and one is None)
 
 
-def _renaming(renamed: dict[str, Marker]) -> Iterator[Correction]:
+def _renaming(renamed: dict[str, tuple[Marker, Marker]]) -> Iterator[Correction]:
     """Give new names, those first that are free; names in a circle by removing and adding."""
-    while free := [old for old, after in renamed.items() if after.label not in renamed]:
+    while free := [old for old, (_before, after) in renamed.items() if after.label not in renamed]:
         for old in free:
-            after = renamed.pop(old)
-            yield MarkerCorrection(replace(after, label=old), after)
-    for old, after in renamed.items():
-        yield MarkerCorrection(replace(after, label=old), None)
-    for after in renamed.values():
+            yield MarkerCorrection(*renamed.pop(old))
+    for before, _after in renamed.values():
+        yield MarkerCorrection(before, None)
+    for _before, after in renamed.values():
         yield MarkerCorrection(None, after)
 
 

@@ -8,17 +8,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from adibas.data.corrections import FreeMeasure
+from adibas.data.markers import AutomaticName
 from adibas.errors import MarkerError, StoreError
 from adibas.sessions import open_store
 from tests.ui.conftest import CHEAP, PASSPHRASE
 from tests.ui.review_scene import plain_marker, saved_session
 from ui.review.editor import CaptureEditor
 
+BY_MODEL = AutomaticName("shipped, 2024-01-01", 0.98)
 numbers = st.integers(0, 30)
 edits = st.lists(
     st.tuples(
         st.sampled_from(
-            ("move", "add", "delete", "rename", "measure", "unmeasure", "undo", "redo")
+            ("move", "add", "delete", "rename", "measure", "unmeasure", "model", "undo", "redo")
         ),
         numbers,
         numbers,
@@ -59,6 +61,18 @@ def measure(editor, labels, first, second):
         editor.add_measure(tuple(chosen)[: 2 + second % 2])
 
 
+def name_by_model(editor, labels, first, second):
+    """As many as there are places for in a name."""
+    saved = editor.saved()
+    chosen = dict.fromkeys(labels[(first + step) % len(labels)] for step in range(second % 3))
+    editor.take_names(
+        {
+            label: replace(saved[label], label=f"name {second + i}", named_by=BY_MODEL)
+            for i, label in enumerate(chosen)
+        }
+    )
+
+
 def unmeasure(editor, _labels, _first, _second):
     for one in editor.history.measures()[:1]:
         editor.remove_measure(one.labels)
@@ -69,6 +83,7 @@ DOERS = {
     "delete": delete,
     "rename": rename,
     "measure": measure,
+    "model": name_by_model,
     "unmeasure": unmeasure,
 }
 
@@ -193,6 +208,44 @@ def test_the_same_measure_is_asked_for_once(editor):
     ]
     editor.remove_measure(("m02", "m01"))
     assert len(editor.history.measures()) == 2
+
+
+def test_names_of_a_model_are_one_step_that_tells_who_gave_them(editor):
+    editor.rename("m01", "neck")
+    before = editor.saved()
+    found = {
+        label: replace(before[label], label=name, named_by=BY_MODEL)
+        for label, name in (("m02", "left_hand"), ("m03", "right_hand"))
+    }
+    assert editor.take_names(found) == 2
+    named = {label: one.named_by for label, one in editor.saved().items()}
+    assert named == {"neck": None, "left_hand": BY_MODEL, "right_hand": BY_MODEL}
+    editor.undo()
+    assert list(editor.saved()) == ["neck", "m02", "m03"]
+    editor.redo()
+    assert {label: one.named_by for label, one in editor.saved().items()} == named
+    editor.rename("left_hand", "left_elbow")
+    assert editor.saved()["left_elbow"].named_by is None
+    editor.undo()
+    assert editor.saved()["left_hand"].named_by == BY_MODEL
+    editor.undo()
+    editor.undo()
+    assert list(editor.saved()) == ["m01", "m02", "m03"]
+    assert not editor.history.can_undo
+
+
+def test_a_name_of_a_model_that_came_too_late_is_passed_over(editor):
+    before = editor.saved()
+    found = {
+        label: replace(before[label], label=name, named_by=BY_MODEL)
+        for label, name in (("m01", "head"), ("m02", "neck"), ("m03", "torso"))
+    }
+    editor.move(replace(before["m01"], u=9.0))
+    editor.rename("m02", "torso")
+    n_steps = len(editor.history.corrections)
+    assert editor.take_names(found) == 0
+    assert len(editor.history.corrections) == n_steps
+    assert list(editor.saved()) == ["m01", "torso", "m03"]
 
 
 def test_undo_and_redo_at_their_ends_do_nothing(editor):

@@ -248,9 +248,23 @@ def test_a_name_that_no_measure_of_this_view_uses_is_told(qtbot, workspace, them
     assert sentence.startswith("c7 is no landmark of this protocol in this view")
 
 
+def test_a_model_is_asked_for_the_other_names_by_a_key(qtbot, workspace, theme, store, inline_jobs):
+    _patient, session, _captures = saved_session(store, protocol="sapo-1")
+    workspace.choose_session(session)
+    user = shown(qtbot, workspace, theme)
+    qtbot.waitUntil(user.tool("name-others").isEnabled)
+    user.key(Qt.Key.Key_N, Qt.KeyboardModifier.ShiftModifier)
+    (problem,) = inline_jobs.problems
+    assert "No model knows the landmarks of this protocol" in str(problem)
+    for label in ("m01", "m02", "m03"):
+        user.screen._presenter.points.rename(label, f"scar {label}")
+    assert not user.tool("name-others").isEnabled()
+
+
 def test_without_a_protocol_no_landmark_is_next(qtbot, user):
     qtbot.waitUntil(user.tool("add-marker").isEnabled)
     assert not user.tool("name-next").isEnabled()
+    assert not user.tool("name-others").isEnabled()
 
 
 def test_the_bones_between_joints_are_drawn(qtbot, user):

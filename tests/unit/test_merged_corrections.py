@@ -12,6 +12,7 @@ from adibas.data.corrections import (
     MarkerCorrection,
     MeasureCorrection,
 )
+from adibas.data.markers import AutomaticName
 from adibas.sessions.merged_corrections import HistoryMerge
 from tests.unit.store_samples import marker
 
@@ -54,6 +55,17 @@ def test_a_name_by_one_and_a_place_by_the_other_make_one_marker():
     assert places(both.history({})) == {"C7": 12.0, "m02": 20.0, "m03": 30.0}
     again = merge(history(("move", "m01", 12.0)), history(("name", "m01", "C7")))
     assert places(again.history({})) == places(both.history({}))
+
+
+def test_a_name_by_a_model_and_a_place_by_the_other_operator_stay_the_model_s_word():
+    word = AutomaticName("shipped, 2024-01-01", 0.98)
+    named = MarkerCorrection(DETECTED[0], replace(DETECTED[0], label="neck", named_by=word))
+    for theirs, mine in (
+        (NOTHING.after(named), history(("move", "m01", 12.0))),
+        (history(("move", "m01", 12.0)), NOTHING.after(named)),
+    ):
+        found = merge(theirs, mine).history({}).markers(DETECTED)[0]
+        assert (found.label, found.u, found.named_by) == ("neck", 12.0, word)
 
 
 def test_a_name_that_was_given_twice_in_a_row_is_followed_to_both_markers():

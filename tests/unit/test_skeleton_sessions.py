@@ -1,12 +1,19 @@
 """The clinic's own corrected captures become a model, held against what it replaces."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from adibas.cli.command_line import main
-from adibas.data.corrections import CorrectionHistory, FreeMeasure, MeasureCorrection
+from adibas.data.corrections import (
+    CorrectionHistory,
+    FreeMeasure,
+    MarkerCorrection,
+    MeasureCorrection,
+)
+from adibas.data.markers import AutomaticName
 from adibas.data.protocols import Landmark, Protocol, Wording
 from adibas.data.views import VIEWS
 from adibas.errors import FileError, ProtocolError
@@ -48,6 +55,20 @@ def test_a_measure_that_was_asked_for_is_no_correction_of_names(tmp_path):
         capture = add_example(store, add_session(store), rng, is_corrected=False)
         store.captures.correct(capture.capture_id, CorrectionHistory((measure,), 1))
         assert store.captures.corrected() == ()
+
+
+def test_names_that_a_model_gave_are_no_examples_until_a_hand_corrects_one(tmp_path):
+    with open_sample(tmp_path) as store:
+        rng = np.random.default_rng(0)
+        capture = add_example(store, add_session(store), rng, is_corrected=False)
+        one, other = capture.detected[:2]
+        named = replace(one, label="neck", named_by=AutomaticName("shipped, 2024-01-01", 0.98))
+        by_model = CorrectionHistory().after(MarkerCorrection(one, named))
+        store.captures.correct(capture.capture_id, by_model)
+        assert store.captures.corrected() == ()
+        by_hand = by_model.after(MarkerCorrection(other, replace(other, label="head")))
+        store.captures.correct(capture.capture_id, by_hand)
+        assert len(store.captures.corrected()) == 1
 
 
 def test_what_was_undone_or_is_hidden_is_no_example(tmp_path):

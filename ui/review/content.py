@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from adibas.arrays import FloatArray, UInt8Array
-from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.markers import Marker, RejectedBlob, is_numbered
 
 N_OF_DISTANCE, N_OF_ANGLE = 2, 3
 
@@ -99,6 +99,15 @@ class Points:
     can_undo: bool = False
     can_redo: bool = False
     unnamed: tuple[str, ...] | None = None
+
+    @property
+    def can_name_others(self) -> bool:
+        """Whether there are landmarks without a marker, and markers that have only a number."""
+        return (
+            self.can_edit
+            and bool(self.unnamed)
+            and any(is_numbered(one.label) for one in self.markers)
+        )
 
 
 def placed(markers: Iterable[Marker]) -> dict[str, FloatArray]:

@@ -1,6 +1,6 @@
 """The corrections of one capture: each is saved before it is shown. Knows nothing of Qt."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from adibas.data.corrections import (
@@ -72,7 +72,7 @@ class CaptureEditor:
         self._held = None
         before = self.saved()[marker.label]
         if (before.u, before.v) != (marker.u, marker.v):
-            self._correct(MarkerCorrection(before, marker))
+            self._correct(MarkerCorrection(before, replace(marker, named_by=before.named_by)))
 
     def add(self, marker: Marker) -> None:
         """Save a new marker."""
@@ -105,8 +105,31 @@ class CaptureEditor:
                 name=landmark_text(name),
             )
         before = self.saved()[label]
-        self._correct(MarkerCorrection(before, replace(before, label=name)))
+        self._correct(MarkerCorrection(before, replace(before, label=name, named_by=None)))
         return name
+
+    def take_names(self, found: Mapping[str, Marker]) -> int:
+        """Give markers the names that a model found for them, and return how many got one.
+
+        Parameters
+        ----------
+        found : Mapping
+            Of labels, the markers with their names. One that was renamed, moved or removed
+            meanwhile is passed over, and so is a name that is taken by now.
+        """
+        history, n_named = self.history, 0
+        for label, named in found.items():
+            labels = {one.label: one for one in history.markers(self._capture.detected)}
+            before = labels.get(label)
+            is_there = before is not None and (before.u, before.v) == (named.u, named.v)
+            if before is None or not is_there or named.label in labels:
+                continue
+            after = replace(before, label=named.label, named_by=named.named_by)
+            history = history.after(MarkerCorrection(before, after))
+            n_named += 1
+        if n_named:
+            self._keep(history)
+        return n_named
 
     def add_measure(self, labels: tuple[str, ...]) -> None:
         """Ask for a distance or an angle; one that is there already changes nothing."""

@@ -1,15 +1,16 @@
 """The markers of the capture that is reviewed: chosen, moved, named, measured. No Qt."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from adibas.arrays import UInt8Array
 from adibas.data.corrections import CorrectionHistory
-from adibas.data.markers import Marker, RejectedBlob
+from adibas.data.markers import Marker, RejectedBlob, is_numbered
 from adibas.data.sessions import Capture
 from adibas.texts import translate as _
+from ui.ports import JobControl
 from ui.review.content import MeasureRow, Mode, Points
 from ui.review.editor import CaptureEditor
 from ui.review.measuring import Asked, Measured, MeasureTable, free_rows
@@ -235,6 +236,42 @@ class PointsPresenter:
             self._warn_of(self._selected, editor.capture.view)
 
         self._edit(rename)
+
+    def name_others(self) -> None:
+        """Let a model name the markers that have only a number, given the names that are there."""
+        editor, opened = self._editable()
+        if editor is None or opened is None or opened.protocol is None:
+            return
+        protocol, rotation_deg = opened.protocol, opened.rotation_deg
+        capture, markers = editor.capture, editor.markers()
+
+        def work(_control: JobControl) -> Mapping[str, Marker]:
+            from adibas.pipeline.naming_others import names_of_others
+
+            return names_of_others(
+                protocol, markers, capture.view, capture.calibration, rotation_deg
+            )
+
+        def done(found: Mapping[str, Marker]) -> None:
+            if self._editor is editor:
+                self._take_names(found)
+
+        self._workspace.jobs.start(_("Naming the markers"), work, done)
+
+    def _take_names(self, found: Mapping[str, Marker]) -> None:
+        """Save the names that were found, and tell how many there are."""
+
+        def take(editor: CaptureEditor) -> None:
+            n_named = editor.take_names(found)
+            if not n_named:
+                told = _("No other marker can be named for sure. Name one more, and try again.")
+                self._workspace.tell("warning", told)
+                return
+            n_left = sum(is_numbered(one.label) for one in editor.markers())
+            told = _("Markers that got a name: {n}. Without one: {left}. Look them over.")
+            self._workspace.tell("good", told.format(n=n_named, left=n_left))
+
+        self._edit(take)
 
     def _warn_of(self, name: str, view: str) -> None:
         """Tell of a name that no measure of the session's protocol can use."""

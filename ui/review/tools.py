@@ -25,6 +25,7 @@ KEYS = {
     "move": ("M",),
     "add-marker": ("A",),
     "name-next": ("N",),
+    "name-others": ("Shift+N",),
     "distance": ("D",),
     "angle": ("G",),
     "undo": ("Ctrl+Z",),
@@ -40,6 +41,8 @@ KEYS = {
 """Of each tool, in the order in which they stand; zoom keys are the picture's own."""
 ICONS_ALONE = ("undo", "redo", "zoom-out", "fit", "zoom-in")
 """Everybody knows these; their names are in the tips."""
+ASKED = ("name-others", "undo", "redo", "delete", "rename", "zoom-out", "fit", "zoom-in")
+"""Tools that do something at once and have no state."""
 GROUPS_END = ("angle", "rename", "space")
 
 
@@ -68,7 +71,7 @@ class ReviewTools(QToolBar):
             self._actions[name].triggered.connect(
                 lambda is_on, name=name: self.switched.emit(name, is_on)
             )
-        for name in ("undo", "redo", "delete", "rename", "zoom-out", "fit", "zoom-in"):
+        for name in ASKED:
             self._actions[name].triggered.connect(lambda _on, name=name: self.asked.emit(name))
         self.setIconSize(QSize(ICON_PX, ICON_PX))
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
@@ -104,6 +107,7 @@ class ReviewTools(QToolBar):
         self.setAccessibleName(_("Tools"))
         texts = {
             **{MODE_ICONS[mode]: _(title) for mode, title in MODE_TITLES.items()},
+            "name-others": _("Name the others"),
             "undo": _("Undo"),
             "redo": _("Redo"),
             "delete": _("Delete"),
@@ -138,6 +142,7 @@ class ReviewTools(QToolBar):
             self._actions[name].setChecked(mode is points.mode)
         has_chosen = points.can_edit and points.selected is not None
         for name, is_possible in (
+            ("name-others", points.can_name_others),
             ("undo", points.can_undo),
             ("redo", points.can_redo),
             ("delete", has_chosen),

@@ -245,6 +245,7 @@ class ReviewScreen(Screen):
     def _on_tool(self, name: str) -> None:
         points = self._presenter.points
         actions: dict[str, Callable[[], None]] = {
+            "name-others": points.name_others,
             "undo": points.undo,
             "redo": points.redo,
             "delete": points.delete,
