@@ -127,6 +127,8 @@ class ReviewTools(QToolBar):
             action.setText(text)
             action.setToolTip(f"{text} ({keys})")
             self.widgetForAction(action).setAccessibleName(text)
+        # On its button, beside the one for names, there is room for one word.
+        self._actions["name-others"].setIconText(_("Others"))
         self.dress()
 
     def dress(self) -> None:
