@@ -32,7 +32,7 @@ def training_row(n_frames: int) -> Row:
         folder = Path(place) / "frames"
         simulate_folder(folder, n_frames, SEED, lambda _done, _all: None)
         begin = time.perf_counter()
-        train_model(TrainingRequest(Path(place) / "model.npz", folder), lambda *_told: None)
+        train_model(TrainingRequest(Path(place) / "model.npz", (folder,)), lambda *_told: None)
         spent_min = (time.perf_counter() - begin) / SECONDS_A_MINUTE
     name = f"limbs train, {n_frames} frames, {SHIPPED.n_trees} trees, by the clock, all cores"
     if n_frames < GOAL_FRAMES:

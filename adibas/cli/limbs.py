@@ -58,11 +58,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 def _add_train(parser: argparse.ArgumentParser) -> None:
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument(
-        "folder",
+        "folders",
         type=Path,
-        nargs="?",
+        nargs="*",
+        default=[],
         metavar=_("FOLDER"),
-        help=_("with NNNN.depth.png, NNNN.labels.png and labels.json"),
+        help=_(
+            "with NNNN.depth.png, NNNN.labels.png and labels.json; several are learned together"
+        ),
     )
     source.add_argument(
         "--simulator", action="store_true", help=_("learn from simulated people instead")
@@ -190,7 +193,11 @@ def _add_propose(parser: argparse.ArgumentParser) -> None:
 
 def _add_evaluate(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "folder", type=Path, metavar=_("FOLDER"), help=_("of labelled depth images")
+        "folders",
+        type=Path,
+        nargs="+",
+        metavar=_("FOLDER"),
+        help=_("of labelled depth images; several are one set"),
     )
     parser.add_argument(
         "--model",
@@ -272,7 +279,7 @@ def _train_forest(arguments: argparse.Namespace, console: Console) -> "LimbModel
     )
     request = TrainingRequest(
         arguments.out,
-        arguments.folder,
+        tuple(arguments.folders),
         arguments.labels,
         arguments.frames,
         arguments.seed,
@@ -291,7 +298,11 @@ def _train_context(arguments: argparse.Namespace, console: Console) -> "LimbMode
     from adibas.pipeline.context_training import ContextRequest, train_context_of
 
     request = ContextRequest(
-        arguments.context, arguments.out, arguments.folder, arguments.frames, arguments.seed
+        arguments.context,
+        arguments.out,
+        tuple(arguments.folders),
+        arguments.frames,
+        arguments.seed,
     )
     with (
         console.progress(_("Simulating people")) as simulating,
@@ -387,7 +398,7 @@ def _propose(arguments: argparse.Namespace, console: Console) -> int:
 
 def _evaluate(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.forests.params import ForestParams
-    from adibas.pipeline.limb_evaluation import EvaluationParams, evaluate_folder
+    from adibas.pipeline.limb_evaluation import EvaluationParams, evaluate_folders
 
     params = EvaluationParams(
         arguments.leave_out,
@@ -401,8 +412,8 @@ def _evaluate(arguments: argparse.Namespace, console: Console) -> int:
         _limb_params(arguments, step=1),
     )
     with console.progress(_("Evaluating")) as progress:
-        result = evaluate_folder(
-            arguments.folder, arguments.model, params, arguments.pictures, progress
+        result = evaluate_folders(
+            arguments.folders, arguments.model, params, arguments.pictures, progress
         )
     for line in evaluation_lines(result):
         console.say(line)

@@ -19,13 +19,15 @@ from adibas.forests.forest import Forest
 from adibas.forests.samples import TrainingImages
 from adibas.limbs.context import context_example
 from adibas.limbs.model import CONTEXT, LABEL_SHARES, LimbModel, load_model, save_model
-from adibas.limbs.training_set import LimbFolder, check_people, nobody_with_depth
+from adibas.limbs.training_folders import folders_of
+from adibas.limbs.training_set import check_people, nobody_with_depth
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS
 from adibas.pipeline.unfinished_training import (
     IMAGES_SHA256,
+    SIMULATOR,
     Progress,
     check_same,
-    fingerprint_of,
+    origin_of,
     simulated_images,
     work_folder,
 )
@@ -45,8 +47,8 @@ class ContextRequest:
         Whose forest is corrected; a network that it has already goes on learning.
     out : Path
         The model with the network; what is unfinished is kept in a folder beside it.
-    folder : Path or None
-        Of labelled images that the forest was not trained on; None: they are simulated.
+    folders : tuple of Path
+        Of labelled images that the forest was not trained on; without any they are simulated.
     n_frames : int
         To simulate.
     seed : int
@@ -56,7 +58,7 @@ class ContextRequest:
 
     model: Path
     out: Path
-    folder: Path | None = None
+    folders: tuple[Path, ...] = ()
     n_frames: int = 64_000
     seed: int = 1
     params: ContextTraining = field(default_factory=ContextTraining)
@@ -76,26 +78,24 @@ def train_context_of(
     """
     model = load_model(request.model)
     work = work_folder(request.out)
-    folder = None if request.folder is None else LimbFolder(request.folder)
+    labelled = folders_of(request.folders)
     params = request.params
     if model.context is not None:
         params = replace(params, widths=model.context.shape.widths)
     settings = {
         "version": __version__,
         "model_created_utc": model.created_utc,
-        "images": "simulator" if request.folder is None else request.folder.name,
-        "n_images": request.n_frames if folder is None else len(folder),
         "seed": request.seed,
         "params": {**asdict(params), "widths": list(params.widths)},
         "before": model.forest.provenance.get(CONTEXT),
-        **fingerprint_of(folder),
+        **origin_of(labelled, request.n_frames),
     }
-    _check_labels(model.forest, SIMULATED_LABELS if folder is None else folder.labels)
+    _check_labels(model.forest, SIMULATED_LABELS if labelled is None else labelled.labels)
     _check_unseen(model.forest, settings)
-    if folder is not None:
-        check_people(folder, _LEAST_PIXELS)
+    if labelled is not None:
+        check_people(labelled, _LEAST_PIXELS)
     check_same(work, settings)
-    images = folder or simulated_images(work, request.n_frames, request.seed, progress)
+    images = labelled or simulated_images(work, request.n_frames, request.seed, progress)
     trainer = _trainer(images, model, params, progress)
     _run(trainer, work / _KEPT, params.n_passes, progress)
     shares = [float(f"{share:.4g}") for share in trainer.label_shares]
@@ -120,18 +120,23 @@ def _check_labels(forest: Forest, found: tuple[str, ...]) -> None:
 def _check_unseen(forest: Forest, settings: Mapping[str, object]) -> None:
     """See that these are not the images of the forest's own training."""
     seen = forest.provenance
-    if IMAGES_SHA256 in settings:
-        if seen.get(IMAGES_SHA256) == settings[IMAGES_SHA256]:
-            raise LimbError(
-                "The forest was trained on these images, and is surer of them than of others. "
-                "Choose other images."
-            )
-    # A folder may be called as the simulator is.
-    elif all(seen.get(name) == settings.get(name) for name in ("images", "seed", IMAGES_SHA256)):
+    if _fingerprints(seen) & _fingerprints(settings):
+        raise LimbError(
+            "The forest was trained on these images, and is surer of them than of others. "
+            "Choose other images."
+        )
+    told = [(one.get("images"), one.get("seed")) for one in (seen, settings)]
+    if told[0] == told[1] and settings["images"] == SIMULATOR:
         raise LimbError(
             "The forest was trained on these images, and is surer of them than of others. Choose "
             "other images, or another seed."
         )
+
+
+def _fingerprints(settings: Mapping[str, object]) -> frozenset[str]:
+    """Return those of each folder of images; none where people were simulated."""
+    found = settings.get(IMAGES_SHA256)
+    return frozenset(map(str, found)) if isinstance(found, list) else frozenset()
 
 
 def _trainer(

@@ -19,7 +19,8 @@ from adibas.limbs.context import forest_probabilities, limb_probabilities
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
 from adibas.limbs.model import LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
-from adibas.limbs.training_set import Chosen, LimbFolder, check_people
+from adibas.limbs.training_folders import LimbFolders
+from adibas.limbs.training_set import Chosen, check_people
 from adibas.pipeline.limb_pictures import limb_picture
 from adibas.progress import Progress
 
@@ -143,18 +144,18 @@ def evaluate_model(
     return counts.evaluation("model", 1)
 
 
-def evaluate_folder(
-    folder: Path,
+def evaluate_folders(
+    folders: Sequence[Path],
     model: Path | None,
     params: EvaluationParams,
     pictures: Path | None,
     progress: Progress,
 ) -> LimbEvaluation:
-    """Evaluate a model on a folder, or models that are trained on parts of it.
+    """Evaluate a model on the images of folders, or models that are trained on parts of it.
 
     Parameters
     ----------
-    folder : Path
+    folders : sequence of Path
     model : Path or None
         None: see `cross_validate`.
     params : EvaluationParams
@@ -167,7 +168,7 @@ def evaluate_folder(
     LimbError, FileError
         The images or the model cannot be used, or the pictures not be written.
     """
-    images = LimbFolder(folder)
+    images = LimbFolders(folders)
 
     def show(judged: Judged) -> None:
         if pictures is not None:
@@ -187,7 +188,7 @@ def _write_picture(path: Path, judged: Judged) -> None:
 
 
 def cross_validate(
-    images: LimbFolder,
+    images: LimbFolders,
     params: EvaluationParams,
     progress: Progress,
     show: Callable[[Judged], None] | None = None,
@@ -218,13 +219,13 @@ def cross_validate(
     return counts.evaluation(protocol, n_groups)
 
 
-def groups_of(images: LimbFolder, params: EvaluationParams) -> IntArray:
+def groups_of(images: LimbFolders, params: EvaluationParams) -> IntArray:
     """Return the group of each image.
 
     Raises
     ------
     LimbError
-        People are to be left out, and the folder does not say who is in each image.
+        People are to be left out, and a folder does not say who is in each image.
     """
     if params.split == "people":
         return np.unique(np.array(images.people), return_inverse=True)[1].astype(np.int64)

@@ -16,12 +16,13 @@ from adibas.forests.params import ForestParams
 from adibas.forests.samples import Memory, PixelSample, TrainingImages
 from adibas.forests.training import DrawPixels, Tree, join_trees, train_tree
 from adibas.limbs.model import CLUTTER, LimbModel, load_model, merged, model_of, save_model
-from adibas.limbs.training_set import TO_TORSO, LimbFolder, Mirrored, Relabelled, check_people
+from adibas.limbs.training_folders import folders_of
+from adibas.limbs.training_set import TO_TORSO, Mirrored, Relabelled, check_people
 from adibas.pipeline.limb_simulator import SIMULATED_LABELS
 from adibas.pipeline.unfinished_training import (
     Progress,
     check_same,
-    fingerprint_of,
+    origin_of,
     simulated_images,
     work_folder,
 )
@@ -53,10 +54,10 @@ class TrainingRequest:
     ----------
     out : Path
         The model; what is unfinished is kept in a folder beside it.
-    folder : Path or None
-        Of labelled images; None: they are simulated.
+    folders : tuple of Path
+        Of labelled images; without any they are simulated.
     labels : str
-        One of `LABEL_SETS`, or empty for those of the folder (full body of the simulator).
+        One of `LABEL_SETS`, or empty for those of the images (full body of the simulator).
     n_frames : int
         To simulate.
     seed : int
@@ -66,7 +67,7 @@ class TrainingRequest:
     """
 
     out: Path
-    folder: Path | None = None
+    folders: tuple[Path, ...] = ()
     labels: str = ""
     n_frames: int = SHIPPED_FRAMES
     seed: int = 0
@@ -98,22 +99,20 @@ def _trained(
     request: TrainingRequest, draw: DrawPixels, progress: Progress, clock: Clock
 ) -> LimbModel:
     work = work_folder(request.out)
-    folder = None if request.folder is None else LimbFolder(request.folder)
-    labels = _labels_of(SIMULATED_LABELS if folder is None else folder.labels, request.labels)
+    labelled = folders_of(request.folders)
+    labels = _labels_of(SIMULATED_LABELS if labelled is None else labelled.labels, request.labels)
     settings = {
         "version": __version__,
-        "images": "simulator" if request.folder is None else request.folder.name,
-        "mirrored": request.folder is None,
-        "n_images": request.n_frames if folder is None else len(folder),
+        "mirrored": not request.folders,
         "labels": list(labels),
         "seed": request.seed,
         "params": asdict(request.params),
-        **fingerprint_of(folder),
+        **origin_of(labelled, request.n_frames),
     }
-    if folder is not None:
-        check_people(folder)
+    if labelled is not None:
+        check_people(labelled)
     check_same(work, settings)
-    images: TrainingImages = folder or Mirrored(
+    images: TrainingImages = labelled or Mirrored(
         simulated_images(work, request.n_frames, request.seed, progress)
     )
     if images.labels != labels:

@@ -6,11 +6,13 @@ from pathlib import Path
 
 from adibas.errors import LimbError
 from adibas.files import DAMAGED_JSON, written_whole
+from adibas.limbs.training_folders import LimbFolders
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_simulator import simulate_folder
 
 IMAGES_SHA256 = "images_sha256"
-"""Setting of a training on a folder; which people are simulated the seed tells."""
+"""Setting of a training on folders, one of each; which people are simulated the seed tells."""
+SIMULATOR = "simulator"
 Progress = Callable[[str, int, int], None]
 """Told the step (``simulating``, ``training``), what is done and all there is."""
 _UNFINISHED = ".training"
@@ -36,15 +38,21 @@ def simulated_images(work: Path, n_frames: int, seed: int, progress: Progress) -
     return LimbFolder(frames)
 
 
-def fingerprint_of(folder: LimbFolder | None) -> dict[str, object]:
-    """Return the setting that tells a folder's images from others; none for simulated ones.
+def origin_of(labelled: LimbFolders | None, n_simulated: int) -> dict[str, object]:
+    """Return the settings that tell which images these are; None: so many simulated ones.
 
     Raises
     ------
     LimbError
-        The folder cannot be read.
+        A folder cannot be read.
     """
-    return {} if folder is None else {IMAGES_SHA256: folder.sha256()}
+    if labelled is None:
+        return {"images": SIMULATOR, "n_images": n_simulated}
+    return {
+        "images": list(labelled.titles),
+        "n_images": len(labelled),
+        IMAGES_SHA256: list(labelled.sha256s()),
+    }
 
 
 def check_same(work: Path, settings: dict[str, object]) -> None:

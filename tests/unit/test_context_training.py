@@ -39,7 +39,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def forest_path(folder):
     path = folder.parent / "forest.npz"
-    train_model(TrainingRequest(path, folder, params=FOREST), _silent)
+    train_model(TrainingRequest(path, (folder,), params=FOREST), _silent)
     return path
 
 
@@ -51,7 +51,7 @@ def others(folder):
 @pytest.fixture(scope="module")
 def with_context(forest_path, others):
     path = others.parent / "with-context.npz"
-    train_context_of(ContextRequest(forest_path, path, others, params=NETWORK), _silent)
+    train_context_of(ContextRequest(forest_path, path, (others,), params=NETWORK), _silent)
     return path
 
 
@@ -189,7 +189,7 @@ class TestModel:
     def test_the_file_says_what_the_network_was_trained_on(self, forest_path, with_context):
         model = load_model(with_context)
         told = model.forest.provenance["context"]
-        assert (told["images"], told["n_images"], told["seed"]) == ("others", 14, 1)
+        assert (told["images"], told["n_images"], told["seed"]) == (["others"], 14, 1)
         assert told["model_created_utc"] == load_model(forest_path).created_utc
         assert not model.is_made(told["model_created_utc"])
         assert model.context is not None
@@ -270,7 +270,7 @@ class TestTraining:
     def test_what_broke_off_goes_on_to_the_same_network(
         self, forest_path, others, with_context, tmp_path
     ):
-        request = ContextRequest(forest_path, tmp_path / "model.npz", others, params=NETWORK)
+        request = ContextRequest(forest_path, tmp_path / "model.npz", (others,), params=NETWORK)
         passes = []
 
         def stop(step, done, _all):
@@ -292,12 +292,12 @@ class TestTraining:
     def test_a_network_that_a_model_has_already_goes_on_learning(self, with_context, tmp_path):
         more = fill(tmp_path / "more", 14, first=400)
         passes = replace(NETWORK, widths=(4,), n_passes=1, rate=0.0)  # its own widths stay
-        request = ContextRequest(with_context, tmp_path / "model.npz", more, params=passes)
+        request = ContextRequest(with_context, tmp_path / "model.npz", (more,), params=passes)
         train_context_of(request, _silent)
         before, behind = load_model(with_context), load_model(request.out)
         assert behind.context.shape == before.context.shape
         told = behind.forest.provenance["context"]
-        assert (told["images"], told["params"]["widths"]) == ("more", [6, 8])
+        assert (told["images"], told["params"]["widths"]) == (["more"], [6, 8])
         assert told["before"] == before.forest.provenance["context"]
         depth_m, labels, focal_px = LimbFolder(more).read(2)
         view = PersonView(depth_m, labels > 0, labels > 0, focal_px)
@@ -309,14 +309,14 @@ class TestTraining:
     @pytest.mark.parametrize("name", ["seen", "renamed"])
     def test_the_forest_s_own_images_are_refused(self, forest_path, folder, tmp_path, seed, name):
         images = shutil.copytree(folder, tmp_path / name)
-        request = ContextRequest(forest_path, tmp_path / "model.npz", images, seed=seed)
+        request = ContextRequest(forest_path, tmp_path / "model.npz", (images,), seed=seed)
         with pytest.raises(LimbError, match="trained on these images"):
             train_context_of(request, _silent)
 
     def test_other_images_are_taken_whatever_name_and_seed(self, forest_path, folder, tmp_path):
         others = fill(tmp_path / folder.name, first=100)
         params = replace(NETWORK, n_passes=1)
-        request = ContextRequest(forest_path, tmp_path / "m.npz", others, seed=0, params=params)
+        request = ContextRequest(forest_path, tmp_path / "m.npz", (others,), seed=0, params=params)
         assert train_context_of(request, _silent).context is not None
 
     def test_a_simulated_forest_s_own_people_are_refused(self, tmp_path):
@@ -335,21 +335,21 @@ class TestTraining:
 
         out = tmp_path / "model.npz"
         with pytest.raises(KeyboardInterrupt):
-            train_context_of(ContextRequest(forest_path, out, others, params=NETWORK), stop)
+            train_context_of(ContextRequest(forest_path, out, (others,), params=NETWORK), stop)
         changed = fill(tmp_path / others.name, 14, first=200)
         with pytest.raises(LimbError, match="other settings or images"):
-            train_context_of(ContextRequest(forest_path, out, changed, params=NETWORK), _silent)
+            train_context_of(ContextRequest(forest_path, out, (changed,), params=NETWORK), _silent)
 
     def test_images_with_other_labels_are_refused(self, forest_path, tmp_path):
         images = fill(tmp_path / "sided", 2, ("left_hand", "right_hand"))
-        request = ContextRequest(forest_path, tmp_path / "model.npz", images)
+        request = ContextRequest(forest_path, tmp_path / "model.npz", (images,))
         with pytest.raises(LimbError, match="other labels"):
             train_context_of(request, _silent)
         assert [path.name for path in tmp_path.iterdir()] == ["sided"]
 
     def test_images_without_depth_are_refused(self, forest_path, others, tmp_path, monkeypatch):
         monkeypatch.setattr(context_training, "_LEAST_PIXELS", 10_000)
-        request = ContextRequest(forest_path, tmp_path / "model.npz", others)
+        request = ContextRequest(forest_path, tmp_path / "model.npz", (others,))
         with pytest.raises(LimbError, match="Nobody with depth"):
             train_context_of(request, _silent)
         assert not list(tmp_path.iterdir())
@@ -363,7 +363,7 @@ class TestTraining:
         command = ["limbs", "train", str(others), "--context", str(forest_path)]
         assert main([*command, "--out", str(out), "--json"]) == 0
         told = json.loads(capsys.readouterr().out)
-        assert told["provenance"]["context"]["images"] == "others"
+        assert told["provenance"]["context"]["images"] == ["others"]
         assert load_model(out).context is not None
 
 

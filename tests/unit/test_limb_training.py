@@ -12,6 +12,7 @@ from adibas.errors import LimbError
 from adibas.forests.params import ForestParams
 from adibas.limbs.evaluation import Confusion
 from adibas.limbs.model import load_model
+from adibas.limbs.training_folders import LimbFolders
 from adibas.limbs.training_set import (
     DEPTH,
     HEADER,
@@ -92,9 +93,9 @@ def test_images_that_do_not_fit_are_named(folder):
 
 
 def test_training_that_broke_off_goes_on_to_the_same_model(folder, tmp_path, monkeypatch):
-    whole = TrainingRequest(tmp_path / "whole.npz", folder, seed=4, params=PARAMS)
+    whole = TrainingRequest(tmp_path / "whole.npz", (folder,), seed=4, params=PARAMS)
     wanted = train_model(whole, lambda *_told: None)
-    broken = TrainingRequest(tmp_path / "broken.npz", folder, seed=4, params=PARAMS)
+    broken = TrainingRequest(tmp_path / "broken.npz", (folder,), seed=4, params=PARAMS)
 
     def stop(_step, done, _total):
         if done > PARAMS.max_depth:
@@ -124,9 +125,9 @@ def test_other_settings_do_not_go_on_with_a_training_that_broke_off(folder, tmp_
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        train_model(TrainingRequest(tmp_path / "m.npz", folder, seed=1, params=PARAMS), stop)
+        train_model(TrainingRequest(tmp_path / "m.npz", (folder,), seed=1, params=PARAMS), stop)
     with pytest.raises(LimbError, match="other settings"):
-        train_model(TrainingRequest(tmp_path / "m.npz", folder, seed=2, params=PARAMS), stop)
+        train_model(TrainingRequest(tmp_path / "m.npz", (folder,), seed=2, params=PARAMS), stop)
 
 
 def test_a_training_that_broke_off_goes_on_with_no_other_folder_of_the_same_name(folder, tmp_path):
@@ -135,10 +136,12 @@ def test_a_training_that_broke_off_goes_on_with_no_other_folder_of_the_same_name
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        train_model(TrainingRequest(tmp_path / "m.npz", folder, params=PARAMS), stop)
+        train_model(TrainingRequest(tmp_path / "m.npz", (folder,), params=PARAMS), stop)
     other = fill(tmp_path / "elsewhere" / folder.name, first=100)
     with pytest.raises(LimbError, match="other settings or images"):
-        train_model(TrainingRequest(tmp_path / "m.npz", other, params=PARAMS), lambda *_told: None)
+        train_model(
+            TrainingRequest(tmp_path / "m.npz", (other,), params=PARAMS), lambda *_told: None
+        )
 
 
 def test_other_settings_do_not_go_on_with_images_of_another_seed(tmp_path):
@@ -154,7 +157,7 @@ def test_other_settings_do_not_go_on_with_images_of_another_seed(tmp_path):
 @pytest.mark.parametrize("is_simulated", [True, False])
 def test_labels_that_the_images_do_not_have_are_refused_at_once(folder, tmp_path, is_simulated):
     told = []
-    images = None if is_simulated else folder
+    images = () if is_simulated else (folder,)
     request = TrainingRequest(tmp_path / "m.npz", images, "hand-6", params=PARAMS)
     with pytest.raises(LimbError, match="hand-6"):
         train_model(request, lambda *step: told.append(step))
@@ -186,7 +189,7 @@ def test_images_of_nobody_with_depth_are_told_and_leave_nothing(folder, tmp_path
     if command == "train":
         options += ["--out", str(tmp_path / "m.npz")]
     elif command == "evaluate a model":
-        train_model(TrainingRequest(model, folder, params=PARAMS), lambda *_told: None)
+        train_model(TrainingRequest(model, (folder,), params=PARAMS), lambda *_told: None)
         options += ["--model", str(model)]
     assert main(["limbs", command.split()[0], str(bare), *options]) == 1
     assert "Nobody with depth is in the images." in capsys.readouterr().err
@@ -194,7 +197,7 @@ def test_images_of_nobody_with_depth_are_told_and_leave_nothing(folder, tmp_path
 
 
 def test_groups_are_folds_or_people(folder):
-    images = LimbFolder(folder)
+    images = LimbFolders([folder])
     folds = groups_of(images, EvaluationParams("folds"))
     assert sorted(np.bincount(folds)) == [2, 2, 2, 2, 2]
     np.testing.assert_array_equal(groups_of(images, EvaluationParams("people")), [0, 1] * 5)
@@ -267,7 +270,7 @@ def test_options_that_would_go_unheard_are_wrong_usage(tmp_path, capsys, options
 
 def test_a_model_of_other_labels_is_not_merged_nor_evaluated(folder, tmp_path, capsys):
     model = tmp_path / "model.npz"
-    train_model(TrainingRequest(model, folder, params=PARAMS), lambda *_told: None)
+    train_model(TrainingRequest(model, (folder,), params=PARAMS), lambda *_told: None)
     merge = ["limbs", "train", "--merge", str(model), "--out", str(tmp_path / "7.npz")]
     assert main(merge) == 1
     assert "full-body-15" in capsys.readouterr().err

@@ -101,7 +101,7 @@ def quiet(*_told):
 
 
 def test_two_workers_grow_the_forest_of_one_machine_to_the_last_bit(two_workers, folder, tmp_path):
-    here = TrainingRequest(tmp_path / "here.npz", folder, seed=5, params=PARAMS)
+    here = TrainingRequest(tmp_path / "here.npz", (folder,), seed=5, params=PARAMS)
     there = replace(here, out=tmp_path / "there.npz", cluster=two_workers)
     wanted, found = (train_model(request, quiet).forest for request in (here, there))
     assert len(wanted.nodes) > 100
@@ -118,7 +118,7 @@ def test_each_worker_holds_a_share_of_the_images(two_workers, folder, tmp_path, 
         return unpack(packed, shape)
 
     monkeypatch.setattr(training_cluster, "unpack_counts", noted)
-    request = TrainingRequest(tmp_path / "m.npz", folder, params=PARAMS, cluster=two_workers)
+    request = TrainingRequest(tmp_path / "m.npz", (folder,), params=PARAMS, cluster=two_workers)
     train_model(request, quiet)
     assert counted[:2] == [4 * PARAMS.n_pixels, 3 * PARAMS.n_pixels]
 
@@ -150,7 +150,7 @@ def test_a_damaged_image_is_told_as_on_one_machine(two_workers, folder, tmp_path
         (tmp_path / path.name).write_bytes(path.read_bytes())
     (tmp_path / f"0004{DEPTH}").write_bytes(b"no picture")
     params = replace(PARAMS, n_images=None)
-    request = TrainingRequest(tmp_path / "m.npz", tmp_path, params=params, cluster=two_workers)
+    request = TrainingRequest(tmp_path / "m.npz", (tmp_path,), params=params, cluster=two_workers)
     with pytest.raises(LimbError, match=r"0004\.depth\.png in .* is damaged"):
         train_model(request, quiet)
 
@@ -169,7 +169,7 @@ def test_what_is_no_address_is_told_so(address):
 
 def test_an_address_where_nobody_answers_is_told(monkeypatch, folder, tmp_path):
     monkeypatch.setattr(training_cluster, "ANSWER_S", 0.5)
-    request = TrainingRequest(tmp_path / "m.npz", folder, cluster="tcp://127.0.0.1:9")
+    request = TrainingRequest(tmp_path / "m.npz", (folder,), cluster="tcp://127.0.0.1:9")
     with pytest.raises(LimbError, match="No Dask cluster answers"):
         train_model(request, quiet)
     assert not list(tmp_path.iterdir())
@@ -186,14 +186,16 @@ def test_a_cluster_without_workers_is_told(tmp_path):
 
 def test_a_lost_worker_ends_the_training_and_what_is_done_is_kept(folder, tmp_path):
     """Killed in the second tree; the same command then goes on with that tree, here."""
-    wanted = train_model(TrainingRequest(tmp_path / "w.npz", folder, params=PARAMS), quiet).forest
+    wanted = train_model(
+        TrainingRequest(tmp_path / "w.npz", (folder,), params=PARAMS), quiet
+    ).forest
     with cluster(tmp_path) as (address, workers):
 
         def kill_one(_step, done, _total):
             if done == PARAMS.max_depth + 2:
                 workers[0].kill()
 
-        request = TrainingRequest(tmp_path / "m.npz", folder, params=PARAMS, cluster=address)
+        request = TrainingRequest(tmp_path / "m.npz", (folder,), params=PARAMS, cluster=address)
         with pytest.raises(LimbError, match="was lost"):
             train_model(request, kill_one)
     assert (tmp_path / "m.npz.training" / "tree-0.npz").exists()
@@ -218,7 +220,7 @@ def test_ctrl_c_ends_the_training_and_the_cluster_is_free_again(two_workers, fol
     assert told.strip().endswith("m.npz.training; the same command goes on from there.")
     assert "Traceback" not in told
     assert not out.exists()
-    request = TrainingRequest(tmp_path / "n.npz", folder, params=PARAMS, cluster=two_workers)
+    request = TrainingRequest(tmp_path / "n.npz", (folder,), params=PARAMS, cluster=two_workers)
     with ThreadPoolExecutor(1) as pool:
         pool.submit(train_model, request, quiet).result(60)
 
