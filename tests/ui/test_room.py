@@ -93,9 +93,10 @@ def test_with_smaller_letters_the_window_can_be_as_narrow_as_ever(open_window):
     user = open_window()
     user.give_passphrase()
     user.until(lambda: user.window.shown)
-    for name in ("patients", "capture", "markers", "reports", "settings"):
-        user.go_to(name)
-    user.settle()
+    for _visit in range(2):  # what a screen reads at its first visit may come after it was left
+        for name in ("patients", "capture", "markers", "reports", "settings"):
+            user.go_to(name)
+        user.settle()
     usual_px = least_width_px(user)
     user.application.preferences.change(font_scale=2.0)
     for name in ("patients", "capture", "markers", "reports", "settings"):
@@ -103,7 +104,7 @@ def test_with_smaller_letters_the_window_can_be_as_narrow_as_ever(open_window):
     user.settle()
     assert least_width_px(user) > usual_px
     user.application.preferences.change(font_scale=1.0)
-    assert least_width_px(user) == usual_px
+    user.until(lambda: least_width_px(user) == usual_px)
     assert user.window.shown == "settings"
     user.window.resize(usual_px, 700)
     assert user.window.width() == usual_px
