@@ -18,6 +18,11 @@ class LimbFolders:
     folders : sequence of Path
         One at least. Who is named alike in two of them is the same person.
 
+    Attributes
+    ----------
+    titles : tuple of str
+        What each folder is called, without where it lies.
+
     Raises
     ------
     LimbError

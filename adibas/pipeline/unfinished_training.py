@@ -11,7 +11,7 @@ from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_simulator import simulate_folder
 
 IMAGES_SHA256 = "images_sha256"
-"""Setting of a training on folders, one of each; which people are simulated the seed tells."""
+"""Setting of a training on folders: each one's fingerprint; of simulated people the seed tells."""
 SIMULATOR = "simulator"
 Progress = Callable[[str, int, int], None]
 """Told the step (``simulating``, ``training``), what is done and all there is."""

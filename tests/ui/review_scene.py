@@ -96,6 +96,13 @@ def places(capture):
     return {one.label: (round(one.u, 3), round(one.v, 3)) for one in capture.markers()}
 
 
+def told(workspace):
+    """Return the list that every notice of the window is added to from now on."""
+    sentences = []
+    workspace.noticed.subscribe(lambda kind, sentence: sentences.append((kind, sentence)))
+    return sentences
+
+
 def plain_marker(label, u=0.0, v=0.0):
     """Return a marker without a position."""
     return Marker(label, u, v, 2.0, np.eye(2))

@@ -11,7 +11,14 @@ from adibas.geometry.pinhole import project
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
-from tests.ui.review_scene import COLOR, entered_review, new_capture, picture_rgb, saved_session
+from tests.ui.review_scene import (
+    COLOR,
+    entered_review,
+    new_capture,
+    picture_rgb,
+    saved_session,
+    told,
+)
 from ui.review.presenter import ReviewView
 
 HAND = "m09"
@@ -50,12 +57,6 @@ def view():
 def points(view, workspace, saved):
     with entered_review(view, workspace, saved) as presenter:
         yield presenter.points
-
-
-def told(workspace):
-    sentences = []
-    workspace.noticed.subscribe(lambda kind, sentence: sentences.append((kind, sentence)))
-    return sentences
 
 
 def shown(view):

@@ -26,6 +26,7 @@ from tests.ui.review_scene import (
     places,
     plain_marker,
     saved_session,
+    told,
 )
 from tests.unit.store_samples import add_patient
 from ui.review.content import Mode
@@ -91,12 +92,6 @@ def review(view, workspace, saved):
 @pytest.fixture
 def points(review):
     return review.points
-
-
-def told(workspace):
-    sentences = []
-    workspace.noticed.subscribe(lambda kind, sentence: sentences.append((kind, sentence)))
-    return sentences
 
 
 def now(store, capture):

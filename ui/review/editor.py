@@ -117,15 +117,16 @@ class CaptureEditor:
             Of labels, the markers with their names. One that was renamed, moved or removed
             meanwhile is passed over, and so is a name that is taken by now.
         """
-        history, n_named = self.history, 0
+        history, markers, n_named = self.history, self.saved(), 0
         for label, named in found.items():
-            labels = {one.label: one for one in history.markers(self._capture.detected)}
-            before = labels.get(label)
-            is_there = before is not None and (before.u, before.v) == (named.u, named.v)
-            if before is None or not is_there or named.label in labels:
+            before = markers.get(label)
+            if before is None or named.label in markers:
+                continue
+            if (before.u, before.v) != (named.u, named.v):
                 continue
             after = replace(before, label=named.label, named_by=named.named_by)
             history = history.after(MarkerCorrection(before, after))
+            markers[after.label] = markers.pop(label)
             n_named += 1
         if n_named:
             self._keep(history)
