@@ -98,25 +98,26 @@ def _cut_rows(forest: Forest, effort: Effort) -> Iterator[Row]:
 
 
 def _compare_cuts(title: str, energy: LabelEnergy, n_rounds: int) -> Iterator[Row]:
-    """Time loops from the same labels; then each as it is used, ours with the search of its start.
+    """Time both loops from the same labels, then each as it is used.
 
-    A loop as one writes it begins from the likeliest labels.
+    The program's way seeks its start, within the time; a loop as one writes it with PyMaxflow
+    begins from the likeliest labels.
     """
     ours_of, peer_of = (expand, peer_expand) if energy.is_metric else (swap, peer_swap)
     likeliest, start = cheapest_labels(energy), start_labels(energy)
-    pairs = {
+    cases = {
         "both from likeliest labels": (partial(ours_of, energy, likeliest), likeliest),
         "both from our start": (partial(ours_of, energy, start), start),
         "each from its own start": (partial(minimise, energy), likeliest),
     }
-    for told, (ours, peer_start) in pairs.items():
+    for starts, (ours, peer_start) in cases.items():
         peer = partial(peer_of, energy, peer_start)
         ours_ms, peer_ms = _medians_ms([ours, peer], n_rounds)
-        name = f"cut of {title}, {told}"
-        yield Row(name, ours_ms, "ms CPU", peer_ms, "PyMaxflow loop")
+        name = f"{title}, {starts}"
+        yield Row(f"cut of {name}", ours_ms, "ms CPU", peer_ms, "PyMaxflow loop")
         yield Row("same: times faster", peer_ms / ours_ms, "", CUT_GOAL, "goal >=")
         more = ours().energy - plain_energy(energy, pairs_of(energy), peer()[0])
-        yield Row(f"energy more than PyMaxflow's, {title}, {told}", more, "units", 0, "goal <=")
+        yield Row(f"energy more than PyMaxflow's, {name}", more, "units", 0, "goal <=")
 
 
 def _whole_cut(
