@@ -133,10 +133,22 @@ def test_a_stack_of_images_is_cut_as_a_whole():
         assert expand(energy, cheapest_labels(energy)).energy == plain_energy(energy, labels)
 
 
-def test_the_start_is_never_worse_than_the_likeliest_labels():
-    for _, energy in energies(OMEGA_2, n_cases=40):
+@pytest.mark.parametrize("table", [None, OMEGA_2])
+def test_the_start_is_never_worse_than_the_likeliest_labels(table):
+    for _, energy in energies(table, n_cases=40):
         assert energy.of(start_labels(energy)) <= energy.of(cheapest_labels(energy))
-        assert minimise(energy).energy <= energy.of(start_labels(energy))
+
+
+def test_expansions_begin_from_the_settled_labels():
+    for _, energy in energies(n_cases=40):
+        labels, _ = peer_expand(energy, start_labels(energy))
+        np.testing.assert_array_equal(minimise(energy).labels, labels)
+
+
+def test_swaps_begin_from_the_likeliest_labels():
+    for _, energy in energies(OMEGA_2, n_cases=40):
+        labels, _ = peer_swap(energy, cheapest_labels(energy))
+        np.testing.assert_array_equal(minimise(energy).labels, labels)
 
 
 def test_omega_2_is_swapped_and_never_expanded():
