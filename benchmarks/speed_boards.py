@@ -1,7 +1,6 @@
 """How fast boards are drawn, and how exactly: the other side of every figure of a calibration."""
 
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 import cv2
 import numpy as np
@@ -12,6 +11,7 @@ from adibas.simulation.boards_poses import random_board_poses
 from adibas.simulation.device import COLOR_SIZES, draw_device
 from adibas.simulation.scenes import open_scene
 from benchmarks.table import Row
+from benchmarks.works import median_ms
 
 GOAL_RENDER_MS = 60.0
 GOAL_SCENE_HZ = 10.0
@@ -32,26 +32,26 @@ def _rows(n: int) -> Iterator[Row]:
     for size in COLOR_SIZES:
         name = f"{size[1]}x{size[0]}"
         for in_color, kind in ((False, "grey"), (True, "colour")):
-            milliseconds = 1e3 * _seconds_a_board(size, n, in_color=in_color)
+            milliseconds = _ms_a_board(size, n, in_color=in_color)
             yield Row(f"board at {name}, {kind}", milliseconds, "ms", GOAL_RENDER_MS, "goal <=")
         rms_px = _corner_rms_px(size, n)
         yield Row(f"OpenCV's cornerSubPix on grey boards at {name}", rms_px, "px rms")
     for size in COLOR_SIZES:
         name = f"simulator:board, colour {size[1]}x{size[0]} and depth"
-        yield Row(name, 1.0 / _seconds_a_frame(size, n), "frames/s", GOAL_SCENE_HZ, "goal >=")
+        yield Row(name, 1e3 / _ms_a_frame(size, n), "frames/s", GOAL_SCENE_HZ, "goal >=")
 
 
-def _seconds_a_board(size: tuple[int, int], n: int, *, in_color: bool) -> float:
+def _ms_a_board(size: tuple[int, int], n: int, *, in_color: bool) -> float:
     board, camera = PRINTED_BOARDS["A3"].board, draw_device(1, size).color
     rng = np.random.default_rng(1)
     poses = iter(random_board_poses(rng, board, camera, n + 1))
-    return _median_s(lambda: render_board(board, next(poses), camera, rng, in_color=in_color), n)
+    return median_ms(lambda: render_board(board, next(poses), camera, rng, in_color=in_color), n)
 
 
-def _seconds_a_frame(size: tuple[int, int], n: int) -> float:
+def _ms_a_frame(size: tuple[int, int], n: int) -> float:
     scene = open_scene("board", 7, color_size=size)
     numbers = iter(range(0, (n + 1) * FRAMES_APART, FRAMES_APART))
-    return _median_s(lambda: scene.frame(next(numbers)), n)
+    return median_ms(lambda: scene.frame(next(numbers)), n)
 
 
 def _corner_rms_px(size: tuple[int, int], n: int) -> float:
@@ -67,13 +67,3 @@ def _corner_rms_px(size: tuple[int, int], n: int) -> float:
         found = cv2.cornerSubPix(image, start, (4, 4), (-1, -1), stop)
         errors.append(found.reshape(-1, 2) - truth)
     return float(np.sqrt((np.concatenate(errors) ** 2).sum(axis=1).mean()))
-
-
-def _median_s(work: Callable[[], object], n_rounds: int) -> float:
-    work()
-    times_s = []
-    for _ in range(n_rounds):
-        start_s = time.process_time()
-        work()
-        times_s.append(time.process_time() - start_s)
-    return float(np.median(times_s))

@@ -25,7 +25,7 @@ from benchmarks.limb_cuts import OTHER_POSES, cut_rows
 from benchmarks.limb_frames import FOCAL_PX, UPPER_BODY, LimbFrames
 from benchmarks.limb_training import memory_rows, training_row
 from benchmarks.table import Row
-from benchmarks.works import Work, medians_ms, spent_s
+from benchmarks.works import Work, median_ms, medians_ms, spent_s
 
 SEED = 6200
 LABEL_SETS = {7: UPPER_BODY, 15: BODY_PART_NAMES}
@@ -76,7 +76,7 @@ def _forest_rows(
     training_s = spent_s(partial(train_forest, images, params, SEED))
     name = f"forest training, {len(images)} images x {params.n_pixels} pixels"
     if importlib.util.find_spec("sklearn") is None:
-        (ours_ms,) = medians_ms([ours], effort.n_rounds)
+        ours_ms = median_ms(ours, effort.n_rounds)
         yield Row(f"forest, {size} (scikit-learn is not installed)", ours_ms, "ms CPU")
         yield Row(name, training_s, "s CPU")
         return
@@ -91,7 +91,7 @@ def _forest_rows(
     yield Row("same: times faster", peer_clock_ms / clock_ms, "", 20, "goal >=")
     peer.model.n_jobs = None
     values = peer.features(depth_m, mask)
-    (alone_ms,) = medians_ms([partial(peer.model.predict_proba, values)], effort.n_rounds)
+    alone_ms = median_ms(partial(peer.model.predict_proba, values), effort.n_rounds)
     yield Row(f"forest, {size}", ours_ms, "ms CPU", alone_ms, "scikit-learn, features given")
     right = peer.probabilities(depth_m, mask).argmax(axis=1) == truth
     yield Row("share of right pixels of scikit-learn", 100 * float(right.mean()), "%")

@@ -4,7 +4,7 @@ import os
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 import cv2
@@ -25,6 +25,7 @@ from adibas.recordings.tum_writer import NOTES_FILE
 from adibas.sessions.sealed_recordings import SealedRecordings
 from adibas.sessions.sealing import KEY_SIZE
 from benchmarks.table import Row
+from benchmarks.works import Work, median_ms
 
 FRAME_RATE_HZ = 30
 N_LONG = 18_000
@@ -65,25 +66,19 @@ def _color_image(rng: np.random.Generator) -> UInt8Array:
     return noisy
 
 
-def _median_ms(work: Callable[[], object], n_rounds: int = 30) -> float:
-    work()
-    times = []
-    for _ in range(n_rounds):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return float(np.median(times)) * 1e3
+def _clock_ms(work: Work, n_rounds: int = 30) -> float:
+    return median_ms(work, n_rounds, time.perf_counter)
 
 
 def _codec_rows(depth: UInt16Array) -> Iterable[Row]:
     png = encode_png(depth)
     png_array = np.frombuffer(png, np.uint8)
     rvl = encode_rvl(depth)
-    ours_ms = _median_ms(lambda: encode_rvl(depth))
-    png_ms = _median_ms(lambda: encode_png(depth))
+    ours_ms = _clock_ms(lambda: encode_rvl(depth))
+    png_ms = _clock_ms(lambda: encode_png(depth))
     yield Row("compress 640x480 depth (RVL)", ours_ms, "ms", png_ms, "PNG 16 bit, fastest")
-    ours_ms = _median_ms(lambda: decode_rvl(rvl, depth.shape))
-    png_ms = _median_ms(lambda: cv2.imdecode(png_array, cv2.IMREAD_UNCHANGED))
+    ours_ms = _clock_ms(lambda: decode_rvl(rvl, depth.shape))
+    png_ms = _clock_ms(lambda: cv2.imdecode(png_array, cv2.IMREAD_UNCHANGED))
     yield Row("decompress 640x480 depth (RVL)", ours_ms, "ms", png_ms, "PNG 16 bit")
     yield Row("size of 640x480 depth", len(rvl) / 1024, "KiB", len(png) / 1024, "PNG 16 bit")
 
@@ -123,10 +118,10 @@ def _opening_rows(folder: Path, n_frames: int) -> Iterable[Row]:
         for i in range(n_frames):
             writer.write(SensorFrame(i, i * 33_333_333, depth_raw=small))
     name = f"open a recording of {n_frames:,} frames"
-    yield Row(name, _median_ms(lambda: open_recording(path).close(), 10), "ms", 50, "goal <")
+    yield Row(name, _clock_ms(lambda: open_recording(path).close(), 10), "ms", 50, "goal <")
     with path.open("r+b") as file:
         file.truncate(path.stat().st_size - 100)
-    ours_ms = _median_ms(lambda: open_recording(path).close(), 3)
+    ours_ms = _clock_ms(lambda: open_recording(path).close(), 3)
     yield Row(f"{name}, cut by a crash", ours_ms, "ms")
     with open_recording(folder / "jpeg.mcap") as reader:
         yield from _reading_rows(reader, "read any 640x480 frame")
@@ -137,9 +132,9 @@ def _reading_rows(reader: RecordingReader, name: str) -> Iterable[Row]:
     numbers = np.random.default_rng(SEED).integers(0, len(reader), 100)
     times = iter(np.tile(reader.timestamps_ns[numbers], 2))
     indexes = iter(np.tile(numbers, 2))
-    ours_ms = _median_ms(lambda: reader.read(int(next(indexes))), 100)
+    ours_ms = _clock_ms(lambda: reader.read(int(next(indexes))), 100)
     yield Row(f"{name} by its number", ours_ms, "ms", 10, "goal <")
-    ours_ms = _median_ms(lambda: reader.read_at(int(next(times))), 100)
+    ours_ms = _clock_ms(lambda: reader.read_at(int(next(times))), 100)
     yield Row(f"{name} by its time", ours_ms, "ms", 10, "goal <")
 
 
@@ -164,11 +159,11 @@ def _sealed_opening_rows(store: SealedRecordings, n_frames: int) -> Iterable[Row
         for i in range(n_frames):
             writer.write(SensorFrame(i, i * 33_333_333, depth_raw=small))
     name = f"open a sealed recording of {n_frames:,} frames"
-    ours_ms = _median_ms(lambda: store.open(recording_id, key).close(), 10)
+    ours_ms = _clock_ms(lambda: store.open(recording_id, key).close(), 10)
     yield Row(name, ours_ms, "ms", 50, "goal <")
     with store.path_of(recording_id).open("r+b") as file:
         file.truncate(store.size(recording_id) - 100)
-    ours_ms = _median_ms(lambda: store.open(recording_id, key).close(), 3)
+    ours_ms = _clock_ms(lambda: store.open(recording_id, key).close(), 3)
     yield Row(f"{name}, cut by a crash", ours_ms, "ms")
 
 
@@ -180,7 +175,7 @@ def _folder_rows(path: Path, n_frames: int) -> Iterable[Row]:
             time_ns = i * 33_333_333
             writer.write(SensorFrame(i, time_ns, depth, color, time_ns + 4_000_000))
     name = f"open a TUM folder of {n_frames:,} frames"
-    yield Row(name, _median_ms(lambda: open_recording(path).close(), 10), "ms", 50, "goal <")
+    yield Row(name, _clock_ms(lambda: open_recording(path).close(), 10), "ms", 50, "goal <")
     (path / NOTES_FILE).unlink()
-    ours_ms = _median_ms(lambda: open_recording(path).close(), 10)
+    ours_ms = _clock_ms(lambda: open_recording(path).close(), 10)
     yield Row(f"{name} of others", ours_ms, "ms", 50, "goal <")

@@ -1,8 +1,7 @@
 """How fast reports are written."""
 
 import tempfile
-import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.session_report import report_of_analysis
 from adibas.reports import write_report
 from benchmarks.table import Row
+from benchmarks.works import median_ms
 
 N_MARKERS = 15
 N_VIEWS = 4
@@ -31,9 +31,9 @@ def rows(*, quick: bool) -> Iterable[Row]:
     views = replace(report, captures=report.captures * N_VIEWS)
     with tempfile.TemporaryDirectory() as folder:
         excel, pdf = Path(folder) / "report.xlsx", Path(folder) / "report.pdf"
-        excel_ms = _median_ms(lambda: write_report(report, excel), n_rounds)
-        pdf_ms = _median_ms(lambda: write_report(report, pdf), n_rounds)
-        views_ms = _median_ms(lambda: write_report(views, pdf), n_rounds)
+        excel_ms = median_ms(lambda: write_report(report, excel), n_rounds)
+        pdf_ms = median_ms(lambda: write_report(report, pdf), n_rounds)
+        views_ms = median_ms(lambda: write_report(views, pdf), n_rounds)
     name = f"Excel report of {N_MARKERS} markers, {n_measures:,} distances and angles, CPU time"
     yield Row(name, excel_ms, "ms", GOAL_MS, "goal <=")
     yield Row("PDF report of the same, one view, CPU time", pdf_ms, "ms")
@@ -68,13 +68,3 @@ def _analysis() -> PostureAnalysis:
         calibration=RgbdCalibration(),
         provenance=Provenance("ab" * 32, "sha256:" + "cd" * 32, "0", "2026-01-01T00:00:00", {}),
     )
-
-
-def _median_ms(work: Callable[[], object], n_rounds: int) -> float:
-    work()
-    times_s = []
-    for _ in range(n_rounds):
-        start_s = time.process_time()
-        work()
-        times_s.append(time.process_time() - start_s)
-    return 1e3 * float(np.median(times_s))

@@ -15,6 +15,11 @@ def spent_s(work: Work, clock: Callable[[], float] = time.process_time) -> float
     return clock() - begin
 
 
+def median_ms(work: Work, n_rounds: int, clock: Callable[[], float] = time.process_time) -> float:
+    """Return the median time of one work after a first time."""
+    return medians_ms([work], n_rounds, clock)[0]
+
+
 def medians_ms(
     works: list[Work], n_rounds: int, clock: Callable[[], float] = time.process_time
 ) -> list[float]:

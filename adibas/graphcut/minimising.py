@@ -72,8 +72,8 @@ def minimise(energy: LabelEnergy, start: AnyArray | None = None) -> Labelling:
     energy : LabelEnergy
         Of N pixels.
     start : (N,) integer array or None
-        Labels to begin with; None takes `start_labels` for expansions, where it spares half of the
-        work, and `cheapest_labels` for swaps, where it spares next to none and may end higher.
+        Labels to begin with; None takes `start_labels` for expansions, where it spares up to half
+        the time, and `cheapest_labels` for swaps, where it spares a tenth and may end higher.
 
     Returns
     -------
