@@ -227,13 +227,13 @@ def _root_mean_square(
 
 
 def empty_arrow(n_camera: int, n_views: int) -> kernels.Arrow:
-    """Return room for the normal equations."""
+    """Return normal equations of views that say nothing yet."""
     return kernels.Arrow(
-        np.empty((n_views, n_camera, n_camera)),
-        np.empty((n_views, n_camera, 6)),
-        np.empty((n_views, 6, 6)),
-        np.empty((n_views, n_camera)),
-        np.empty((n_views, 6)),
+        np.zeros((n_views, n_camera, n_camera)),
+        np.zeros((n_views, n_camera, 6)),
+        np.zeros((n_views, 6, 6)),
+        np.zeros((n_views, n_camera)),
+        np.zeros((n_views, 6)),
     )
 
 
@@ -250,11 +250,16 @@ class _Descent:
         self.n_unknowns = len(self._free) + 6 * self._n_views
 
     def run(self, start: Estimate, scale_px: float, kind: int, cut: float) -> tuple[Estimate, bool]:
-        """Descend from `start`; return where it ended and whether it converged."""
+        """Descend from `start`; return where it ended and whether it converged.
+
+        From a start with seen points behind the camera there is no way down: it has no slope.
+        """
         sigmas_px = self._observations.sigmas * scale_px
         best, tried = self._room(), self._room()
         estimate = start
         loss = self._loss(estimate, sigmas_px, (kind, cut), best)
+        if not np.isfinite(loss):
+            return start, False
         damping, growth, expected = 1e-3, 2.0, np.inf
         step_a, step_c = np.empty(len(self._free)), np.empty((self._n_views, 6))
         reduced = np.empty((len(self._free), len(self._free)))

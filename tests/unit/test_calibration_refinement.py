@@ -125,8 +125,6 @@ def test_the_arrow_is_solved_as_the_whole_matrix_would_be():
 
 def test_a_singular_system_is_said_to_be_one():
     arrow = empty_arrow(1, 1)
-    for part in arrow:
-        part[:] = 0.0
     assert not kernels.solve_arrow(0.0, arrow, np.empty((1, 1)), np.empty(1), np.empty((1, 6)))
 
 
@@ -138,6 +136,15 @@ def test_points_behind_the_camera_cost_everything():
     free = LensModel(()).free()
     assert kernels.accumulate(views, guess, free, kernels.PLAIN, np.inf, arrow) == np.inf
     assert np.isnan(kernels.residuals_of(views, guess)).all()
+
+
+def test_nothing_descends_from_a_view_behind_the_camera():
+    observations, start = started(drawn_pixels(np.random.default_rng(4), 3))
+    start.translations_m[1] *= -1.0
+    found = refine(observations, start, LensModel(()), RefinementParams(loss=Loss.SQUARES))
+    assert not found.has_converged
+    assert found.estimate is start
+    assert uncertainty_of(observations, found, LensModel(()), np.inf) is None
 
 
 def test_gross_errors_change_nothing_that_matters():
