@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 SUMMARY = message("find the joints of everybody in a recording without markers")
 
-POSE_KINDS = (".csv", ".trc", ".c3d")
+KINDS_OF_ONE = (".trc", ".c3d")
+"""They hold one person."""
+POSE_KINDS = (".csv", *KINDS_OF_ONE)
 LAGS = range(11)
 
 
@@ -95,7 +97,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         write_pose(posed, path, person)
     for notice in posed.notices:
         console.warn(notice.text)
-    _tell(posed, arguments.out, console)
+    _tell(posed, arguments.out, person, console)
     if not arguments.view:
         _tell_sides(posed, console)
     console.give(pose_to_json(posed, arguments.out))
@@ -128,15 +130,18 @@ def _tell_sides(posed: "PosedRecording", console: Console) -> None:
         )
 
 
-def _tell(posed: "PosedRecording", paths: list[Path], console: Console) -> None:
+def _tell(posed: "PosedRecording", paths: list[Path], person: int, console: Console) -> None:
     n_people = len(posed.tracks)
     people = translate_plural("{n} person", "{n} people", n_people).format(n=n_people)
     for path in paths:
-        console.say(
-            _("{file}: joints of {people} in {n} frames, found without markers.").format(
-                file=path, people=people, n=posed.n_frames
+        if n_people > 1 and path.suffix.lower() in KINDS_OF_ONE:
+            text = _(
+                "{file}: joints of person {person} in {n} frames, found without markers. "
+                "{people} were seen: --person chooses one."
             )
-        )
+        else:
+            text = _("{file}: joints of {people} in {n} frames, found without markers.")
+        console.say(text.format(file=path, person=person, people=people, n=posed.n_frames))
     console.say(
         _("Smoothing uses {n} later frames ({ms:.0f} ms).").format(
             n=posed.lag_frames, ms=1000.0 * posed.lag_s

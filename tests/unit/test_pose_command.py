@@ -17,6 +17,7 @@ from adibas.pipeline.provenance import identity_of
 from adibas.recordings import create_recording, open_recording
 from adibas.recordings.joints_csv import read_joints_csv
 from adibas.resources import resource_path
+from adibas.simulation.crowds import open_crowd
 from adibas.simulation.scenes import open_scene
 from adibas.skeleton.following import ChosenJoints, PersonFollower
 from adibas.skeleton.sides import SideParams
@@ -24,18 +25,21 @@ from adibas.skeleton.sides import SideParams
 N_FRAMES = 6
 
 
-def record(path, name):
-    scene = open_scene(name, seed=2, has_color=False)
+def record(path, scene):
     with create_recording(path, scene.info) as writer:
         for index in range(N_FRAMES):
             writer.write(scene.frame(index).sensor_frame)
-    return scene
+
+
+def scene_of(name):
+    return open_scene(name, seed=2, has_color=False)
 
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     path = tmp_path_factory.mktemp("pose") / "idle.mcap"
-    scene = record(path, "idle")
+    scene = scene_of("idle")
+    record(path, scene)
     return path, np.stack([scene.frame(k).truth.joints_m for k in range(N_FRAMES)])
 
 
@@ -74,7 +78,8 @@ def test_joints_of_a_simulated_person_are_found_and_marked_as_markerless(
 
 def test_whether_a_back_is_seen_is_said_to_be_unsure_and_can_be_declared(tmp_path, capsys):
     path, out = tmp_path / "back.mcap", tmp_path / "joints.csv"
-    scene = record(path, "posterior")
+    scene = scene_of("posterior")
+    record(path, scene)
     assert main(["pose", str(path), "--out", str(out)]) == 0
     told = capsys.readouterr()
     assert "Left and right of person 1 may be exchanged" in told.err
@@ -109,9 +114,24 @@ def test_sides_are_sure_where_the_view_is_and_they_are_as_of_that_view(
     assert facts.is_view_sure == is_sure
 
 
+def test_a_file_of_one_person_says_whose_joints_it_holds_of_those_who_were_seen(tmp_path, capsys):
+    path = tmp_path / "children.mcap"
+    record(path, open_crowd("two_children_cross"))
+    table, one = tmp_path / "joints.csv", tmp_path / "joints.trc"
+    arguments = ["--person", "2", "--out", str(table), "--out", str(one)]
+    assert main(["pose", str(path), *arguments]) == 0
+    told = capsys.readouterr().out
+    assert f"{table}: joints of 2 people in {N_FRAMES} frames" in told
+    assert f"{one}: joints of person 2 in {N_FRAMES} frames" in told
+    assert "2 people were seen: --person chooses one." in told
+    across_mm = float(one.read_text().splitlines()[6].split("\t")[4])
+    head_m = read_joints_csv(table).tracks[1].joints_m[0, JOINT_NAMES.index("head")]
+    assert across_mm == pytest.approx(1000 * head_m[0], abs=0.01)
+
+
 def test_an_empty_room_gives_a_sentence_and_no_file(tmp_path, capsys):
     path, out = tmp_path / "empty.mcap", tmp_path / "joints.csv"
-    record(path, "empty")
+    record(path, scene_of("empty"))
     assert main(["pose", str(path), "--out", str(out)]) == 1
     assert "Nobody was found in empty.mcap. Nobody is seen." in capsys.readouterr().err
     assert not out.exists()
