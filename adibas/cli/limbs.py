@@ -199,11 +199,19 @@ def _add_evaluate(parser: argparse.ArgumentParser) -> None:
         metavar=_("FOLDER"),
         help=_("of labelled depth images; several are one set"),
     )
-    parser.add_argument(
+    measured = parser.add_mutually_exclusive_group()
+    measured.add_argument(
         "--model",
         type=Path,
         metavar="model.npz",
         help=_("measure this model; without it models are trained on parts of the folder"),
+    )
+    measured.add_argument(
+        "--shipped",
+        action="store_const",
+        dest="model",
+        const="shipped",
+        help=_("measure the model that comes with the program"),
     )
     parser.add_argument(
         "--leave-out",

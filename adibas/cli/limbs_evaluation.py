@@ -1,5 +1,6 @@
 """What `adibas limbs evaluate` prints: how often each label is right, after each step."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
@@ -13,18 +14,13 @@ if TYPE_CHECKING:
 
 def evaluation_lines(result: "LimbEvaluation") -> list[str]:
     """Return the lines: the mean over labels, each label, which the cut worsens, the confusion."""
-    lines = [
-        _("{protocol}, {n} groups, {images} images").format(
-            protocol=result.protocol, n=result.n_groups, images=result.n_images
-        ),
-        _mean_line(result),
-    ]
+    lines = [_protocol_line(result), _mean_line(result)]
     labels = result.forest.labels
     width = max(map(len, labels))
     steps = [one for one in (result.forest, result.network, result.cut) if one is not None]
     for label, *shares in zip(labels, *(one.per_class for one in steps), strict=True):
-        columns = "  ".join(f"{SpokenNumber(100 * share):6.1f} %" for share in shares)
-        lines.append(f"{label:{width}}  {columns}")
+        columns = "  ".join(map(_percent, shares))
+        lines.append(f"{label:{width}}  {columns}".rstrip())
     before, after = result.before_cut.per_class, result.cut.per_class
     worse = [label for label, one, other in zip(labels, before, after, strict=True) if other < one]
     if worse:
@@ -46,6 +42,19 @@ def _confusion_lines(cut: "Confusion") -> Iterator[str]:
         percent = (100 * counts / max(int(counts.sum()), 1)).round().astype(int).tolist()
         cells = "".join(f"{one or '':>4}" for one in percent)
         yield f"{number:2}  {label:{width}}{cells}".rstrip()
+
+
+def _protocol_line(result: "LimbEvaluation") -> str:
+    if result.n_groups == 1:
+        return _("One model, {images} images").format(images=result.n_images)
+    return _("{protocol}, {n} groups, {images} images").format(
+        protocol=result.protocol, n=result.n_groups, images=result.n_images
+    )
+
+
+def _percent(share: float) -> str:
+    """Return a column; a dash for a label that no pixel has."""
+    return f"{'-':>6}  " if math.isnan(share) else f"{SpokenNumber(100 * share):6.1f} %"
 
 
 def _mean_line(result: "LimbEvaluation") -> str:
@@ -89,4 +98,4 @@ def _figures(confusion: "Confusion") -> Mapping[str, object]:
 
 
 def _finite(share: float) -> float | None:
-    return None if share != share else share  # noqa: PLR0124  (NaN alone is not itself)
+    return None if math.isnan(share) else share

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import AnyArray, BoolArray, Float32Array, IntArray, UInt8Array
+from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.errors import LimbError
 from adibas.files import written_whole
 from adibas.forests.params import ForestParams
@@ -17,14 +18,16 @@ from adibas.forests.training import train_forest
 from adibas.limbs.cells import PersonView
 from adibas.limbs.context import forest_probabilities, limb_probabilities
 from adibas.limbs.evaluation import Confusion, confusion_of, no_confusion
-from adibas.limbs.model import LimbModel, load_model, model_of
+from adibas.limbs.model import CLUTTER, LimbModel, load_model, model_of
 from adibas.limbs.segmentation import LimbParams, cut_labels
 from adibas.limbs.training_folders import LimbFolders
 from adibas.limbs.training_set import Chosen, check_people
 from adibas.pipeline.limb_pictures import limb_picture
+from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.progress import Progress
 
 Split: TypeAlias = Literal["folds", "people"]
+Shipped: TypeAlias = Literal["shipped"]
 N_FOLDS = 5
 WHOLE = LimbParams(step=1)
 """Every pixel is labelled, as in the thesis."""
@@ -94,7 +97,7 @@ class LimbEvaluation:
 def judge(
     images: TrainingImages, indices: Sequence[int] | IntArray, model: LimbModel, params: LimbParams
 ) -> Iterator[Judged]:
-    """Label the images by a model with the same labels."""
+    """Label the images by a model with the same labels, or those and `CLUTTER`."""
     for index in indices:
         depth_m, truth, focal_px = images.read(int(index))
         mask = truth > 0
@@ -123,19 +126,22 @@ def evaluate_model(
 ) -> LimbEvaluation:
     """Evaluate one model on all images.
 
+    Images of limbs alone do for a model that knows `CLUTTER`, too: what it takes for clutter is
+    wrong then.
+
     Raises
     ------
     LimbError
         The model has other labels than the images, or nobody with depth is in them.
     """
-    if model.names != images.labels:
+    if images.labels not in (model.names, model.labels.names):
         raise LimbError(
             "The model has other labels than the images ({found}). Choose a model that was "
             "trained for these.",
             found=", ".join(images.labels),
         )
     check_people(images)
-    counts = _Counts(images.labels, has_network=model.context is not None)
+    counts = _Counts(model.names, has_network=model.context is not None)
     for done, judged in enumerate(judge(images, range(len(images)), model, params), start=1):
         counts.add(judged)
         if show is not None:
@@ -146,7 +152,7 @@ def evaluate_model(
 
 def evaluate_folders(
     folders: Sequence[Path],
-    model: Path | None,
+    model: Path | Shipped | None,
     params: EvaluationParams,
     pictures: Path | None,
     progress: Progress,
@@ -156,8 +162,9 @@ def evaluate_folders(
     Parameters
     ----------
     folders : sequence of Path
-    model : Path or None
-        None: see `cross_validate`.
+    model : Path, "shipped" or None
+        "shipped": the one of the images' labels that comes with the program; None: see
+        `cross_validate`.
     params : EvaluationParams
     pictures : Path or None
         Folder for a picture of each image: truth, forest, network if any, and cut side by side.
@@ -176,7 +183,13 @@ def evaluate_folders(
 
     if model is None:
         return cross_validate(images, params, progress, show)
-    return evaluate_model(images, load_model(model), params.limbs, progress, show)
+    chosen = _shipped_for(images) if model == "shipped" else load_model(model)
+    return evaluate_model(images, chosen, params.limbs, progress, show)
+
+
+def _shipped_for(images: TrainingImages) -> LimbModel:
+    names = images.labels[:-1] if images.labels[-1] == CLUTTER else images.labels
+    return shipped_model(UPPER_BODY.name if names == UPPER_BODY.names else FULL_BODY.name)
 
 
 def _write_picture(path: Path, judged: Judged) -> None:

@@ -8,10 +8,11 @@ import pytest
 
 from adibas.cli import main
 from adibas.cli.limbs_evaluation import evaluation_lines
+from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.errors import LimbError
 from adibas.forests.params import ForestParams
 from adibas.limbs.evaluation import Confusion
-from adibas.limbs.model import load_model
+from adibas.limbs.model import CLUTTER, load_model, save_model
 from adibas.limbs.training_folders import LimbFolders
 from adibas.limbs.training_set import (
     DEPTH,
@@ -27,6 +28,7 @@ from adibas.limbs.training_set import (
 from adibas.pipeline import limb_training
 from adibas.pipeline.limb_evaluation import EvaluationParams, LimbEvaluation, groups_of
 from adibas.pipeline.limb_pictures import limb_colors, limb_picture
+from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.limb_simulator import simulate_folder
 from adibas.pipeline.limb_training import TrainingRequest, train_model
 from adibas.simulation.limb_frames import LimbFrames
@@ -243,6 +245,12 @@ def test_the_confusion_is_printed_label_by_label():
     counts = np.array([[998, 2, 0], [25, 70, 5], [0, 0, 0]])
     cut = Confusion(("torso", "left_hand", "clutter"), counts)
     lines = evaluation_lines(LimbEvaluation("model", 1, 3, cut, None, cut))
+    assert lines[0] == "One model, 3 images"
+    assert lines[2:5] == [
+        "torso        99.8 %    99.8 %",
+        "left_hand    70.0 %    70.0 %",
+        "clutter         -         -",
+    ]
     assert lines[-4:] == [
         "                1   2   3",
         " 1  torso     100",
@@ -277,6 +285,44 @@ def test_a_model_of_other_labels_is_not_merged_nor_evaluated(folder, tmp_path, c
     other = fill(tmp_path / "other", 2, ("torso", "right_hand"))
     assert main(["limbs", "evaluate", str(other), "--model", str(model)]) == 1
     assert "other labels" in capsys.readouterr().err
+
+
+def test_a_model_that_knows_furniture_is_evaluated_on_images_of_limbs_alone(
+    folder, tmp_path, capsys
+):
+    model = tmp_path / "model.npz"
+    cluttered = fill(tmp_path / "cluttered", names=(*NAMES, CLUTTER))
+    train_model(TrainingRequest(model, (cluttered,), params=PARAMS), lambda *_told: None)
+    assert load_model(model).names == (*NAMES, CLUTTER)
+    figures = []
+    for images in (cluttered, folder):
+        assert main(["limbs", "evaluate", str(images), "--model", str(model), "--json"]) == 0
+        figures.append(json.loads(capsys.readouterr().out))
+    # The same pixels, which show no furniture: the folder's labels alone differ.
+    assert figures[1] == figures[0]
+    assert figures[1]["labels"] == [*NAMES, CLUTTER]
+    assert figures[1]["cut"]["per_class"][CLUTTER] is None
+    assert figures[1]["cut"]["mean_per_class"] > 0.9
+
+
+@pytest.mark.parametrize("labels", [FULL_BODY, UPPER_BODY], ids=lambda labels: labels.name)
+def test_the_model_that_comes_with_the_program_is_evaluated_on_images_of_its_labels(
+    tmp_path, capsys, labels
+):
+    images, model = fill(tmp_path / "set", 2, labels.names), tmp_path / "model.npz"
+    save_model(shipped_model(labels.name), model)
+    figures = []
+    for which in (["--shipped"], ["--model", str(model)]):
+        assert main(["limbs", "evaluate", str(images), *which, "--json"]) == 0
+        figures.append(json.loads(capsys.readouterr().out))
+    assert figures[0] == figures[1]
+    assert figures[0]["labels"] == [*labels.names, CLUTTER]
+    assert np.sum(figures[0]["cut"]["confusion"]) == 2 * (40 * 14 + 8 * 8)
+
+
+def test_no_model_for_such_labels_comes_with_the_program(folder, capsys):
+    assert main(["limbs", "evaluate", str(folder), "--shipped"]) == 1
+    assert "other labels than the images (torso, left_hand)" in capsys.readouterr().err
 
 
 def test_limbs_are_drawn_in_colours_that_differ():
