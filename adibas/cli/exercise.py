@@ -18,14 +18,20 @@ if TYPE_CHECKING:
 def add_check_arguments(parser: argparse.ArgumentParser) -> None:
     """Say what the action takes."""
     parser.add_argument(
-        "joints", type=Path, metavar=_("JOINTS"), help=_("the patient's table of joints (CSV)")
+        "source",
+        type=Path,
+        metavar=_("RECORDING"),
+        help=_(
+            "of the patient: a recording, in which joints are found without markers, or a "
+            "JOINTS.csv"
+        ),
     )
     parser.add_argument(
         "--therapist",
         type=Path,
         required=True,
-        metavar=_("JOINTS"),
-        help=_("table of joints in which the therapist shows the exercise"),
+        metavar=_("RECORDING"),
+        help=_("the same, in which the therapist shows the exercise"),
     )
     parser.add_argument(
         "--repetition",
@@ -34,7 +40,7 @@ def add_check_arguments(parser: argparse.ArgumentParser) -> None:
         help=_("seconds of the therapist's recording that are one repetition; all if not given"),
     )
     add_rotation(parser)
-    add_person(parser, _("of the patient's table; the one who was seen longest if not given"))
+    add_person(parser, _("who is the patient; the one who was seen longest if not given"))
     add_patient(parser)
     add_language(parser)
     parser.add_argument("--out", type=Path, metavar="report.xlsx", help=_("report to write"))
@@ -48,16 +54,16 @@ def run_check(arguments: argparse.Namespace, console: Console) -> int:
 
     if arguments.out is not None:
         check_report(arguments.out, (".xlsx",))
-    check = check_exercise(
-        ExerciseRequest(
-            arguments.joints,
-            arguments.therapist,
-            arguments.repetition,
-            arguments.person,
-            arguments.patient,
-            rotation_deg=arguments.rotation,
-        )
+    request = ExerciseRequest(
+        arguments.source,
+        arguments.therapist,
+        arguments.repetition,
+        arguments.person,
+        arguments.patient,
+        rotation_deg=arguments.rotation,
     )
+    with console.progress(_("Looking for repetitions")) as progress:
+        check = check_exercise(request, progress)
     for notice in check.notices:
         console.warn(notice.text)
     _tell(check, console)

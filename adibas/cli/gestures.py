@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SUMMARY = message("learn gestures from examples, and find when they begin and end")
 TRAIN = message("learn gestures from a folder of examples")
-DETECT = message("find the gestures of a model in a table of joints")
+DETECT = message("find the gestures of a model in a table of joints, or in a recording")
 EVALUATE = message("measure on people who were left out of the training")
 CHECK = message("compare a patient's exercise with the therapist's, repetition by repetition")
 MOST_JOINTS = 3
@@ -38,13 +38,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(train, "model.json", _("file to write"))
     train.set_defaults(action=_train)
     detect = actions.add_parser("detect", help=_(DETECT), description=sentence(_(DETECT)))
-    detect.add_argument("joints", type=Path, metavar=_("JOINTS"), help=_("table of joints (CSV)"))
+    detect.add_argument(
+        "source",
+        type=Path,
+        metavar=_("RECORDING"),
+        help=_("a recording, in which joints are found without markers, or a JOINTS.csv"),
+    )
     detect.add_argument(
         "--model",
         type=Path,
-        required=True,
         metavar="model.json",
-        help=_("what `adibas gestures train` wrote"),
+        help=_("what `adibas gestures train` wrote; the shipped one if not given"),
     )
     add_rotation(detect)
     add_out(detect, "events.csv", _("file to write"))
@@ -155,11 +159,16 @@ def _said(trained: "Trained") -> list[str]:
 
 def _detect(arguments: argparse.Namespace, console: Console) -> int:
     from adibas.files import check_place
+    from adibas.gestures.model_file import shipped_gestures
+    from adibas.pipeline.found_joints import JointSource
     from adibas.pipeline.gesture_work import detect_in_file
     from adibas.recordings.events_csv import write_events_csv
 
     check_place(arguments.out)
-    found = detect_in_file(arguments.joints, arguments.model, arguments.rotation)
+    source = JointSource(arguments.source, rotation_deg=arguments.rotation)
+    model = arguments.model or shipped_gestures()
+    with console.progress(_("Looking for gestures")) as advance:
+        found = detect_in_file(source, model, advance)
     for notice in found.notices:
         console.warn(notice.text)
     write_events_csv(arguments.out, found.events)

@@ -21,7 +21,6 @@ from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import BehaviourError
-from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.gestures.descriptor import NECK
 from adibas.gestures.model import GestureModel
 from adibas.gestures.model_file import read_model
@@ -33,16 +32,15 @@ from adibas.pipeline.behaviour_activity import (
     unseen_while_still,
 )
 from adibas.pipeline.behaviour_times import check_still, in_ms, sections_of, session_of
+from adibas.pipeline.found_joints import FoundJoints, JointSource, find_joints
 from adibas.pipeline.gesture_examples import unseen_joints
-from adibas.pipeline.gesture_work import detected_events, upright_tracks
-from adibas.pipeline.pose import PoseRequest, pose_recording
-from adibas.pipeline.pose_following import PoseParams
+from adibas.pipeline.gesture_work import detected_events
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram
-from adibas.recordings.joints_csv import is_joint_table, read_joints_csv, recording_name
+from adibas.recordings.joints_csv import recording_name
 from adibas.texts import message
 
 PROGRAM = "ADiBAS"
@@ -72,14 +70,6 @@ ESTIMATED_STILL = message(
     "noise."
 )
 SLOWEST_HZ = 20.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FoundJoints:
-    """Joints of everybody over time, in axes in which they are upright, and what is to be said."""
-
-    tracks: tuple[SkeletonTrack, ...]
-    notices: tuple[Sentence, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +127,11 @@ class BehaviourRequest:
         """Return what the recording is called in the report."""
         return self.name or recording_name(self.source)
 
+    @property
+    def joint_source(self) -> JointSource:
+        """Return where the joints come from."""
+        return JointSource(self.source, self.access, self.rotation_deg, self.view)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BehaviourAnalysis:
@@ -181,7 +176,7 @@ def analyse_behaviour(
     RecordingError, CalibrationError, LimbError, GestureError, BehaviourError
         A file cannot be used.
     """
-    joints = request.joints or find_joints(request, progress, clock)
+    joints = request.joints or find_joints(request.joint_source, progress, clock)
     tracks, notices = joints.tracks, _of_joints(joints, request.activity)
     name = request.called
     ethogram = None if request.ethogram is None else read_ethogram(request.ethogram)
@@ -237,38 +232,12 @@ def divided(
     )
 
 
-def find_joints(
-    request: BehaviourRequest, progress: Progress, clock: Clock = utc_now
-) -> FoundJoints:
-    """Return the joints of everybody: of a table, or found in a recording without markers.
-
-    Raises
-    ------
-    RecordingError, CalibrationError, LimbError
-        The file cannot be used, or nobody is in it.
-    """
-    if is_joint_table(request.source):
-        read = read_joints_csv(request.source)
-        turn = QuarterTurn(request.rotation_deg // 90)
-        return FoundJoints(upright_tracks(read.tracks, turn), tuple(read.notices))
-    asked = PoseRequest(
-        request.source,
-        pose=PoseParams(view=request.view),
-        access=request.access,
-        rotation_deg=request.rotation_deg,
-    )
-    posed = pose_recording(asked, progress, clock)
-    return FoundJoints(
-        upright_tracks(posed.tracks, posed.turn), (Sentence(ESTIMATED), *posed.notices)
-    )
-
-
 def _of_joints(joints: FoundJoints, params: ActivityParams) -> list[Sentence]:
     """Return what is to be said of the joints: nobody is asked for a still time that is told."""
-    if params.still_s is None:
+    if not joints.is_estimated:
         return list(joints.notices)
-    asked, told = Sentence(ESTIMATED), Sentence(ESTIMATED_STILL)
-    return [told if one == asked else one for one in joints.notices]
+    told = ESTIMATED if params.still_s is None else ESTIMATED_STILL
+    return [Sentence(told), *joints.notices]
 
 
 def _unseen(file: str, track: SkeletonTrack) -> list[Sentence]:

@@ -1,4 +1,4 @@
-"""An exercise of a patient beside the therapist's, from two tables of joints."""
+"""An exercise of a patient beside the therapist's, from two tables of joints or recordings."""
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -22,6 +22,7 @@ from adibas.gestures.exercise import (
 from adibas.movement.measuring import MovementParams
 from adibas.pipeline.movement import MovementRequest, measure_moving
 from adibas.pipeline.posture import PostureParams
+from adibas.progress import Progress
 from adibas.recordings.checksum import recording_sha256
 from adibas.texts import message
 from adibas.timeseries.lowpass import resample
@@ -40,12 +41,12 @@ class ExerciseRequest:
     Attributes
     ----------
     patient, therapist : Path
-        Tables of joints.
+        Tables of joints, or recordings in which they are found without markers.
     shown_s : (float, float) or None
         Which part of the therapist's recording is one repetition, from its first frame; all of it
         if not given.
     person : int or None
-        Of the patient's table; the one who was seen longest if not given.
+        Who is the patient; the one who was seen longest if not given.
     pseudonym : str
     params : ExerciseParams
     rotation_deg : int
@@ -85,23 +86,29 @@ class ExerciseCheck:
     notices: tuple[Sentence, ...]
 
 
-def check_exercise(request: ExerciseRequest, clock: Clock = utc_now) -> ExerciseCheck:
+def check_exercise(
+    request: ExerciseRequest, progress: Progress, clock: Clock = utc_now
+) -> ExerciseCheck:
     """Find and compare the repetitions of a patient.
 
     Raises
     ------
-    RecordingError, GestureError
-        A table cannot be used, or the therapist's has no movement.
+    RecordingError, CalibrationError, LimbError, GestureError
+        A file cannot be used, or the therapist's has no movement.
     """
-    beside = MovementParams(takes_upright=True)
-    mounted = PostureParams(rotation_deg=request.rotation_deg)
-    shown = measure_moving(
-        MovementRequest(request.therapist, posture=mounted, movement=beside), _say_nothing, clock
-    )
-    done = measure_moving(
-        MovementRequest(request.patient, person=request.person, posture=mounted, movement=beside),
-        _say_nothing,
-        clock,
+    shown, done = (
+        measure_moving(
+            MovementRequest(
+                source,
+                is_markerless=True,
+                person=person,
+                posture=PostureParams(rotation_deg=request.rotation_deg),
+                movement=MovementParams(takes_upright=True),
+            ),
+            progress,
+            clock,
+        )
+        for source, person in ((request.therapist, None), (request.patient, request.person))
     )
     rate_hz = request.params.rate_hz
     model = exercise_model(_part(angle_track(shown, rate_hz), request.shown_s), request.params)
@@ -143,7 +150,3 @@ def _part(shown: AngleTrack, span_s: tuple[float, float] | None) -> AngleTrack:
             end=round((len(shown.deg) - 1) / shown.rate_hz, 2),
         )
     return AngleTrack(span_s[0], shown.rate_hz, shown.names, shown.deg[first : last + 1])
-
-
-def _say_nothing(_done: int, _total: int) -> None:
-    """Report to nobody."""

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +11,17 @@ from adibas.data.events import TimedEvent
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import GestureError
-from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.gestures.descriptor import DescriptorParams
 from adibas.gestures.evaluation import Evaluation, compare, leave_one_out
 from adibas.gestures.model import GestureModel, described_for
 from adibas.gestures.model_file import read_model
 from adibas.gestures.segments import Examples
 from adibas.gestures.training import FEWEST, TrainingParams, check_examples, train
+from adibas.pipeline.found_joints import JointSource, find_joints
 from adibas.pipeline.gesture_examples import EVENTS_FILE, read_examples, unseen_joints
 from adibas.pipeline.gesture_learning import Lesson, Trained, learn
 from adibas.progress import Progress
-from adibas.recordings.joints_csv import read_joints_csv, recording_name
+from adibas.recordings.joints_csv import recording_name
 from adibas.texts import message
 
 LEFT_OUT = {
@@ -68,31 +68,23 @@ def train_on_folder(
     return learn(lesson, params, progress, is_tested=is_tested)
 
 
-def detect_in_file(path: Path, model_path: Path, rotation_deg: int = 0) -> Detected:
-    """Find the gestures of a model in a table of joints.
-
-    `rotation_deg` is how far the picture of the camera is turned clockwise to be upright.
+def detect_in_file(source: JointSource, model_path: Path, progress: Progress) -> Detected:
+    """Find the gestures of a model in a table of joints, or in a recording.
 
     Raises
     ------
-    GestureError, RecordingError
-        A file cannot be used.
+    GestureError, RecordingError, CalibrationError, LimbError
+        A file cannot be used, or nobody is in it.
     """
     model = read_model(model_path)
-    read = read_joints_csv(path)
-    notices = [*read.notices, *unseen_joints(path.name, read.tracks)]
+    joints = find_joints(source, progress)
+    file = source.path
+    notices = [*joints.notices, *unseen_joints(file.name, joints.tracks)]
     events: list[TimedEvent] = []
-    for track in upright_tracks(read.tracks, QuarterTurn(rotation_deg // 90)):
-        notices += _gaps(path, track, model.descriptor)
-        events += detected_events(recording_name(path), track, [model])
+    for track in joints.tracks:
+        notices += _gaps(file, track, model.descriptor)
+        events += detected_events(recording_name(file), track, [model])
     return Detected(tuple(sorted(events, key=lambda event: event.begin_s)), tuple(notices))
-
-
-def upright_tracks(tracks: Sequence[SkeletonTrack], turn: QuarterTurn) -> tuple[SkeletonTrack, ...]:
-    """Return tracks as gestures are learned: of people who stand upright in the turned picture."""
-    if turn.n_quarters == 0:
-        return tuple(tracks)
-    return tuple(replace(track, joints_m=turn.points(track.joints_m)) for track in tracks)
 
 
 def detected_events(

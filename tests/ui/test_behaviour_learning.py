@@ -13,7 +13,7 @@ from adibas.data.ethogram import Behaviour
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
 from adibas.gestures.model_file import read_model
-from adibas.pipeline.behaviour import FoundJoints
+from adibas.pipeline.found_joints import FoundJoints
 from adibas.pipeline.own_gestures import models_of, own_gestures
 from adibas.texts import LANGUAGES, speaking
 from tests.ui.behaviour_scene import FRAME_MS, START_MS, InlineFeed, make_recording
@@ -58,7 +58,7 @@ def asked(monkeypatch, tmp_path, moves):
         asked.append(request)
         return FoundJoints((moves[0],))
 
-    monkeypatch.setattr("adibas.pipeline.behaviour.find_joints", find)
+    monkeypatch.setattr("adibas.pipeline.found_joints.find_joints", find)
     monkeypatch.setattr("platformdirs.user_data_path", lambda *_told, **_more: tmp_path)
     return asked
 

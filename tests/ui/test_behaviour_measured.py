@@ -13,7 +13,8 @@ from adibas.behaviour.editing import with_section
 from adibas.data.coding import Section
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import track_of
-from adibas.pipeline.behaviour import BehaviourRequest, FoundJoints, analyse_behaviour, divided
+from adibas.pipeline.behaviour import BehaviourRequest, analyse_behaviour, divided
+from adibas.pipeline.found_joints import FoundJoints
 from tests.unit.coding_samples import coding
 from tests.unit.test_activity import HAND, circling, still
 from ui.behaviour.agreement_page import AgreementPage

@@ -15,9 +15,10 @@ from adibas.data.patients import Identity
 from adibas.data.sentence import Sentence
 from adibas.data.sessions import SessionSetup
 from adibas.errors import LimbError, RecordingError
-from adibas.pipeline.behaviour import ESTIMATED, BehaviourAnalysis, FoundJoints
+from adibas.pipeline.behaviour import ESTIMATED, BehaviourAnalysis
 from adibas.pipeline.coding_drafts import BesideRecording, read_draft
 from adibas.pipeline.draft_history import note_blind, write_history
+from adibas.pipeline.found_joints import FoundJoints
 from adibas.recordings import create_recording
 from adibas.recordings.codings import read_codings
 from adibas.recordings.ethogram_json import read_ethogram, shipped_ethogram, write_ethogram

@@ -135,7 +135,7 @@ def test_the_side_that_people_show_is_told_to_who_finds_their_joints(tmp_path, m
         tracks = (track_of(times_s, joints_m),)
         return SimpleNamespace(tracks=tracks, notices=(), turn=QuarterTurn(0))
 
-    monkeypatch.setattr("adibas.pipeline.behaviour.pose_recording", posed)
+    monkeypatch.setattr("adibas.pipeline.found_joints.pose_recording", posed)
     (tmp_path / "a.mcap").write_bytes(b"recording")
     words = ["behaviour", tmp_path / "a.mcap", "--out", tmp_path / "r.csv"]
     code, document = told(capsys, *words, "--view", "posterior")
@@ -156,7 +156,7 @@ def test_joints_of_a_recording_are_found_without_markers(tmp_path, monkeypatch):
     """The chain of its own is tested elsewhere; here its people arrive in the timeline."""
     track = track_of(*still(100, 15.0))
     monkeypatch.setattr(
-        "adibas.pipeline.behaviour.pose_recording",
+        "adibas.pipeline.found_joints.pose_recording",
         lambda *_told: SimpleNamespace(tracks=(track,), notices=(), turn=QuarterTurn()),
     )
     (tmp_path / "a.mcap").write_bytes(b"recording")
@@ -427,7 +427,7 @@ def recordings(tmp_path, monkeypatch):
     """Recordings of one camera, whose joints arrive without the chain that is tested elsewhere."""
     track = track_of(*still(100, 15.0))
     monkeypatch.setattr(
-        "adibas.pipeline.behaviour.pose_recording",
+        "adibas.pipeline.found_joints.pose_recording",
         lambda *_told: SimpleNamespace(tracks=(track,), notices=(), turn=QuarterTurn()),
     )
     paths = [tmp_path / name for name in ("morning.mcap", "noon.mcap", "evening.mcap")]

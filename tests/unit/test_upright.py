@@ -15,7 +15,7 @@ from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.geometry.rigid import RigidTransform
 from adibas.limbs.training_set import LimbFolder
 from adibas.measures.sight_plane import up_of_picture
-from adibas.pipeline.behaviour import BehaviourRequest, find_joints
+from adibas.pipeline.found_joints import JointSource, find_joints
 from adibas.pipeline.limb_labelling import LabellingDesk
 from adibas.pipeline.limb_proposing import ProposingRequest, propose_recording
 from adibas.pipeline.limb_segmenting import SegmentingRequest, segment_recording
@@ -212,9 +212,9 @@ def test_behaviour_is_watched_with_the_body_upright(video, blind_video, told_pos
     table = tmp_path / "joints.csv"
     write_joints_csv(table, told_pose.tracks)
     for request in (
-        BehaviourRequest(video),
-        BehaviourRequest(blind_video, rotation_deg=90),
-        BehaviourRequest(table, rotation_deg=90),
+        JointSource(video),
+        JointSource(blind_video, rotation_deg=90),
+        JointSource(table, rotation_deg=90),
     ):
         (track,) = find_joints(request, lambda *_done: None).tracks
         head, foot = (JOINT_NAMES.index(name) for name in ("head", "left_foot"))

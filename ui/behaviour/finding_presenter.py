@@ -15,7 +15,8 @@ from ui.ports import Job, JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
-    from adibas.pipeline.behaviour import BehaviourAnalysis, FoundJoints
+    from adibas.pipeline.behaviour import BehaviourAnalysis
+    from adibas.pipeline.found_joints import FoundJoints
 
 SAID_IN_THE_HELP = (ESTIMATED,)
 

@@ -19,7 +19,7 @@ from ui.ports import Job, JobControl
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
-    from adibas.pipeline.behaviour import FoundJoints
+    from adibas.pipeline.found_joints import FoundJoints
     from adibas.pipeline.gesture_learning import Trained
 
 
@@ -110,13 +110,11 @@ class LearningPresenter:
 
         def work(control: JobControl) -> "tuple[FoundJoints, Trained]":
             from adibas.gestures.training import TrainingParams
-            from adibas.pipeline.behaviour import BehaviourRequest, find_joints
+            from adibas.pipeline.found_joints import JointSource, find_joints
             from adibas.pipeline.gesture_learning import learn, marked_lesson
 
-            request = BehaviourRequest(
-                source.path, access=source.access, rotation_deg=source.rotation_deg
-            )
-            joints = known or find_joints(request, control.progress)
+            asked = JointSource(source.path, source.access, source.rotation_deg)
+            joints = known or find_joints(asked, control.progress)
             lesson = marked_lesson(name, examples, joints.tracks, source.name)
             return joints, learn(lesson, TrainingParams(), control.progress, is_tested=True)
 
