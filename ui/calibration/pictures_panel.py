@@ -20,6 +20,7 @@ from adibas.texts import decimal_text
 from adibas.texts import translate as _
 from ui.calibration.ports import Shown
 from ui.calibration.wording import progress_of
+from ui.widgets.look import show_kind
 
 THUMBNAIL = QSize(80, 64)
 LIST_HEIGHT_PX = 190
@@ -102,7 +103,7 @@ class PicturesPanel(QGroupBox):
             if number < len(ticks):
                 text, is_there = ticks[number]
                 label.setText(("✓ " if is_there else "○ ") + text)
-                dress(label, "good" if is_there else "quiet")
+                show_kind(label, "good" if is_there else "quiet")
         self._automatic.setChecked(shown.is_automatic)
         self._automatic.setVisible(not shown.is_offline)
         self._sensor.setVisible(shown.is_offline)
@@ -147,11 +148,3 @@ def _icon(picture_rgb: UInt8Array) -> QIcon:
     height, width = picture_rgb.shape[:2]
     image = QImage(picture_rgb.tobytes(), width, height, 3 * width, QImage.Format.Format_RGB888)
     return QIcon(QPixmap.fromImage(image))
-
-
-def dress(label: QLabel, kind: str) -> None:
-    """Set the kind of a label; dressing anew costs more than asking."""
-    if label.property("kind") != kind:
-        label.setProperty("kind", kind)
-        label.style().unpolish(label)
-        label.style().polish(label)

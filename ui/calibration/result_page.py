@@ -5,6 +5,7 @@ from PySide6.QtWidgets import QLabel, QTextBrowser, QVBoxLayout, QWidget
 from adibas.pipeline.sensor_calibration import SensorOutcome
 from adibas.texts import translate as _
 from ui.calibration.wording import KINDS, result_html
+from ui.widgets.look import show_kind
 
 
 class ResultPage(QWidget):
@@ -38,7 +39,5 @@ class ResultPage(QWidget):
         verdict = outcome.camera.verdict
         sentence = _("In use.") if is_accepted else verdict.sentences()[0]
         self._grade.setText(sentence)
-        self._grade.setProperty("kind", KINDS[verdict.grade])
-        self._grade.style().unpolish(self._grade)
-        self._grade.style().polish(self._grade)
+        show_kind(self._grade, KINDS[verdict.grade])
         self._text.setHtml(result_html(outcome))

@@ -26,11 +26,12 @@ from adibas.texts import describe
 from adibas.texts import translate as _
 from ui.calibration.board_panel import BoardPanel
 from ui.calibration.drawing import board_overlays, coverage_overlays
-from ui.calibration.pictures_panel import PicturesPanel, dress
+from ui.calibration.pictures_panel import PicturesPanel
 from ui.calibration.ports import Shown
 from ui.calibration.presenter import CalibrationPresenter
 from ui.calibration.result_page import ResultPage
 from ui.widgets.image_view import ImageView
+from ui.widgets.look import show_kind
 from ui.widgets.overlays import Overlay, Text
 from ui.widgets.question import ask
 from ui.widgets.screen import Screen
@@ -163,7 +164,7 @@ class CalibrationScreen(Screen):
         self._reminder.setText("" if reminder is None else reminder.text)
         self._reminder.setVisible(reminder is not None)
         is_urgent = reminder is not None and reminder.is_urgent
-        dress(self._reminder, "warning" if is_urgent else "quiet")
+        show_kind(self._reminder, "warning" if is_urgent else "quiet")
         self._board.setEnabled(not shown.is_busy)
         self._board.show_board(shown.board)
         self._pictures.show_pictures(shown)
@@ -226,7 +227,7 @@ class CalibrationScreen(Screen):
     def _hint_at(self, text: str, kind: str) -> None:
         if self._hint.text() != text:
             self._hint.setText(text)
-        dress(self._hint, kind)
+        show_kind(self._hint, kind)
 
     def _show_buttons(self) -> None:
         """Offer what can be done now, and nothing else."""

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QBoxLayout, QLabel, QWidget
 from adibas.pipeline.live import LiveFrame, SensorState
 from adibas.texts import describe, message, translate_plural
 from adibas.texts import translate as _
+from ui.widgets.look import show_kind
 
 FEW_MINUTES = 5
 SPACING_PX = 16
@@ -104,10 +105,6 @@ class StatusLine(QWidget):
 
 
 def _say(label: QLabel, text: str, kind: str) -> None:
-    """Set a text and its kind; dressing anew costs more than the text, so only where it must."""
     if label.text() != text:
         label.setText(text)
-    if (label.property("kind") or "") != kind:
-        label.setProperty("kind", kind)
-        label.style().unpolish(label)
-        label.style().polish(label)
+    show_kind(label, kind)

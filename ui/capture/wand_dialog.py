@@ -19,6 +19,7 @@ from adibas.pipeline.wand_check import SeenWand
 from adibas.texts import translate as _
 from ui.capture.wand_presenter import Ends, WandPresenter
 from ui.widgets.image_view import ImageView
+from ui.widgets.look import show_kind
 from ui.widgets.number_fields import DecimalField
 from ui.widgets.overlays import Dot, Line, Overlay
 
@@ -170,7 +171,5 @@ class WandDialog(QDialog):
 
     def _say(self, text: str, kind: str) -> None:
         self._verdict.setText(text)
-        self._verdict.setProperty("kind", kind)
-        self._verdict.style().unpolish(self._verdict)
-        self._verdict.style().polish(self._verdict)
+        show_kind(self._verdict, kind)
         self._make_room()

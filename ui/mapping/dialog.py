@@ -19,6 +19,7 @@ from adibas.texts import translate as _
 from ui.mapping.content import RecordingToMap, Standing
 from ui.mapping.presenter import MapPresenter
 from ui.widgets.flow import in_a_flow
+from ui.widgets.look import show_kind
 from ui.widgets.scrolled import SHARE_OF_WINDOW, Scrolled, window_room
 from ui.widgets.space import Space
 from ui.widgets.space_view import SpaceView
@@ -120,9 +121,7 @@ class MapDialog(QDialog):
 
     def show_told(self, sentences: tuple[str, ...], *, is_problem: bool) -> None:
         self._told.setText("\n".join(sentences))
-        self._told.setProperty("kind", "warning" if is_problem else "quiet")
-        self._told.style().unpolish(self._told)
-        self._told.style().polish(self._told)
+        show_kind(self._told, "warning" if is_problem else "quiet")
 
     def _on_run(self) -> None:
         if self._is_running:

@@ -18,6 +18,7 @@ from adibas.texts import translate as _
 from ui.orders.presenter import OrderLine, OrdersPresenter
 from ui.widgets.dates import moment_text
 from ui.widgets.flow import in_a_flow
+from ui.widgets.look import show_kind
 from ui.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -95,9 +96,7 @@ class OrdersDialog(QDialog):
 
     def _say(self, sentence: str, kind: str) -> None:
         self._state.setText(sentence)
-        self._state.setProperty("kind", kind)
-        self._state.style().unpolish(self._state)
-        self._state.style().polish(self._state)
+        show_kind(self._state, kind)
         self._state.setVisible(bool(sentence))
         self._allow()
 

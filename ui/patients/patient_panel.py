@@ -13,6 +13,7 @@ from ui.patients.patients_model import age_text
 from ui.patients.purge_dialog import purge_dialog
 from ui.widgets.dates import day_text
 from ui.widgets.flow import in_a_flow
+from ui.widgets.look import show_kind
 
 SEX_NAMES = {"": message("Not told"), "female": message("Female"), "male": message("Male")}
 MOST_LETTERS = 240
@@ -93,9 +94,7 @@ class PatientPanel(QWidget):
         self._notes.setToolTip(patient.notes if len(patient.notes) > MOST_LETTERS else "")
         self._notes.setVisible(bool(patient.notes))
         self._consent.setText(_consent_text(shown))
-        self._consent.setProperty("kind", "quiet" if shown.consent == "given" else "warning")
-        self._consent.style().unpolish(self._consent)
-        self._consent.style().polish(self._consent)
+        show_kind(self._consent, "quiet" if shown.consent == "given" else "warning")
         self._deleted.setVisible(patient.is_deleted)
         self._consent.setVisible(not patient.is_deleted)
         for button in (self._edit, self._consents, self._delete):

@@ -13,6 +13,7 @@ from ui.recovery.presenter import RecoveryKeyPresenter
 from ui.recovery.printing import print_sheet
 from ui.widgets.dates import day_text
 from ui.widgets.flow import in_a_flow
+from ui.widgets.look import show_kind
 from ui.widgets.scrolled import SHARE_OF_WINDOW, Scrolled, window_room
 from ui.workspace import Workspace
 
@@ -122,9 +123,7 @@ class RecoveryKeyDialog(QDialog):
         self.accept()
 
     def _say(self, kind: str, sentence: str) -> None:
-        self._held.setProperty("kind", kind)
-        self._held.style().unpolish(self._held)
-        self._held.style().polish(self._held)
+        show_kind(self._held, kind)
         self._held.setText(sentence)
         self._held.show()
         self._make_room()

@@ -24,6 +24,7 @@ from adibas.texts import translate as _
 from ui.preferences import MOST_BACKUP_DAYS, MOST_BACKUPS, Preferences
 from ui.settings.backup_presenter import BackupPresenter
 from ui.settings.preference_page import PreferencePage
+from ui.widgets.look import show_kind
 from ui.widgets.number_fields import WholeNumberField
 
 RESULT_HEIGHT = 120
@@ -152,9 +153,7 @@ class BackupPage(PreferencePage):
     def show_state(self, sentences: tuple[str, ...], *, is_urgent: bool) -> None:
         """Show how old the newest backup is, and how long the disk will last."""
         self._state.setText("\n".join(sentences))
-        self._state.setProperty("kind", "warning" if is_urgent else "")
-        self._state.style().unpolish(self._state)
-        self._state.style().polish(self._state)
+        show_kind(self._state, "warning" if is_urgent else "")
 
     def show_result(self, sentences: tuple[str, ...]) -> None:
         """Show what a check or a restore found."""

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QGroupBox, QLabel, QPushButton, QVBoxLayout, QWidg
 from adibas.texts import translate as _
 from ui.settings.recovery_presenter import RecoveryPresenter
 from ui.widgets.dates import day_text
+from ui.widgets.look import show_kind
 
 
 class RecoveryPage(QWidget):
@@ -58,9 +59,7 @@ class RecoveryPage(QWidget):
     def show_state(self, made_utc: datetime | None, *, can_change: bool) -> None:
         self._made_utc, self._is_known = made_utc, True
         self._group.setEnabled(can_change)
-        self._state.setProperty("kind", "warning" if made_utc is None else "")
-        self._state.style().unpolish(self._state)
-        self._state.style().polish(self._state)
+        show_kind(self._state, "warning" if made_utc is None else "")
         self.retranslate()
 
 

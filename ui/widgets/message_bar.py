@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from adibas.texts import translate as _
+from ui.widgets.look import show_kind
 
 GOOD_NEWS_MS = 6000
 
@@ -47,9 +48,7 @@ class MessageBar(QFrame):
 
     def tell(self, kind: str, sentence: str) -> None:
         """Show a sentence; `kind` is good, warning or bad."""
-        self.setProperty("kind", kind)
-        self.style().unpolish(self)
-        self.style().polish(self)
+        show_kind(self, kind)
         self._label.setText(sentence)
         self._label.setAccessibleName(sentence)
         self._forget_retry()
