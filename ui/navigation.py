@@ -3,12 +3,13 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QKeySequence
+from PySide6.QtGui import QKeySequence, QResizeEvent
 from PySide6.QtWidgets import QButtonGroup, QToolButton, QVBoxLayout, QWidget
 
 from adibas.texts import message
 from adibas.texts import translate as _
 from ui.theme import Theme
+from ui.widgets.look import set_look
 
 TITLES = {
     "patients": message("Patients"),
@@ -27,18 +28,24 @@ FIRST_BELOW = "calibration"
 OTHERS = {"help": (message("Help"), "F1"), "lock": (message("Lock"), "Ctrl+L")}
 """Buttons that show no screen, and their keys."""
 
-ICON_PX = 24
+ICON_PX, LOW_ICON_PX = 24, 20
 LARGE_LETTERS_PX = 26
 """Letters that high stand alone, or the rail is higher than the window."""
 
 LEAST_WIDTH_PX = 86
 SPACING_PX = 3
+MARGIN_PX = 8
+LOW_MARGIN_PX = 4
 PADDING_PX = 20
 """Left and right of a name together, as the style sheet sets it, and some air."""
 
 
 class NavigationRail(QWidget):
-    """Buttons with icon and name: Ctrl+1 to Ctrl+9, F1, Ctrl+L."""
+    """Buttons with icon and name: Ctrl+1 to Ctrl+9, F1, Ctrl+L.
+
+    Where the window is too low for them they move together, so that it may be as low as the
+    screens allow.
+    """
 
     def __init__(self, theme: Theme, choose: Callable[[str], None], parent: QWidget | None) -> None:
         super().__init__(parent)
@@ -48,7 +55,10 @@ class NavigationRail(QWidget):
         self._group = QButtonGroup(self)
         self._buttons: dict[str, QToolButton] = {}
         self._reasons: dict[str, str] = {}
+        self._is_low = self._is_tight = False
+        self._usual_px = self._low_px = 0
         layout = self._column = QVBoxLayout(self)
+        layout.setSizeConstraint(QVBoxLayout.SizeConstraint.SetNoConstraint)
         for number, name in enumerate(TITLES, 1):
             button = self._button(name)
             button.setShortcut(QKeySequence(f"Ctrl+{number}"))
@@ -71,7 +81,6 @@ class NavigationRail(QWidget):
     def _button(self, name: str) -> QToolButton:
         button = QToolButton(self)
         button.setObjectName(f"go-{name}")
-        button.setIconSize(QSize(ICON_PX, ICON_PX))
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         return button
 
@@ -96,6 +105,33 @@ class NavigationRail(QWidget):
             button.setIcon(self._theme.icon(name))
         self._fit()
 
+    def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
+        """Return the size with the buttons together; `_fit` keeps it."""
+        return QSize(self._column.minimumSize().width(), self._low_px)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
+        """Move the buttons together, or apart."""
+        super().resizeEvent(event)
+        self._stand()
+
+    def _stand(self) -> None:
+        is_low = self.height() < self._usual_px
+        if is_low != self._is_low:
+            self._is_low = is_low
+            self._space()
+
+    def _space(self) -> None:
+        """Set what lies about names and icons."""
+        is_close = self._is_low or self._is_tight
+        margin_px = LOW_MARGIN_PX if is_close else MARGIN_PX
+        self._column.setContentsMargins(MARGIN_PX, margin_px, MARGIN_PX, margin_px)
+        self._column.setSpacing(0 if is_close else SPACING_PX)
+        icon_px = LOW_ICON_PX if self._is_low else ICON_PX
+        for _name, button in self._all():
+            button.setIconSize(QSize(icon_px, icon_px))
+            set_look(button, "room", "little" if self._is_low else "")
+        self._column.invalidate()
+
     def _fit(self) -> None:
         """Make room for the longest name in the language and letters in use."""
         buttons = [button for _name, button in self._all()]
@@ -105,16 +141,20 @@ class NavigationRail(QWidget):
             text_px = button.fontMetrics().horizontalAdvance(button.text())
             width_px = max(width_px, text_px + PADDING_PX)
         letters_px = max(button.fontMetrics().height() for button in buttons)
-        is_tight = letters_px > LARGE_LETTERS_PX
+        self._is_tight = letters_px > LARGE_LETTERS_PX
         style = Qt.ToolButtonStyle
-        self._column.setSpacing(0 if is_tight else SPACING_PX)
-        above_px = 4 if is_tight else 8
-        self._column.setContentsMargins(8, above_px, 8, above_px)
         for button in buttons:
             button.setMinimumWidth(width_px)
             button.setToolButtonStyle(
-                style.ToolButtonTextOnly if is_tight else style.ToolButtonTextUnderIcon
+                style.ToolButtonTextOnly if self._is_tight else style.ToolButtonTextUnderIcon
             )
+        heights_px = []
+        for self._is_low in (False, True):
+            self._space()
+            heights_px.append(self._column.minimumSize().height())
+        self._usual_px, self._low_px = heights_px
+        self._stand()
+        self.updateGeometry()
 
     def _all(self) -> tuple[tuple[str, QToolButton], ...]:
         return (*self._buttons.items(), *self._others.items())
@@ -122,6 +162,7 @@ class NavigationRail(QWidget):
     def show_button(self, name: str) -> None:
         """Offer a screen."""
         self._buttons[name].show()
+        self._fit()
 
     def keep_button(self, name: str, reason: str) -> None:
         """Disable a button for a reason, or enable it where there is none."""

@@ -5,13 +5,14 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QByteArray, QEvent, Qt, QTimer
+from PySide6.QtCore import QByteArray, QEvent, QMargins, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QMainWindow,
     QSplitter,
     QStackedWidget,
+    QStyle,
     QVBoxLayout,
     QWidget,
 )
@@ -112,6 +113,12 @@ class MainWindow(QMainWindow):
         self.statusBar().addPermanentWidget(self._person)
         self.statusBar().addPermanentWidget(self._read_only)
         self.statusBar().addPermanentWidget(self._progress)
+
+    def keep_on_screen(self) -> None:
+        """Be no larger than the screen has room for, the title above the window included."""
+        title_px = self.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight)
+        room = self.screen().availableSize().shrunkBy(QMargins(0, title_px, 0, 0))
+        self.resize(self.size().boundedTo(room))
 
     def retranslate(self) -> None:
         """Set the window's own texts in the language in use."""

@@ -1,11 +1,12 @@
 """Every screen has room in a small window, in every language and with letters of twice the size."""
 
+import itertools
 import threading
 from types import SimpleNamespace
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QLabel, QProgressBar, QTabBar
+from PySide6.QtWidgets import QLabel, QProgressBar, QTabBar, QToolButton
 
 from adibas.data.patients import Identity
 from adibas.data.posture import VIEWS
@@ -19,7 +20,7 @@ from tests.ui.review_scene import SURFACE, new_capture, picture_rgb
 from tests.ui.window_user import SECRET, visible
 from tests.unit.store_samples import add_patient
 from ui.capture.status_line import SPACING_PX, StatusLine
-from ui.navigation import TITLES
+from ui.navigation import TITLES, NavigationRail
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
 from ui.widgets.side_panel import SidePanel
@@ -39,7 +40,7 @@ def prepared(tmp_path):
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize(("font_scale", "size"), [(2.0, (1280, 800)), (1.0, (1024, 768))])
+@pytest.mark.parametrize(("font_scale", "size"), [(2.0, (1280, 800)), (1.0, (1024, 640))])
 def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_scale, size):
     user = open_window(language=language, font_scale=font_scale)
     user.give_passphrase()
@@ -71,6 +72,42 @@ def test_no_screen_asks_for_more_room_than_there_is(open_window, language, font_
         assert user.window.width() == size[0], f"{name} with its help"
         assert user.window.findChild(HelpDock).isVisible()
         assert_fits(user, size, f"{name} with its help")
+    user.close()
+
+
+def test_the_rail_moves_together_where_the_window_is_low_and_apart_again(open_window):
+    user = open_window()
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    buttons = user.window.findChild(NavigationRail).findChildren(QToolButton)
+    heights_px = []
+    for height_px in (800, 640, 800):
+        user.window.resize(1024, height_px)
+        user.qapp.processEvents()
+        assert user.window.height() == height_px
+        places = sorted((one.y(), one.height()) for one in buttons)
+        for (y, high), (below, _height) in itertools.pairwise(places):
+            assert y + high <= below
+        assert places[-1][0] + places[-1][1] <= height_px
+        assert all(one.height() >= one.sizeHint().height() for one in buttons)
+        heights_px.append(buttons[0].height())
+    assert heights_px[0] == heights_px[2] > heights_px[1]
+    user.close()
+
+
+def test_a_window_that_opens_first_keeps_to_its_screen(open_window):
+    user = open_window()
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    screen = user.window.screen().availableSize()
+    user.window.resize(2 * screen)
+    user.window.keep_on_screen()
+    assert user.window.height() < screen.height()  # the title stands above
+    least_px = user.window.minimumSizeHint().width()
+    assert user.window.width() == max(screen.width(), least_px)
+    user.window.resize(least_px, 700)
+    user.window.keep_on_screen()
+    assert user.window.height() == 700
     user.close()
 
 
