@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 SUMMARY = message("find the markers of a recording and write every distance and angle")
 
-LED = "led"
+UNPLACED = message("The depth gives no position of {names}: no distance and no angle has it.")
 MOST_REASONS = 10
 
 
@@ -95,6 +95,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.warn(_(notice))
     for reason, count in Counter(one.reason for one in analysis.rejected).most_common():
         console.warn(_(NOT_COUNTED).format(n=count, reason=_(reason)))
+    unplaced = [marker.label for marker in analysis.markers if marker.position_m is None]
+    if unplaced:
+        console.warn(_(UNPLACED).format(names=", ".join(unplaced)))
     _tell_measures(analysis, console)
     n_markers, n_distances, n_angles = (
         len(found) for found in (analysis.markers, analysis.distances, analysis.angles)

@@ -129,6 +129,29 @@ def test_a_cut_recording_gives_its_whole_frames_and_a_notice(demo, tmp_path, cap
     assert "is cut" in captured.err
 
 
+def test_markers_where_the_depth_gives_no_position_are_named(
+    changed, calibration, demo, tmp_path, capsys
+):
+    argv = ["--markers", str(demo.colors), "--out", str(tmp_path / "r.csv"), "--json"]
+    assert main(["posture", str(demo.recording), *argv]) == 0
+    captured = capsys.readouterr()
+    first = json.loads(captured.out)["markers"][0]
+    assert "The depth gives no position" not in captured.err
+    place_m = calibration.color_from_depth.inverse().apply(np.array(first["position_m"]))
+    column, row = project(place_m, calibration.depth.intrinsics)
+
+    def with_hole(frame):
+        depth_raw = frame.depth_raw.copy()
+        cv2.circle(depth_raw, (round(float(column)), round(float(row))), 14, 0, -1)
+        return replace(frame, depth_raw=depth_raw)
+
+    assert main(["posture", str(changed(with_hole)), *argv]) == 0
+    captured = capsys.readouterr()
+    unplaced = [one for one in json.loads(captured.out)["markers"] if one["position_m"] is None]
+    assert [one["label"] for one in unplaced] == [first["label"]]
+    assert f"The depth gives no position of {first['label']}: no distance" in captured.err
+
+
 @pytest.mark.parametrize("command", ["posture", "pose", "limbs segment", "map", "body", "movement"])
 def test_a_recording_cut_within_its_first_frame_is_told_by_its_name(
     command, demo, tmp_path, capsys
