@@ -56,7 +56,7 @@ class NavigationRail(QWidget):
         self._buttons: dict[str, QToolButton] = {}
         self._reasons: dict[str, str] = {}
         self._is_low = self._is_tight = False
-        self._usual_px = self._low_px = 0
+        self._button_px = dict.fromkeys((False, True), 0)
         layout = self._column = QVBoxLayout(self)
         layout.setSizeConstraint(QVBoxLayout.SizeConstraint.SetNoConstraint)
         for number, name in enumerate(TITLES, 1):
@@ -106,8 +106,8 @@ class NavigationRail(QWidget):
         self._fit()
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802  (Qt's name)
-        """Return the size with the buttons together; `_fit` keeps it."""
-        return QSize(self._column.minimumSize().width(), self._low_px)
+        """Return the size with the buttons together."""
+        return QSize(self._column.minimumSize().width(), self._height_px(is_low=True))
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802  (Qt's name)
         """Move the buttons together, or apart."""
@@ -115,22 +115,28 @@ class NavigationRail(QWidget):
         self._stand()
 
     def _stand(self) -> None:
-        is_low = self.height() < self._usual_px
+        """Set what lies about names and icons, as the height allows."""
+        is_low = self.height() < self._height_px(is_low=False)
         if is_low != self._is_low:
             self._is_low = is_low
             self._space()
 
     def _space(self) -> None:
-        """Set what lies about names and icons."""
-        is_close = self._is_low or self._is_tight
-        margin_px = LOW_MARGIN_PX if is_close else MARGIN_PX
+        margin_px, spacing_px = self._air_px(is_low=self._is_low)
         self._column.setContentsMargins(MARGIN_PX, margin_px, MARGIN_PX, margin_px)
-        self._column.setSpacing(0 if is_close else SPACING_PX)
-        icon_px = LOW_ICON_PX if self._is_low else ICON_PX
+        self._column.setSpacing(spacing_px)
         for _name, button in self._all():
-            button.setIconSize(QSize(icon_px, icon_px))
-            set_look(button, "room", "little" if self._is_low else "")
-        self._column.invalidate()
+            _give_room(button, is_low=self._is_low)
+
+    def _air_px(self, *, is_low: bool) -> tuple[int, int]:
+        """Return what is above and below all buttons, and between two of them."""
+        return (LOW_MARGIN_PX, 0) if is_low or self._is_tight else (MARGIN_PX, SPACING_PX)
+
+    def _height_px(self, *, is_low: bool) -> int:
+        """Return how high the rail is with the buttons that are offered."""
+        n_buttons = sum(not button.isHidden() for _name, button in self._all())
+        margin_px, spacing_px = self._air_px(is_low=is_low)
+        return 2 * margin_px + n_buttons * (self._button_px[is_low] + spacing_px) - spacing_px
 
     def _fit(self) -> None:
         """Make room for the longest name in the language and letters in use."""
@@ -148,11 +154,10 @@ class NavigationRail(QWidget):
             button.setToolButtonStyle(
                 style.ToolButtonTextOnly if self._is_tight else style.ToolButtonTextUnderIcon
             )
-        heights_px = []
-        for self._is_low in (False, True):
-            self._space()
-            heights_px.append(self._column.minimumSize().height())
-        self._usual_px, self._low_px = heights_px
+        for is_low in (False, True):
+            _give_room(buttons[0], is_low=is_low)
+            self._button_px[is_low] = buttons[0].sizeHint().height()
+        self._space()
         self._stand()
         self.updateGeometry()
 
@@ -162,7 +167,8 @@ class NavigationRail(QWidget):
     def show_button(self, name: str) -> None:
         """Offer a screen."""
         self._buttons[name].show()
-        self._fit()
+        self._stand()
+        self.updateGeometry()
 
     def keep_button(self, name: str, reason: str) -> None:
         """Disable a button for a reason, or enable it where there is none."""
@@ -173,3 +179,9 @@ class NavigationRail(QWidget):
     def show_chosen(self, name: str) -> None:
         """Mark the screen that is seen."""
         self._buttons[name].setChecked(True)
+
+
+def _give_room(button: QToolButton, *, is_low: bool) -> None:
+    icon_px = LOW_ICON_PX if is_low else ICON_PX
+    button.setIconSize(QSize(icon_px, icon_px))
+    set_look(button, "room", "little" if is_low else "")
