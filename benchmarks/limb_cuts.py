@@ -11,13 +11,15 @@ from adibas.graphcut.energy import EnergyParams, LabelEnergy, equal_penalties, l
 from adibas.graphcut.minimising import Labelling, cheapest_labels, expand, minimise
 from adibas.graphcut.neighbors import connect_pixels
 from adibas.limbs.penalties import omega_2
+from adibas.limbs.segmentation import LimbParams
 from benchmarks.graph_cut_peer import pairs_of, peer_expand, peer_swap, plain_energy
 from benchmarks.limb_frames import FOCAL_PX, LimbFrames
 from benchmarks.table import Row
 from benchmarks.works import median_ms, medians_ms
 
 OTHER_POSES = 6201
-SMOOTHNESS = (10.0, 50.0)
+SMOOTHNESS = (LimbParams().smoothness, 10.0, 50.0)
+"""What the program takes where nothing is said, and stronger ones, up to the thesis'."""
 CUT_GOAL = 4.0
 """How many times as fast as a loop with PyMaxflow a cut is to be, at equal energy."""
 Frame = tuple[Float32Array, BoolArray, Float32Array]
