@@ -234,7 +234,8 @@ def run(recordings: list[str]) -> int:
     if app.platformName() == "offscreen":  # it says of every window what it cannot do with it
         QLoggingCategory.setFilterRules("default.warning=false")
     application = Application(app, PreferencesFile())
-    application.window.keep_on_screen()
+    if not application.preferences.now.geometry:  # else Qt has found it a place on a screen
+        application.window.keep_on_screen()
     application.to_open = tuple(Path(name).absolute() for name in recordings)
     signals = SignalWatch(application.end)
     application.start()

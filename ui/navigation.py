@@ -115,13 +115,15 @@ class NavigationRail(QWidget):
         self._stand()
 
     def _stand(self) -> None:
-        """Set what lies about names and icons, as the height allows."""
-        is_low = self.height() < self._height_px(is_low=False)
-        if is_low != self._is_low:
-            self._is_low = is_low
+        if self._lacks_height() != self._is_low:
             self._space()
 
+    def _lacks_height(self) -> bool:
+        return self.height() < self._height_px(is_low=False)
+
     def _space(self) -> None:
+        """Set what lies about names and icons, as the height allows."""
+        self._is_low = self._lacks_height()
         margin_px, spacing_px = self._air_px(is_low=self._is_low)
         self._column.setContentsMargins(MARGIN_PX, margin_px, MARGIN_PX, margin_px)
         self._column.setSpacing(spacing_px)
@@ -158,7 +160,6 @@ class NavigationRail(QWidget):
             _give_room(buttons[0], is_low=is_low)
             self._button_px[is_low] = buttons[0].sizeHint().height()
         self._space()
-        self._stand()
         self.updateGeometry()
 
     def _all(self) -> tuple[tuple[str, QToolButton], ...]:

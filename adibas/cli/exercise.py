@@ -108,7 +108,9 @@ def _document(check: "ExerciseCheck") -> dict[str, Any]:
     symmetries = list(symmetry_rows(check))
     return {
         "angles": list(check.model.angles.names),
+        "origin": check.done_origin,
         "therapist": {
+            "origin": check.shown_origin,
             "duration_s": check.model.duration_s,
             "range_deg": _shown(check).tolist(),
         },

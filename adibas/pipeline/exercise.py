@@ -7,7 +7,7 @@ import numpy as np
 
 from adibas import __version__
 from adibas.clock import Clock, to_text, utc_now
-from adibas.data.movement import Movement
+from adibas.data.movement import Movement, Origin
 from adibas.data.posture import Provenance
 from adibas.data.sentence import Sentence
 from adibas.errors import GestureError
@@ -69,6 +69,8 @@ class ExerciseCheck:
     Attributes
     ----------
     model : ExerciseModel
+    shown_origin, done_origin : str
+        Where the therapist's and the patient's joints come from; see `Movement`.
     done : AngleTrack
         The patient's angles, from the first frame on.
     repetitions : tuple of Repetition
@@ -79,6 +81,8 @@ class ExerciseCheck:
     """
 
     model: ExerciseModel
+    shown_origin: Origin
+    done_origin: Origin
     done: AngleTrack
     repetitions: tuple[Repetition, ...]
     patient: str
@@ -129,7 +133,9 @@ def check_exercise(
     if not found:
         notices.append(Sentence(NONE_FOUND))
     told = tuple({one.text: one for one in notices}.values())
-    return ExerciseCheck(model, patient, found, request.pseudonym, provenance, told)
+    return ExerciseCheck(
+        *(model, shown.origin, done.origin, patient, found, request.pseudonym, provenance, told)
+    )
 
 
 def angle_track(movement: Movement, rate_hz: float) -> AngleTrack:

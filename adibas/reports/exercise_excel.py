@@ -12,6 +12,7 @@ from adibas.reports.exercise_rows import range_rows, symmetry_rows
 from adibas.reports.facts import analysed, intended_use
 from adibas.reports.figure_pictures import picture_of
 from adibas.reports.memory_workbook import write_in_memory
+from adibas.reports.movement_facts import ORIGINS
 from adibas.reports.movement_texts import JOINT_MOTIONS, angle_text
 from adibas.reports.sheets import Column, Part, Value, add_parts, add_table
 from adibas.reports.vector_figures import new_figure
@@ -60,6 +61,8 @@ def _facts(check: ExerciseCheck) -> list[tuple[str, Value]]:
     angles = ", ".join(angle_text(name) for name in check.model.angles.names)
     facts: list[tuple[str, Value]] = [
         (_("Patient (pseudonym)"), check.patient),
+        (_("Joints from"), _(ORIGINS[check.done_origin])),
+        (_("Joints of the therapist from"), _(ORIGINS[check.shown_origin])),
         (_("Repetitions"), str(n)),
         (_("Therapist's repetition [s]"), decimal_text(check.model.duration_s, 2)),
         (_("Angles that take part"), angles),

@@ -103,7 +103,7 @@ def test_a_therapist_who_does_not_move_is_told():
         ExerciseParams(edge_share=0.95)
 
 
-def joints_file(path, deg):
+def joints_file(path, deg, origin="unknown"):
     joints_m = np.stack(
         [
             turned(turned(standing(), ["left_hand"], "left_elbow", RIGHT, left),
@@ -111,14 +111,14 @@ def joints_file(path, deg):
             for left, right, _ in deg
         ]
     )  # fmt: skip
-    write_joints_csv(path, [track_of(3.0 + np.arange(len(deg)) / 30.0, joints_m)])
+    write_joints_csv(path, [track_of(3.0 + np.arange(len(deg)) / 30.0, joints_m)], origin)
 
 
 @pytest.fixture
 def files(tmp_path):
-    joints_file(tmp_path / "therapist.csv", series(once(60, held=20)).deg)
+    joints_file(tmp_path / "therapist.csv", series(once(60, held=20)).deg, "markers")
     done = series(once(60, 110.0, 80.0, held=20), once(90, 70.0, 70.0, held=10), rest=40)
-    joints_file(tmp_path / "patient.csv", done.deg)
+    joints_file(tmp_path / "patient.csv", done.deg, "markerless")
     return tmp_path
 
 
@@ -138,6 +138,10 @@ def test_an_exercise_is_checked_from_the_command_line(files, capsys):
     book = load_workbook(report)
     assert book.sheetnames == ["Summary", "Repetitions", "Ranges", "Symmetry", "Deviation"]
     assert len(list(book["Repetitions"].iter_rows(min_row=2))) == 3
+    facts = {row[0]: row[1] for row in book["Summary"].iter_rows(values_only=True)}
+    assert (document["origin"], document["therapist"]["origin"]) == ("markerless", "markers")
+    assert facts["Joints from"].startswith("markerless:")
+    assert facts["Joints of the therapist from"].startswith("markers on the skin:")
     book.close()
 
 

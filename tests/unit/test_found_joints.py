@@ -55,7 +55,9 @@ def test_an_exercise_is_checked_in_a_recording(jumper, capsys):
     repetitions = []
     for patient, therapist in ((video, table), (table, video), (table, table)):
         assert main(["gestures", "check", patient, "--therapist", therapist, *shown]) == 0
-        repetitions.append(json.loads(capsys.readouterr().out)["repetitions"])
+        told = json.loads(capsys.readouterr().out)
+        repetitions.append(told["repetitions"])
+        assert told["origin"] == told["therapist"]["origin"] == "markerless"
     assert len(repetitions[-1]) >= 1
     for found in repetitions[:-1]:
         assert [one["begin_s"] for one in found] == [one["begin_s"] for one in repetitions[-1]]
