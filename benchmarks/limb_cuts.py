@@ -8,7 +8,7 @@ from adibas.arrays import AnyArray, BoolArray, Float32Array
 from adibas.forests.forest import Forest
 from adibas.graphcut.boundary import boundary_weights
 from adibas.graphcut.energy import EnergyParams, LabelEnergy, equal_penalties, label_energy
-from adibas.graphcut.minimising import Labelling, cheapest_labels, expand, minimise
+from adibas.graphcut.minimising import Labelling, cheapest_labels, expand, minimise, start_labels
 from adibas.graphcut.neighbors import connect_pixels
 from adibas.limbs.penalties import omega_2
 from adibas.limbs.segmentation import LimbParams
@@ -70,9 +70,13 @@ def _compare_cuts(title: str, energies: list[LabelEnergy], n_rounds: int) -> Ite
     measured once more with both from the likeliest.
     """
     yield from _compared_rows(f"{title}, as each is used", energies, minimise, n_rounds)
-    if energies[0].is_metric:
+    if energies[0].is_metric and any(_seeks_a_start(energy) for energy in energies):
         name = f"{title}, both from likeliest labels"
         yield from _compared_rows(name, energies, _expand_likeliest, n_rounds)
+
+
+def _seeks_a_start(energy: LabelEnergy) -> bool:
+    return bool((start_labels(energy) != cheapest_labels(energy)).any())
 
 
 def _expand_likeliest(energy: LabelEnergy) -> Labelling:

@@ -12,13 +12,21 @@ import numpy as np
 
 from adibas.arrays import AnyArray, Int32Array, check_shape, read_only
 from adibas.graphcut.energy import LabelEnergy
-from adibas.graphcut.move_kernels import begin_expansion, begin_swap, find_borders, make_move
+from adibas.graphcut.move_kernels import (
+    begin_expansion,
+    begin_swap,
+    energy_of,
+    find_borders,
+    make_move,
+)
 from adibas.graphcut.pair_kernels import EXCESS, IS_LAID, STAY
 from adibas.graphcut.start_kernels import settle_labels
 
 MAX_CYCLES = 30
 """Through all labels, or pairs of them; real pictures need 2 to 5."""
 START_SWEEPS = 20
+STRONG_BORDERS = 20.0
+"""Borders of the likeliest labels that cost this many times what the labels themselves do."""
 N_COUNTERS = 5
 N_NODE_ROWS = 5
 N_MARK_ROWS = 5
@@ -72,8 +80,9 @@ def minimise(energy: LabelEnergy, start: AnyArray | None = None) -> Labelling:
     energy : LabelEnergy
         Of N pixels.
     start : (N,) integer array or None
-        Labels to begin with; None takes `start_labels` for expansions, where it spares up to half
-        the time, and `cheapest_labels` for swaps, where it spares a tenth and may end higher.
+        Labels to begin with; None takes `start_labels` for expansions, where with a strong lambda
+        it spares up to half the time, and `cheapest_labels` for swaps, where settled ones spare a
+        tenth and may end higher.
 
     Returns
     -------
@@ -149,13 +158,19 @@ def cheapest_labels(energy: LabelEnergy) -> AnyArray:
 
 
 def start_labels(energy: LabelEnergy) -> AnyArray:
-    """Return (N,) int8: the likeliest labels after each pixel has looked at its neighbours.
+    """Return (N,) int8: labels for expansions to begin with.
 
-    With a strong lambda the cuts are several times faster from there than from the likeliest
-    labels alone.
+    The likeliest ones; where their borders cost more than `STRONG_BORDERS` times what the labels
+    do, the same after each pixel has looked at its neighbours. From there the cuts are up to
+    twice as fast. Where borders cost less that spares a tenth, and the expansions now and then
+    end in another minimum than from the likeliest labels, as often above theirs as below.
     """
     labels = cheapest_labels(energy)
-    settle_labels(energy.arcs(), energy.penalties, energy.costs, labels, START_SWEEPS)
+    arcs = energy.arcs()
+    of_labels = int(energy.costs.min(axis=0).sum(dtype=np.int64))
+    of_borders = int(energy_of(arcs, energy.penalties, energy.costs, labels)) - of_labels
+    if of_borders > STRONG_BORDERS * of_labels:
+        settle_labels(arcs, energy.penalties, energy.costs, labels, START_SWEEPS)
     return labels
 
 

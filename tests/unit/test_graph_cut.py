@@ -8,6 +8,7 @@ import pytest
 
 from adibas.graphcut.energy import LabelEnergy, penalty_table
 from adibas.graphcut.minimising import (
+    STRONG_BORDERS,
     cheapest_labels,
     expand,
     minimise,
@@ -139,7 +140,38 @@ def test_the_start_is_never_worse_than_the_likeliest_labels(table):
         assert energy.of(start_labels(energy)) <= energy.of(cheapest_labels(energy))
 
 
-def test_expansions_begin_from_the_settled_labels():
+def border_share(energy):
+    """Return what the borders of the likeliest labels cost, in costs of the labels."""
+    labels = cheapest_labels(energy)
+    of_labels = sum(int(energy.costs[label, p]) for p, label in enumerate(labels))
+    return (plain_energy(energy, labels) - of_labels) / of_labels
+
+
+def can_be_better_at_one_pixel(energy, labels):
+    return any(
+        plain_energy(energy, np.where(np.arange(labels.size) == p, other, labels))
+        < plain_energy(energy, labels)
+        for p in range(labels.size)
+        for other in range(len(energy.penalties))
+    )
+
+
+def test_where_borders_cost_most_of_it_the_start_is_settled_pixel_by_pixel():
+    n_settled = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        energy = random_energy(rng, heaviest=(60, 300, 500, 1000)[seed % 4])
+        start = start_labels(energy)
+        if border_share(energy) > STRONG_BORDERS:
+            assert not can_be_better_at_one_pixel(energy, start)
+            assert plain_energy(energy, start) < plain_energy(energy, cheapest_labels(energy))
+            n_settled += 1
+        else:
+            np.testing.assert_array_equal(start, cheapest_labels(energy))
+    assert 10 <= n_settled <= 30
+
+
+def test_expansions_begin_from_the_start_labels():
     for _, energy in energies(n_cases=40):
         labels, _ = peer_expand(energy, start_labels(energy))
         np.testing.assert_array_equal(minimise(energy).labels, labels)
