@@ -54,12 +54,12 @@ class JointOffsets:
             Middle of each part that is seen.
         """
         learned = self.of_kind[place.kind]
-        rays = modes_m / np.linalg.norm(modes_m, axis=1, keepdims=True)
+        lengths_m = np.sqrt(np.einsum("ki,ki->k", modes_m, modes_m))[:, None]
         if not all(name in middles_m for name in place.neighbors):
-            return np.asarray(modes_m + learned.bare_push_m * rays)
-        joints_m = modes_m + learned.push_m * rays
+            return np.asarray(modes_m * (1.0 + learned.bare_push_m / lengths_m))
+        joints_m = modes_m * (1.0 + learned.push_m / lengths_m - sum(learned.shares))
         for share, name in zip(learned.shares, place.neighbors, strict=True):
-            joints_m = joints_m + share * (middles_m[name] - modes_m)
+            joints_m += share * middles_m[name]
         return np.asarray(joints_m)
 
 

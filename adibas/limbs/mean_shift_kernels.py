@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from adibas.arrays import AnyArray, Float32Array, FloatArray, Int32Array, IntArray
-from adibas.kernels import compiled
+from adibas.kernels import compiled, compiled_parallel, parallel_range
 
 N_STEPS = 12
 MOST_STARTS = 64
@@ -240,3 +240,27 @@ def find_modes(first: FloatArray, second: FloatArray, width_m: float, modes: Flo
             own = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
             if min(d2, own) < 1.44 * width_m * width_m:  # beyond its slope
                 heights[i] = 0.0
+
+
+@compiled_parallel
+def find_modes_of(
+    points: FloatArray, starts: IntArray, pairs: IntArray, widths_m: FloatArray, n_modes: int
+) -> FloatArray:
+    """Return (J, n_modes, 4) what `find_modes` finds for each of J joints, on all cores.
+
+    Parameters
+    ----------
+    points : (M, 4) array
+    starts : (L + 1,) array
+        Where the points of each part begin.
+    pairs : (J, 2) array
+        The parts of each joint; the second -1 where there is one alone.
+    widths_m : (J,) array
+    """
+    modes = np.empty((pairs.shape[0], n_modes, 4))
+    for joint in parallel_range(pairs.shape[0]):
+        one, other = pairs[joint]
+        first = points[starts[one] : starts[one + 1]]
+        second = points[starts[other] : starts[other + 1]] if other >= 0 else points[:0]
+        find_modes(first, second, widths_m[joint], modes[joint])
+    return modes

@@ -12,6 +12,7 @@ learned depth); Shotton et al., Efficient human pose estimation from single dept
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -22,17 +23,16 @@ from adibas.data.limbs import LimbParts
 from adibas.data.part_cloud import PartCloud
 from adibas.errors import LimbError
 from adibas.limbs.joint_offsets import JointOffsets
-from adibas.limbs.joint_places import PLACES, JointPlace
+from adibas.limbs.joint_places import PLACES
 from adibas.limbs.mean_shift_kernels import (
     find_middles,
-    find_modes,
+    find_modes_of,
     gather_cells,
     list_points,
     over_labels,
 )
 
 N_PROPOSALS = 3
-NOTHING = np.empty((0, 4))
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,19 +169,31 @@ def propose_joints(
     middles_m = points.middles_m()
     positions_m = np.full((len(JOINT_NAMES), N_PROPOSALS, 3), np.nan)
     weights_m2 = np.zeros((len(JOINT_NAMES), N_PROPOSALS))
-    for place in PLACES:
-        modes = modes_of(place, points)
-        kept = modes[:, 3] >= max(params.least_density_m2, params.least_share * modes[0, 3])
-        modes = modes[kept]
+    modes = modes_of_places(points)
+    least_m2 = np.maximum(params.least_density_m2, params.least_share * modes[:, :1, 3])
+    is_kept = modes[:, :, 3] >= least_m2
+    for place, of_place, kept in zip(PLACES, modes, is_kept, strict=True):
+        found = of_place[kept]
         at = JOINT_NAMES.index(place.joint)
-        positions_m[at, : len(modes)] = offsets.joints_m(place, modes[:, :3], middles_m)
-        weights_m2[at, : len(modes)] = modes[:, 3]
+        positions_m[at, : len(found)] = offsets.joints_m(place, found[:, :3], middles_m)
+        weights_m2[at, : len(found)] = found[:, 3]
     return JointProposals(positions_m, weights_m2)
 
 
-def modes_of(place: JointPlace, points: PartPoints) -> FloatArray:
-    """Return (3, 4): x, y, z and density (m^2) of the modes, highest first; NaN and 0 if fewer."""
-    modes = np.empty((N_PROPOSALS, 4))
-    second = points.of(place.parts[1]) if len(place.parts) > 1 else NOTHING
-    find_modes(points.of(place.parts[0]), second, place.width_m, modes)
-    return modes
+def modes_of_places(points: PartPoints) -> FloatArray:
+    """Return (15, 3, 4): x, y, z and density (m^2) of the modes of each of `PLACES`.
+
+    The highest first; NaN and 0 where there are fewer.
+    """
+    pairs = _pairs_of(points.names)
+    return find_modes_of(points.points, points.starts, pairs, _WIDTHS_M, N_PROPOSALS)
+
+
+_WIDTHS_M = np.array([place.width_m for place in PLACES])
+
+
+@cache
+def _pairs_of(names: tuple[str, ...]) -> IntArray:
+    """Return (15, 2) which parts each of `PLACES` lies between; the second -1 if within one."""
+    numbers = [[names.index(part) for part in place.parts] for place in PLACES]
+    return np.array([[*pair, -1][:2] for pair in numbers])

@@ -18,7 +18,7 @@ from adibas.data.limbs import FULL_BODY, NO_LABEL, LimbParts
 from adibas.geometry.pinhole import Intrinsics
 from adibas.limbs.joint_offsets import JointOffsets, OffsetExample, learn_offset
 from adibas.limbs.joint_places import PLACES
-from adibas.limbs.proposals import PartPoints, modes_of, part_points
+from adibas.limbs.proposals import PartPoints, modes_of_places, part_points
 from adibas.pipeline.pose_model import JointModel, write_joint_model
 from adibas.progress import Progress
 from adibas.resources import resource_path
@@ -62,9 +62,9 @@ def learn_joints(n_examples: int, seed: int, progress: Progress) -> JointModel:
     for number, example in enumerate(_examples(n_examples, seed), 1):
         middles_m = example.points.middles_m()
         weights = np.zeros(len(JOINT_NAMES))
-        for place in PLACES:
+        for place, modes in zip(PLACES, modes_of_places(example.points), strict=True):
             at = JOINT_NAMES.index(place.joint)
-            x, y, z, weights[at] = modes_of(place, example.points)[0]
+            x, y, z, weights[at] = modes[0]
             mode_m, joint_m = np.array([x, y, z]), example.joints_m[at]
             is_near = np.linalg.norm(mode_m - joint_m) < FARTHEST_M
             if weights[at] >= LEAST_DENSITY_M2 and is_near:
