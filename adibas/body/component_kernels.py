@@ -6,10 +6,12 @@ Compiled for float32 inverse depth (1/m, 0 where there is none) and int32 labels
 import numpy as np
 
 from adibas.arrays import Float32Array, FloatArray, Int32Array
-from adibas.kernels import compiled
+from adibas.kernels import compiled, compiled_parallel, parallel_range
 
 N_MOMENTS = 10
 """Columns of `moments`: weight, x, y, z, then xx, yy, zz, xy, xz, yz (metres)."""
+N_PARTS = 4
+"""Every fourth row is one part: always as many, whatever the number of cores."""
 
 
 @compiled
@@ -89,23 +91,35 @@ def _renumbered(
     return labels, n_labels
 
 
-@compiled
+@compiled_parallel
 def surface_moments(
     labels: Int32Array, n_labels: int, inverse_depth: Float32Array, rays: Float32Array
 ) -> FloatArray:
     """Return (n_labels + 1, 10): area (m^2, facing the camera) and moments of each surface."""
-    moments = np.zeros((n_labels + 1, N_MOMENTS))
+    moments = np.zeros((N_PARTS, n_labels + 1, N_MOMENTS))
     pixel_area = abs((rays[0, 1, 0] - rays[0, 0, 0]) * (rays[1, 0, 1] - rays[0, 0, 1]))
-    for row in range(labels.shape[0]):
-        end = 0
-        while end < labels.shape[1]:
-            label, start = labels[row, end], end
-            while end < labels.shape[1] and labels[row, end] == label:
-                end += 1
-            if label > 0:
-                run = inverse_depth[row, start:end], rays[row, start:end]
-                _add_run(moments[label], *run, pixel_area)
-    return moments
+    for part in parallel_range(N_PARTS):
+        for row in range(part, labels.shape[0], N_PARTS):
+            _add_row(moments[part], labels[row], inverse_depth[row], rays[row], pixel_area)
+    total: FloatArray = moments.sum(axis=0)
+    return total
+
+
+@compiled
+def _add_row(
+    moments: FloatArray,
+    labels: Int32Array,
+    inverse_depth: Float32Array,
+    rays: Float32Array,
+    pixel_area: float,
+) -> None:
+    end = 0
+    while end < labels.size:
+        label, start = labels[end], end
+        while end < labels.size and labels[end] == label:
+            end += 1
+        if label > 0:
+            _add_run(moments[label], inverse_depth[start:end], rays[start:end], pixel_area)
 
 
 @compiled
