@@ -1,8 +1,10 @@
 """The live chain on 640x480: people, limbs by forest and cut, joints; in a process of its own.
 
 Depth comes in as the sensor gives it. Time is CPU time of all threads, and the clock's: on a
-machine that does other work the latter is of the machine. Memory is the most that the process held;
-the simulator, which a clinic's sensor takes the place of, drew the frames in another one.
+machine that does other work the latter is of the machine: so all is done in some rounds, and told
+of every frame of all rounds, and of each frame's median over the rounds. Memory is the most that
+the process held; the simulator, which a clinic's sensor takes the place of, drew the frames in
+another one.
 """
 
 import multiprocessing
@@ -20,6 +22,7 @@ from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration
 from adibas.data.frames import depth_in_metres
 from adibas.geometry.planes import Plane
+from adibas.limbs.model import LimbModel
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
@@ -37,7 +40,7 @@ WARM_FRAMES = 3
 
 @dataclass(frozen=True, slots=True)
 class _Spent:
-    """Milliseconds of every frame, and the process's memory."""
+    """(R, N) milliseconds of every frame in every round, and the process's memory."""
 
     cpu_ms: FloatArray
     clock_ms: FloatArray
@@ -55,50 +58,59 @@ class _Scene:
     floor: Plane | None
 
 
-def chain_rows(n_frames: int) -> Iterator[Row]:
+def chain_rows(n_frames: int, n_rounds: int) -> Iterator[Row]:
     """Measure `n_frames` of each scene."""
     with (
         tempfile.TemporaryDirectory() as folder,
         ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as process,
     ):
         scenes = [_drawn(name, n_frames + WARM_FRAMES, Path(folder)) for name in SCENES]
-        spent = process.submit(_measure, scenes).result()
-    told = f"whole chain, {len(spent.cpu_ms)} frames 640x480, one person"
+        spent = process.submit(_measure, scenes, n_rounds).result()
+    told = f"whole chain, {spent.cpu_ms.shape[1]} frames 640x480, one person"
     yield Row(f"{told}: median", float(np.median(spent.cpu_ms)), "ms CPU")
     yield Row(f"{told}: 99 % of frames within", float(np.percentile(spent.cpu_ms, 99)), "ms CPU")
     median_ms = float(np.median(spent.clock_ms))
     yield Row(f"{told}: median", median_ms, "ms clock", FRAME_MS, "goal <=")
     most_ms = float(np.percentile(spent.clock_ms, 99))
-    yield Row(f"{told}: 99 % of frames within", most_ms, "ms clock", FRAME_MS, "goal <=")
+    name = f"{told}: 99 % of frames of {n_rounds} rounds within"
+    yield Row(name, most_ms, "ms clock", FRAME_MS, "goal <=")
+    of_frame_ms = float(np.percentile(np.median(spent.clock_ms, axis=0), 99))
+    name = f"{told}: 99 % of each frame's median of {n_rounds} rounds within"
+    yield Row(name, of_frame_ms, "ms clock", FRAME_MS, "goal <=")
     limbs_ms = float(np.median(spent.limbs_ms))
     yield Row(f"{told}: of it limbs, every second pixel", limbs_ms, "ms CPU")
     if spent.memory_mib:
         yield Row(f"{told}: memory of the process", spent.memory_mib, "MiB", MOST_MIB, "goal <")
 
 
-def _measure(scenes: list[_Scene]) -> _Spent:
+def _measure(scenes: list[_Scene], n_rounds: int) -> _Spent:
     model = shipped_model()
-    times: list[tuple[float, float, float]] = []
-    for scene in scenes:
-        camera = scene.camera
-        estimator = PoseEstimator(
-            *(camera, forest_segmenter(model, camera), scene.floor),
-            joints=joint_model_for(model),
-            judge=person_judge(model, camera),
-        )
-        for number, path in enumerate(scene.frames):
-            depth_m = depth_in_metres(np.load(path), scene.unit_m)
-            cpu, clock = time.process_time(), time.perf_counter()
-            estimator.look(depth_m, number / 30)
-            spent = time.process_time() - cpu, time.perf_counter() - clock
-            body = find_body(depth_m, camera, scene.floor)
-            cpu = time.process_time()
-            if body is not None:
-                segment(depth_m, body.pixels, camera.intrinsics.fx, model, LimbParams())
-            if number >= WARM_FRAMES:
-                times.append((*spent, time.process_time() - cpu))
-    cpu_ms, clock_ms, limbs_ms = 1000 * np.array(times).T
+    rounds = [
+        [one for scene in scenes for one in _spent_on(scene, model)] for _round in range(n_rounds)
+    ]
+    cpu_ms, clock_ms, limbs_ms = np.moveaxis(1000 * np.array(rounds), 2, 0)
     return _Spent(cpu_ms, clock_ms, limbs_ms, peak_memory_mib())
+
+
+def _spent_on(scene: _Scene, model: LimbModel) -> Iterator[tuple[float, float, float]]:
+    """Yield seconds of every frame: of CPU, by the clock, and of CPU for the limbs alone."""
+    camera = scene.camera
+    estimator = PoseEstimator(
+        *(camera, forest_segmenter(model, camera), scene.floor),
+        joints=joint_model_for(model),
+        judge=person_judge(model, camera),
+    )
+    for number, path in enumerate(scene.frames):
+        depth_m = depth_in_metres(np.load(path), scene.unit_m)
+        cpu, clock = time.process_time(), time.perf_counter()
+        estimator.look(depth_m, number / 30)
+        spent = time.process_time() - cpu, time.perf_counter() - clock
+        body = find_body(depth_m, camera, scene.floor)
+        cpu = time.process_time()
+        if body is not None:
+            segment(depth_m, body.pixels, camera.intrinsics.fx, model, LimbParams())
+        if number >= WARM_FRAMES:
+            yield (*spent, time.process_time() - cpu)
 
 
 def _drawn(name: str, n_frames: int, folder: Path) -> _Scene:

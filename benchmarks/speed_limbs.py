@@ -58,7 +58,7 @@ def rows(*, quick: bool) -> Iterable[Row]:
         yield from cut_rows(forest, effort.n_cut_frames, effort.n_rounds)
         if labels == BODY_PART_NAMES:
             yield from _forest_rows(images, forest, params, effort)
-    yield from chain_rows(effort.n_chain_frames)
+    yield from chain_rows(effort.n_chain_frames, effort.n_rounds)
     yield from memory_rows(effort.set_sizes)
     yield training_row(effort.n_training_frames)
 

@@ -18,6 +18,7 @@ from adibas.arrays import AnyArray, BoolArray, Float32Array, FloatArray, check_s
 from adibas.data.joints import BODY_PART_NAMES
 from adibas.data.limbs import NO_LABEL, LimbParts
 from adibas.files import check_document
+from adibas.limbs.likeness_kernels import count_borders, find_pieces
 
 FORMAT, VERSION = "adibas-person-likeness", 2
 PART_QUANTITIES = (
@@ -129,31 +130,20 @@ def _step_of(pixels: BoolArray) -> int:
 
 def _border_shares(labels: AnyArray) -> tuple[float, float]:
     """Return the share of borders between limbs that no body has, and of borders in all pairs."""
-    n_odd = n_borders = n_pairs = 0
-    for first, second in ((labels[:, 1:], labels[:, :-1]), (labels[1:], labels[:-1])):
-        both = (first >= 0) & (second >= 0)
-        a, b = first[both], second[both]
-        differ = a != b
-        n_pairs += len(a)
-        n_borders += int(differ.sum())
-        n_odd += int((~_NEIGHBOURS[a[differ], b[differ]]).sum())
+    n_pairs, n_borders, n_odd = count_borders(labels, _NEIGHBOURS)
     return n_odd / max(n_borders, 1), n_borders / max(n_pairs, 1)
 
 
 def _pieces(labels: AnyArray, n_pixels: int) -> tuple[float, float, float]:
     """Return how many limbs are seen, pieces beyond one for each, and the largest one's share."""
-    n_limbs = n_pieces = 0
-    whole = 0.0
-    n_of = np.bincount(labels[labels >= 0], minlength=len(BODY_PART_NAMES))
-    least_px = max(LEAST_PIXELS, LEAST_SHARE * n_pixels)
-    for label in np.flatnonzero(n_of >= least_px):
-        here = (labels == label).view(np.uint8)
-        left, top, width, height = cv2.boundingRect(here)
-        here = np.ascontiguousarray(here[top : top + height, left : left + width])
-        sizes = np.bincount(cv2.connectedComponents(here, connectivity=8)[1].ravel())[1:]
-        n_limbs += 1
-        n_pieces += int((sizes >= max(LEAST_PIXELS, LEAST_PIECE_SHARE * n_pixels)).sum())
-        whole += float(sizes.max()) / n_of[label]
+    of_piece, sizes = find_pieces(labels)
+    n_of = np.bincount(of_piece, sizes, minlength=len(BODY_PART_NAMES))
+    largest = np.zeros(len(BODY_PART_NAMES))
+    np.maximum.at(largest, of_piece, sizes)
+    is_seen = n_of >= max(LEAST_PIXELS, LEAST_SHARE * n_pixels)
+    is_large = sizes >= max(LEAST_PIXELS, LEAST_PIECE_SHARE * n_pixels)
+    n_limbs, n_pieces = int(is_seen.sum()), int(is_large[is_seen[of_piece]].sum())
+    whole = float((largest[is_seen] / n_of[is_seen]).sum())
     return float(n_limbs), float(n_pieces - n_limbs), whole / max(n_limbs, 1)
 
 

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from adibas.data.calibration import CameraCalibration
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES
@@ -21,6 +22,7 @@ from adibas.limbs.likeness import (
     likeness_from_json,
     likeness_to_json,
 )
+from adibas.limbs.likeness_kernels import count_borders, find_pieces
 from adibas.pipeline import shipped_json
 from adibas.pipeline.likeness_file import shipped_likeness
 from adibas.pipeline.likeness_training import people_shown, things_shown
@@ -88,6 +90,28 @@ def test_a_limb_in_pieces_is_told():
     found = named(labels)
     assert found["pieces"] == 1
     assert found["whole"] == pytest.approx(0.5 * (1 + 8 / 14), abs=0.1)
+
+
+def test_pieces_are_those_that_scipy_finds_label_by_label():
+    for seed in range(20):
+        labels = np.random.default_rng(seed).integers(-1, 3, (13, 17)).astype(np.int16)
+        wanted = []
+        for label in range(3):
+            numbered, _ = ndimage.label(labels == label, np.ones((3, 3)))
+            wanted += [(label, size) for size in np.bincount(numbered.ravel())[1:]]
+        assert sorted(zip(*find_pieces(labels), strict=True)) == sorted(wanted)
+
+
+def test_borders_are_counted_pair_by_pair():
+    is_usual = np.array([[1, 1, 0], [1, 1, 1], [0, 1, 1]], np.bool_)
+    for seed in range(20):
+        labels = np.random.default_rng(seed).integers(-1, 3, (7, 9)).astype(np.int16)
+        pairs = [*zip(labels[1:].flat, labels[:-1].flat, strict=True)]
+        pairs += zip(labels[:, 1:].flat, labels[:, :-1].flat, strict=True)
+        pairs = [(a, b) for a, b in pairs if min(a, b) >= 0]
+        n_odd = sum({a, b} == {0, 2} for a, b in pairs)
+        wanted = len(pairs), sum(a != b for a, b in pairs), n_odd
+        assert count_borders(labels, is_usual) == wanted
 
 
 def test_every_second_pixel_tells_nearly_the_same():
