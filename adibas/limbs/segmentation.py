@@ -18,6 +18,7 @@ from adibas.graphcut.minimising import minimise
 from adibas.graphcut.neighbors import Connectivity, connect_pixels
 from adibas.limbs.cells import PersonView
 from adibas.limbs.context import limb_probabilities
+from adibas.limbs.filling_kernels import filled_between
 from adibas.limbs.model import LimbModel
 
 Cut: TypeAlias = Literal["omega_1", "omega_2", "none"]
@@ -144,7 +145,9 @@ def _chosen(
     mask = np.ascontiguousarray(view.mask[every])
     thin = np.full(mask.shape, NO_LABEL, np.int16)
     thin[mask] = cut_labels(view.depth_m[every], mask, probabilities, model, params, last)
-    return _filled(thin, view.mask, params.step)
+    if params.step == 1:
+        return thin
+    return filled_between(thin, np.ascontiguousarray(view.mask), params.step)
 
 
 def cut_labels(
@@ -192,22 +195,3 @@ def _tied(
     check_shape("before.depth_m", before.depth_m, depth_m.shape)
     parts = before.parts.with_sides_swapped() if params.is_from_behind else before.parts
     return parts.chosen[pixels], ties_in_time(depth_m[pixels], before.depth_m[pixels])
-
-
-def _filled(thin: AnyArray, mask: BoolArray, step: int) -> AnyArray:
-    """Return (H, W) labels from those of every `step`-th pixel: that of the nearest one."""
-    if step == 1:
-        return thin
-    chosen = np.full(mask.shape, NO_LABEL, np.int16)
-    known = thin >= 0
-    if not known.any():
-        return chosen
-    sampled = np.ones(mask.shape, np.uint8)
-    sampled[::step, ::step][known] = 0
-    _, nearest = cv2.distanceTransformWithLabels(
-        sampled, cv2.DIST_L2, cv2.DIST_MASK_3, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    label_of = np.empty(int(nearest.max()) + 1, np.int16)
-    label_of[nearest[::step, ::step][known]] = thin[known]
-    chosen[mask] = label_of[nearest[mask]]
-    return chosen

@@ -11,10 +11,11 @@ from adibas.errors import FileError, LimbError
 from adibas.forests.params import ForestParams
 from adibas.forests.training import train_forest
 from adibas.limbs.evaluation import confusion_of, no_confusion
+from adibas.limbs.filling_kernels import filled_between
 from adibas.limbs.judging import judge_mask, judge_parts
 from adibas.limbs.model import CLUTTER, load_model, merged, model_of, save_model
 from adibas.limbs.penalties import omega_2
-from adibas.limbs.segmentation import FrameBefore, LimbParams, _filled, segment
+from adibas.limbs.segmentation import FrameBefore, LimbParams, segment
 from adibas.limbs.training_set import TO_TORSO, Relabelled
 
 FOCAL_PX = 100.0
@@ -329,24 +330,25 @@ def test_the_table_of_a_model_is_that_of_its_provenance(model):
     np.testing.assert_array_equal(model_of(forest).omega_2, table)
 
 
-@pytest.mark.parametrize("step", [1, 2, 3])
-def test_labels_between_do_not_depend_on_how_much_is_around_the_person(step):
-    """Only the person's box is looked at; the same person in a larger picture has the same."""
+@pytest.mark.parametrize("step", [2, 3, 4])
+def test_pixels_between_have_the_label_of_the_nearest_sample_the_upper_left_of_equals(step):
     rng = np.random.default_rng(step)
-    mask = cv2.GaussianBlur(rng.standard_normal((36, 48)), (0, 0), 4.0) > 0
+    mask = cv2.GaussianBlur(rng.standard_normal((36, 47)), (0, 0), 1.5) > 0
     every = np.s_[::step, ::step]
     thin = np.full(mask[every].shape, -1, np.int16)
-    thin[mask[every]] = rng.integers(0, 7, np.count_nonzero(mask[every]))
-    wide = np.pad(mask, ((6, 18), (12, 30)))
-    wide_thin = np.pad(thin, ((6 // step, 0), (12 // step, 0)), constant_values=-1)
-    missing = [
-        (0, -(-size // step) - found)
-        for size, found in zip(wide.shape, wide_thin.shape, strict=True)
-    ]
-    wide_thin = np.pad(wide_thin, missing, constant_values=-1)
-    alone, within = _filled(thin, mask, step), _filled(wide_thin, wide, step)
-    np.testing.assert_array_equal(within[6:42, 12:60], alone)
-    assert ((within >= 0) == wide).all()
+    known = mask[every] & (rng.random(mask[every].shape) < 0.7)
+    thin[known] = rng.integers(0, 7, np.count_nonzero(known))
+    labels = filled_between(thin, mask, step)
+    samples = np.argwhere(known)
+    for row, column in np.argwhere(mask):
+        gaps = ((samples * step - (row, column)) ** 2).sum(axis=1)
+        assert labels[row, column] == thin[tuple(samples[gaps.argmin()])]
+    assert (labels[~mask] == -1).all()
+
+
+def test_without_a_labelled_sample_no_pixel_has_a_label():
+    labels = filled_between(np.full((3, 4), -1, np.int16), np.ones((6, 8), np.bool_), 2)
+    assert (labels == -1).all()
 
 
 @pytest.mark.parametrize("step", [1, 2, 3])
