@@ -129,7 +129,7 @@ def _add_run(
     """Add pixels of a row to (10,) `moments`.
 
     The sums are kept in numbers of their own: sums in an array wait for what was just written, and
-    take three times as long.
+    take half as long again.
     """
     m = mx = my = mz = xx = yy = zz = xy = xz = yz = 0.0
     for i in range(inverse_depth.size):

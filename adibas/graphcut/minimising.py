@@ -163,7 +163,7 @@ def start_labels(energy: LabelEnergy) -> AnyArray:
     The likeliest ones; where their borders cost more than `STRONG_BORDERS` times what the labels
     do, the same after each pixel has looked at its neighbours. From there the cuts are up to
     twice as fast. Where borders cost less that spares a tenth, and the expansions now and then
-    end in another minimum than from the likeliest labels, as often above theirs as below.
+    end in another minimum than from the likeliest labels, now above theirs, now below.
     """
     labels = cheapest_labels(energy)
     arcs = energy.arcs()

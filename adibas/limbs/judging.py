@@ -149,9 +149,8 @@ def judge_mask(
     holes = _hole_share(measured, mask, params)
     if holes > params.most_holes:
         return Judgement(False, (Sentence(HOLES, {"percent": round(100 * holes)}),))
-    if 2 * np.count_nonzero(mask & (depth_m < params.nearest_m)) > np.count_nonzero(
-        mask & measured
-    ):
+    n_near = np.count_nonzero(mask & (depth_m < params.nearest_m))
+    if 2 * n_near > np.count_nonzero(mask & measured):
         distance_m = float(np.median(depth_m[mask & measured]))
         return Judgement(False, (Sentence(TOO_NEAR, {"distance": distance_m}),))
     border_px = cut_px(mask, seen_box(measured)).sum()
