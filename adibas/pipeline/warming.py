@@ -130,7 +130,11 @@ def name_joints() -> None:
 
 
 def find_limbs() -> None:
-    """Find the limbs of a disc."""
+    """Find the limbs of a disc, and cut labels that borders are everywhere between."""
+    from adibas.graphcut.boundary import boundary_weights
+    from adibas.graphcut.energy import equal_penalties, label_energy
+    from adibas.graphcut.minimising import minimise
+    from adibas.graphcut.neighbors import connect_pixels
     from adibas.limbs.segmentation import segment
     from adibas.pipeline.limb_segmenting import shipped_model
 
@@ -138,11 +142,16 @@ def find_limbs() -> None:
     mask = np.hypot(rows - 24, columns - 24) < 10.0  # noqa: PLR2004  (pixels)
     depth_m = np.full(mask.shape, 2.0, np.float32)
     segment(depth_m, mask, 100.0, shipped_model())
+    graph = connect_pixels(mask)
+    probabilities = np.random.default_rng(0).random((graph.n_pixels, SPACE))
+    boundary = boundary_weights(graph, depth_m)
+    minimise(label_energy(graph, probabilities, boundary, equal_penalties(SPACE)))
 
 
 def find_joints() -> None:
     """Find the joints of a simulated person without markers."""
     from adibas.pipeline.limb_segmenting import shipped_model
+    from adibas.pipeline.person_judge import person_judge
     from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
     from adibas.simulation.scenes import open_scene
 
@@ -151,8 +160,9 @@ def find_joints() -> None:
     raw = scene.frame(0).sensor_frame.depth_raw
     if calibration is None or calibration.depth is None or raw is None:
         raise ValueError("a simulated scene has depth and a calibration of its camera")
-    segmenter = forest_segmenter(shipped_model(), calibration.depth)
-    estimator = PoseEstimator(calibration.depth, segmenter, calibration.floor)
+    model, camera = shipped_model(), calibration.depth
+    segmenter, judge = forest_segmenter(model, camera), person_judge(model, camera)
+    estimator = PoseEstimator(camera, segmenter, calibration.floor, judge=judge)
     depth_m = depth_in_metres(raw, scene.info.depth_unit_m)
     estimator.look(depth_m, 0.0)
     read_only(depth_m)  # as who labels limbs has it; numba compiles for each
