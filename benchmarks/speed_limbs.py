@@ -30,7 +30,7 @@ from benchmarks.works import Work, median_ms, medians_ms, spent_s
 SEED = 6200
 LABEL_SETS = {7: UPPER_BODY, 15: BODY_PART_NAMES}
 FOREST_ROUNDS = 5
-"""Times as many rounds: a forest's are short, and of three a machine that halts disturbs two."""
+"""Times as many rounds as others have: they are short, and one halt would spoil two of three."""
 
 
 @dataclass(frozen=True, slots=True)

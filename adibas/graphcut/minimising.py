@@ -26,7 +26,7 @@ MAX_CYCLES = 30
 """Through all labels, or pairs of them; real pictures need 2 to 5."""
 START_SWEEPS = 20
 STRONG_BORDERS = 20.0
-"""Borders of the likeliest labels that cost this many times what the labels themselves do."""
+"""Expansions begin from settled labels where borders cost so many times what the labels do."""
 N_COUNTERS = 5
 N_NODE_ROWS = 5
 N_MARK_ROWS = 5

@@ -243,7 +243,7 @@ def find_modes(first: FloatArray, second: FloatArray, width_m: float, modes: Flo
 
 
 @compiled_parallel
-def find_modes_of(
+def find_modes_of_joints(
     points: FloatArray, starts: IntArray, pairs: IntArray, widths_m: FloatArray, n_modes: int
 ) -> FloatArray:
     """Return (J, n_modes, 4) what `find_modes` finds for each of J joints, on all cores.

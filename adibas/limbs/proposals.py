@@ -26,7 +26,7 @@ from adibas.limbs.joint_offsets import JointOffsets
 from adibas.limbs.joint_places import PLACES
 from adibas.limbs.mean_shift_kernels import (
     find_middles,
-    find_modes_of,
+    find_modes_of_joints,
     gather_cells,
     list_points,
     over_labels,
@@ -186,7 +186,7 @@ def modes_of_places(points: PartPoints) -> FloatArray:
     The highest first; NaN and 0 where there are fewer.
     """
     pairs = _pairs_of(points.names)
-    return find_modes_of(points.points, points.starts, pairs, _WIDTHS_M, N_PROPOSALS)
+    return find_modes_of_joints(points.points, points.starts, pairs, _WIDTHS_M, N_PROPOSALS)
 
 
 _WIDTHS_M = np.array([place.width_m for place in PLACES])

@@ -18,7 +18,7 @@ from adibas.limbs.joint_offsets import (
     offsets_to_json,
 )
 from adibas.limbs.joint_places import PLACES
-from adibas.limbs.mean_shift_kernels import find_modes, find_modes_of
+from adibas.limbs.mean_shift_kernels import find_modes, find_modes_of_joints
 from adibas.limbs.proposals import PartPoints, part_points, propose_joints
 from adibas.pipeline.pose_model import shipped_joint_model
 
@@ -91,7 +91,7 @@ def test_all_joints_at_once_have_the_modes_that_each_has_alone():
     clouds = [cloud(rng, middle_m, 40 * number) for number, middle_m in enumerate(middles_m)]
     starts = np.cumsum([0, *map(len, clouds)])
     pairs, widths_m = np.array([[1, -1], [2, 3], [0, 4], [4, -1], [3, 0]]), np.full(5, 0.1)
-    found = find_modes_of(np.concatenate(clouds), starts, pairs, widths_m, 2)
+    found = find_modes_of_joints(np.concatenate(clouds), starts, pairs, widths_m, 2)
     for modes, (one, other) in zip(found, pairs, strict=True):
         alone = np.empty((2, 4))
         find_modes(clouds[one], clouds[other] if other >= 0 else NOTHING, 0.1, alone)
