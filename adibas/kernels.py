@@ -2,6 +2,7 @@
 
 import logging
 import os
+import threading
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
@@ -19,6 +20,8 @@ CPU time, and it is no faster for it.
 use_shipped_kernels()
 
 import numba  # noqa: E402  (it reads all that only now)
+from numba.core.registry import CPUDispatcher  # noqa: E402
+from numba.np.ufunc.parallel import threading_layer  # noqa: E402
 
 from adibas.kernel_sources import sources_of  # noqa: E402  (numpy, as numba)
 
@@ -27,6 +30,7 @@ logger = logging.getLogger(__name__)
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 parallel_range = numba.prange
+_turn = threading.Lock()
 
 
 def compiled(function: Function) -> Function:
@@ -35,8 +39,10 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_parallel(function: Function) -> Function:
-    """Like `compiled`, with `parallel_range` spread over the cores."""
-    return cast(Function, _forgiving(numba.njit(cache=True, nogil=True, parallel=True)(function)))
+    """Like `compiled`, with `parallel_range` spread over the cores; to be called from Python."""
+    dispatcher = cast(Any, numba.njit(cache=True, nogil=True, parallel=True)(function))
+    dispatcher.__class__ = _InTurn
+    return cast(Function, _forgiving(dispatcher))
 
 
 def compiled_fused(function: Function) -> Function:
@@ -55,6 +61,28 @@ def wake_compiler() -> None:
     Compiled functions that the cache has are loaded in milliseconds then.
     """
     cast(Callable[[], None], numba.njit(_nothing))()
+
+
+class _InTurn(CPUDispatcher):
+    """A parallel loop that waits for its turn where numba's own threads do the work.
+
+    Where neither OpenMP's library nor TBB's is there, numba ends the whole program as soon as two
+    threads are in parallel loops at once.
+    """
+
+    def __call__(self, *arguments: object) -> object:
+        if _are_loops_independent():
+            return super().__call__(*arguments)
+        with _turn:
+            return super().__call__(*arguments)
+
+
+def _are_loops_independent() -> bool:
+    """Say whether several threads may be in parallel loops; known after the first loop."""
+    try:
+        return cast(Callable[[], str], threading_layer)() != "workqueue"
+    except ValueError:  # no parallel loop was started yet
+        return False
 
 
 def _nothing() -> None:

@@ -18,7 +18,7 @@ from installers.icon_files import SIZES, drawn
 LINUX = ROOT / "installers" / "linux"
 PACKAGE_LIST = ROOT / "installers" / "debian-packages.txt"
 OUT = ROOT / "dist"
-RUNTIME_HEADINGS = ("Qt", "Sensors")
+RUNTIME_HEADINGS = ("Hot loops", "Qt", "Sensors")
 """Of the list of system packages: parts that a built program needs, too."""
 
 COMPRESSION = ("-Zzstd", "-z12")

@@ -57,6 +57,55 @@ def test_threads_that_wait_for_loops_sleep_soon_unless_the_user_wants_otherwise(
     assert run.stdout.strip() == wanted, run.stderr
 
 
+LOOPS_OF_FOUR_THREADS = """
+import threading
+import numpy as np
+from adibas.kernels import compiled_parallel, parallel_range
+
+@compiled_parallel
+def squares(numbers):
+    out = np.empty_like(numbers)
+    for i in parallel_range(numbers.size):
+        out[i] = numbers[i] ** 2
+    return out
+
+numbers = np.arange(200_000.0)
+at_once = threading.Barrier(4)
+wrong = []
+
+def work():
+    at_once.wait()
+    wrong.extend(i for i in range(100) if not np.array_equal(squares(numbers), numbers**2))
+
+threads = [threading.Thread(target=work) for _ in range(4)]
+for one in threads:
+    one.start()
+for one in threads:
+    one.join()
+print(len(wrong))
+"""
+
+
+@pytest.mark.parametrize("layer", ["workqueue", "default"])
+def test_parallel_loops_of_several_threads_end_well_whatever_runs_them(tmp_path, layer):
+    script = tmp_path / "loops.py"
+    script.write_text(LOOPS_OF_FOUR_THREADS, encoding="utf-8")
+    run = subprocess.run(
+        [sys.executable, str(script)],
+        env={
+            "NUMBA_THREADING_LAYER": layer,
+            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+            "PATH": "/usr/bin:/bin",
+            "PYTHONPATH": str(PROJECT),
+        },
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert (run.returncode, run.stdout) == (0, "0\n"), run.stderr
+
+
 NUMBERS = "STEP = {step}\n"
 CALLED = """
 from adibas.kernels import compiled
