@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 parallel_range = numba.prange
-_turn = threading.Lock()
+_one_loop_at_a_time = threading.Lock()
 
 
 def compiled(function: Function) -> Function:
@@ -41,7 +41,7 @@ def compiled(function: Function) -> Function:
 def compiled_parallel(function: Function) -> Function:
     """Like `compiled`, with `parallel_range` spread over the cores; to be called from Python."""
     dispatcher = cast(Any, numba.njit(cache=True, nogil=True, parallel=True)(function))
-    dispatcher.__class__ = _InTurn
+    dispatcher.__class__ = _InTurn  # numba lets nobody say of which class it is to be
     return cast(Function, _forgiving(dispatcher))
 
 
@@ -73,7 +73,7 @@ class _InTurn(CPUDispatcher):
     def __call__(self, *arguments: object) -> object:
         if _are_loops_independent():
             return super().__call__(*arguments)
-        with _turn:
+        with _one_loop_at_a_time:
             return super().__call__(*arguments)
 
 

@@ -19,20 +19,21 @@ print(np.array_equal(decode_rvl(encode_rvl(depth), depth.shape), depth))
 """
 
 
-def test_a_cache_that_cannot_be_written_fails_nothing(tmp_path):
-    run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", ON_A_FULL_DISK],
-        cwd=PROJECT,
-        env={
-            "NUMBA_CACHE_DIR": str(tmp_path),
-            "PATH": "/usr/bin:/bin",
-            "PYTHONDONTWRITEBYTECODE": "1",  # else a cut .pyc would stay for everybody
-        },
+def run_python(*arguments, cwd=PROJECT, **variables):
+    """Run Python with no other variables; a .pyc that a full disk cuts would stay for everybody."""
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        cwd=cwd,
+        env={"PATH": "/usr/bin:/bin", "PYTHONDONTWRITEBYTECODE": "1", **variables},
         capture_output=True,
         text=True,
         timeout=120,
         check=False,
     )
+
+
+def test_a_cache_that_cannot_be_written_fails_nothing(tmp_path):
+    run = run_python("-W", "error", "-c", ON_A_FULL_DISK, NUMBA_CACHE_DIR=str(tmp_path))
     assert (run.stdout, run.stderr) == ("True\n", "")
     assert all(path.stat().st_size <= 100 for path in tmp_path.rglob("*") if path.is_file())
 
@@ -45,15 +46,7 @@ def test_threads_that_wait_for_loops_sleep_soon_unless_the_user_wants_otherwise(
         "assert not any('omppool' in name for name in sys.modules);"
         "print(os.environ['GOMP_SPINCOUNT'])"
     )
-    run = subprocess.run(
-        [sys.executable, "-c", told],
-        cwd=PROJECT,
-        env={"PATH": "/usr/bin:/bin", "PYTHONDONTWRITEBYTECODE": "1", **own},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    run = run_python("-c", told, **own)
     assert run.stdout.strip() == wanted, run.stderr
 
 
@@ -90,19 +83,8 @@ print(len(wrong))
 def test_parallel_loops_of_several_threads_end_well_whatever_runs_them(tmp_path, layer):
     script = tmp_path / "loops.py"
     script.write_text(LOOPS_OF_FOUR_THREADS, encoding="utf-8")
-    run = subprocess.run(
-        [sys.executable, str(script)],
-        env={
-            "NUMBA_THREADING_LAYER": layer,
-            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
-            "PATH": "/usr/bin:/bin",
-            "PYTHONPATH": str(PROJECT),
-        },
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    own = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(PROJECT)}
+    run = run_python(script, NUMBA_THREADING_LAYER=layer, **own)
     assert (run.returncode, run.stdout) == (0, "0\n"), run.stderr
 
 
@@ -144,20 +126,10 @@ class TestKeptMachineCode:
             ):
                 if not (tmp_path / name).exists() or (tmp_path / name).read_text() != text:
                     (tmp_path / name).write_text(text)
-            run = subprocess.run(
-                [sys.executable, "-W", "error", "-c", "import caller; print(caller.more(10.0))"],
-                cwd=tmp_path,
-                env={
-                    "NUMBA_CACHE_DIR": str(tmp_path / "kept"),
-                    "PATH": "/usr/bin:/bin",
-                    "PYTHONDONTWRITEBYTECODE": "1",
-                    "PYTHONPATH": str(PROJECT),
-                },
-                capture_output=True,
-                text=True,
-                timeout=120,
-                check=True,
-            )
+            asked = "import caller; print(caller.more(10.0))"
+            own = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(PROJECT)}
+            run = run_python("-W", "error", "-c", asked, cwd=tmp_path, **own)
+            assert run.returncode == 0, run.stderr
             return float(run.stdout)
 
         return call
