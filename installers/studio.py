@@ -46,6 +46,8 @@ HELPED = ("patients", "capture", "review")
 N_FRAMES = 10
 N_BOARDS = 3
 """Pictures of the board that are taken before the calibration is drawn."""
+N_LAYOUTS = 5
+"""At least as many as lie within each other in any screen."""
 PATIENCE_S = 300.0
 USERS_FOLDER = "/home/puig/adibas"
 """Shown in place of the folder that is thrown away, which says nothing to a reader."""
@@ -144,7 +146,7 @@ class Studio:
             self._show(name)
             tabs = self._window.screen_named(name).findChild(QTabWidget)
             if tabs is None or name not in PAGED:
-                yield name, self._window.grab()
+                yield name, self._grab()
                 continue
             for index in range(tabs.count()):
                 tabs.setCurrentIndex(index)
@@ -156,13 +158,17 @@ class Studio:
             self._show(name)
             self._window.show_help()
             self._settle()
-            yield f"help-{name}", self._window.grab()
+            yield f"help-{name}", self._grab()
             if dock.isFloating():
                 yield f"help-{name}-floating", dock.grab()
         dock.hide()
 
     def _grab(self) -> QPixmap:
-        """Return a picture of the window, its folders as on a user's computer."""
+        """Return a picture of the window, its folders as on a user's computer.
+
+        What a frame has just said is laid out first. Qt does so one level of nested layouts at a
+        time, so that on a display the next paint is right and a picture would keep the one before.
+        """
         told = {
             label: label.text()
             for label in self._window.findChildren(QLabel)
@@ -170,6 +176,8 @@ class Studio:
         }
         for label, text in told.items():
             label.setText(text.replace(self._folder, USERS_FOLDER))
+        for _level in range(N_LAYOUTS):
+            QApplication.sendPostedEvents()
         picture = self._window.grab()
         for label, text in told.items():
             label.setText(text)
