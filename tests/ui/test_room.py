@@ -6,26 +6,31 @@ from types import SimpleNamespace
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QLabel, QProgressBar, QTabBar, QToolButton
+from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QProgressBar, QTabBar, QToolButton
 
 from adibas.data.patients import Identity
 from adibas.data.posture import VIEWS
 from adibas.data.sessions import SessionSetup
 from adibas.pipeline.live import SensorState
 from adibas.sessions import open_store
-from adibas.texts import LANGUAGES
+from adibas.texts import LANGUAGES, speaking
 from tests.ui import window_user
+from tests.ui.behaviour_scene import make_recording
 from tests.ui.conftest import CHEAP
 from tests.ui.review_scene import SURFACE, new_capture, picture_rgb
 from tests.ui.window_user import SECRET, visible
 from tests.unit.store_samples import add_patient
+from ui.behaviour.transport import Transport
 from ui.capture.status_line import SPACING_PX, StatusLine
 from ui.navigation import TITLES, NavigationRail
+from ui.review.measures_panel import MeasuresPanel
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
 from ui.widgets.side_panel import SidePanel
 
 open_window = window_user.open_window
+BOX_ARROW_PX = 20
+"""Less than any box has beside its words."""
 
 
 @pytest.fixture(autouse=True)
@@ -159,6 +164,69 @@ def test_in_another_language_large_letters_still_have_room(open_window, language
     user.application.preferences.change(language=language)
     assert least_width_px(user) <= 1280
     user.close()
+
+
+@pytest.mark.parametrize("language", [one for one in LANGUAGES if one != "en"])
+def test_in_another_language_every_box_is_as_wide_as_the_words_it_offers(open_window, language):
+    user = open_window()
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    for name in TITLES:
+        user.window.show_screen(name)
+        user.settle()
+    user.application.preferences.change(language=language)
+    for _round in range(2):  # the screens hear of it, then their least sizes are worked out
+        user.qapp.processEvents()
+    kept = QComboBox.SizeAdjustPolicy.AdjustToContentsOnFirstShow
+    boxes = [
+        box
+        for box in user.window.findChildren(QComboBox)
+        if box.count() > 0 and box.sizeAdjustPolicy() == kept and box.minimumContentsLength() == 0
+    ]
+    assert len(boxes) > len(TITLES)
+    for box in boxes:
+        words = [box.itemText(index) for index in range(box.count())]
+        widest_px = max(map(box.fontMetrics().horizontalAdvance, words))
+        assert box.minimumSizeHint().width() > widest_px + BOX_ARROW_PX, words
+    user.close()
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_with_large_letters_what_is_below_the_video_is_whole(open_window, language, tmp_path):
+    user = open_window(language=language, font_scale=2.0)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    user.go_to("behaviour")
+    user.screen.open_file(make_recording(tmp_path / "child.mcap"))
+    user.until(lambda: visible(user.window, Transport))
+    user.window.resize(1280, 740)
+    for _round in range(5):
+        user.qapp.processEvents()
+    assert_fits(user, (1280, 740), "the video")
+    (row,) = visible(user.window, Transport)
+    told = [one for one in visible(row, QLabel) if one.text()]
+    assert len(told) == 3, "speed, frame and time"
+    for label in told:
+        assert label.geometry().bottom() < row.height(), label.text()
+    assert row.geometry().bottom() < row.parentWidget().height()
+    user.close()
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.usefixtures("theme")
+def test_where_no_measure_is_chosen_what_to_do_is_never_squeezed(qtbot, language):
+    with speaking(language):
+        panel = MeasuresPanel()
+        panel.show_chosen((), can_edit=True)
+    panel.setStyleSheet("QLabel { font-size: 24pt; }")
+    qtbot.addWidget(panel)
+    with qtbot.waitExposed(panel):
+        panel.show()
+    panel.resize(250, 120)
+    QApplication.processEvents()
+    (told,) = [one for one in visible(panel, QLabel) if one.wordWrap()]
+    assert told.height() > panel.height(), "the letters are too large for the place"
+    assert told.height() >= told.heightForWidth(told.width())
 
 
 def least_width_px(user):

@@ -32,7 +32,7 @@ DRAG_PX = 3
 ZOOM_STEP = 1.25
 NAMES_SHARE = 0.3
 """Of the width, that names take at most."""
-LEAST_LINES = 3
+LEAST_LINES = 2
 WHEEL_NOTCH = 120
 Button = Qt.MouseButton
 Modifier = Qt.KeyboardModifier

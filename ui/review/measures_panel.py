@@ -19,6 +19,7 @@ from ui.review.measures_model import INTERVAL, KIND, NAME, VALUE, MeasuresModel
 from ui.review.protocol_panel import ProtocolPanel
 from ui.review.wording import interval_text, value_text
 from ui.widgets.line_table import LineTable
+from ui.widgets.scrolled import Scrolled
 
 WIDEST_MM = 2888.8
 KINDS: tuple[bool | None, ...] = (None, False, True)
@@ -42,7 +43,9 @@ class MeasuresPanel(QTabWidget):
         self._chosen_table = LineTable(self, takes_delete=True)
         self._all_table = LineTable(self)
         self._remove, self._keep = QPushButton(self), QPushButton(self)
-        self._hint = QLabel(self)
+        self._none, self._hint = Scrolled(self), QLabel(self)
+        self._none.column.addWidget(self._hint)
+        self._none.column.addStretch()
         self._hint.setProperty("kind", "quiet")
         self._hint.setWordWrap(True)
         self._text, self._kind = QLineEdit(self), QComboBox(self)
@@ -66,8 +69,7 @@ class MeasuresPanel(QTabWidget):
         chosen, everything = QWidget(self), QWidget(self)
         first = QVBoxLayout(chosen)
         first.addWidget(self._chosen_table, 1)
-        first.addWidget(self._hint)
-        first.addStretch()
+        first.addWidget(self._none, 1)
         first.addWidget(self._remove, 0, Qt.AlignmentFlag.AlignLeft)
         search = QHBoxLayout()
         search.addWidget(self._text, 1)
@@ -126,7 +128,7 @@ class MeasuresPanel(QTabWidget):
         """Show the measures that were asked for."""
         self._can_edit = can_edit
         self._chosen.show_rows(rows)
-        self._hint.setVisible(not rows)
+        self._none.setVisible(not rows)
         for part in (self._chosen_table, self._remove):
             part.setVisible(bool(rows))
         self._enable()
