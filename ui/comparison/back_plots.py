@@ -29,6 +29,8 @@ COLORS = "CET-D1"
 """Blue, white, red: Kovesi, Good colour maps: how to design them, arXiv 1509.03700."""
 LARGEST_MM = 20.0
 """Asymmetry at which the colours end."""
+LEAST_MAP_PX = 240
+"""A back is narrow, and beside two of them there must be room for a plot."""
 HALF_WIDTH_MM = 210.0
 MM_PER_M = 1000.0
 PADDING = 0.03
@@ -44,6 +46,7 @@ class AsymmetryMap(Plot):
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(theme, parent)
+        self.setMinimumWidth(LEAST_MAP_PX)
         self._back: SeenBack | None = None
 
     @property
