@@ -312,7 +312,7 @@ def test_where_there_is_no_back_there_is_no_report(screen, store, patient):
 
 def test_in_a_narrow_window_the_mouse_reaches_every_part_of_the_back(screen, store, patient):
     add_body_session(store, patient)
-    screen.resize(680, 740)
+    screen.resize(560, 740)
     screen.entered()
     back = page(screen, BACK)
     (report,) = back.findChildren(QPushButton)
