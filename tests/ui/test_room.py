@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QProgressBar, QTabBar, QToolButton
 
 from adibas.data.patients import Identity
@@ -26,6 +27,7 @@ from ui.navigation import TITLES, NavigationRail
 from ui.review.measures_panel import MeasuresPanel
 from ui.widgets.elided_label import ElidedLabel
 from ui.widgets.help_page import HelpDock
+from ui.widgets.scrolled import Scrolled
 from ui.widgets.side_panel import SidePanel
 
 open_window = window_user.open_window
@@ -227,6 +229,16 @@ def test_where_no_measure_is_chosen_what_to_do_is_never_squeezed(qtbot, language
     (told,) = [one for one in visible(panel, QLabel) if one.wordWrap()]
     assert told.height() > panel.height(), "the letters are too large for the place"
     assert told.height() >= told.heightForWidth(told.width())
+    (area,) = [one for one in panel.findChildren(Scrolled) if one.isAncestorOf(told)]
+    area.setFocus()
+    for _page in range(9):
+        QTest.keyClick(area, Qt.Key.Key_PageDown)
+    assert area.focusPolicy() == Qt.FocusPolicy.StrongFocus, "Tab stops where there is more"
+    bar = area.verticalScrollBar()
+    assert bar.value() == bar.maximum() > 0
+    panel.resize(600, 900)
+    QApplication.processEvents()
+    assert area.focusPolicy() == Qt.FocusPolicy.NoFocus, "and passes where all of it is seen"
 
 
 def least_width_px(user):

@@ -44,6 +44,7 @@ class MeasuresPanel(QTabWidget):
         self._all_table = LineTable(self)
         self._remove, self._keep = QPushButton(self), QPushButton(self)
         self._none, self._hint = Scrolled(self), QLabel(self)
+        self._none.hold_words()
         self._none.column.addWidget(self._hint)
         self._none.column.addStretch()
         self._hint.setProperty("kind", "quiet")
@@ -109,6 +110,7 @@ class MeasuresPanel(QTabWidget):
         self._hint.setText(
             _("None yet. Press Distance or Angle and click markers, or keep one of all measures.")
         )
+        self._none.setAccessibleName(self._hint.text())
         self._remove.setText(_("Remove"))
         self._remove.setToolTip(_("Take the measure away (Delete)"))
         self._keep.setText(_("Keep"))

@@ -1,6 +1,6 @@
 """Sentences above what they are on: some lines of them are seen, the rest is scrolled to."""
 
-from PySide6.QtCore import QEvent, Qt
+from PySide6.QtCore import QEvent
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QWidget
 
@@ -16,7 +16,7 @@ class Notes(Scrolled):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName("notes")
+        self.hold_words()
         self._label = QLabel(self)
         self._label.setWordWrap(True)
         self._label.setProperty("kind", "warning")
@@ -42,9 +42,7 @@ class Notes(Scrolled):
             self._make_room()
 
     def _make_room(self) -> None:
-        """Be as high as all lines or as many as fit; Tab stops where there is more to read."""
+        """Be as high as all lines, or as the most that are seen at once."""
         whole_px = max(self._label.heightForWidth(self.viewport().width()), 0)
         most_px = MOST_LINES * self._label.fontMetrics().lineSpacing()
         self.setFixedHeight(min(whole_px, most_px) + 2 * EDGE_PX)
-        is_longer = whole_px > most_px
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus if is_longer else Qt.FocusPolicy.NoFocus)

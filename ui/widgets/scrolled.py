@@ -26,6 +26,11 @@ class Scrolled(QScrollArea):
         for part in (self.viewport(), content):
             part.setAutoFillBackground(False)  # what lies behind shines through
 
+    def hold_words(self) -> None:
+        """Let Tab stop here where there is more to read than is seen; for words, not controls."""
+        self.setObjectName("words")
+        self.verticalScrollBar().rangeChanged.connect(self._stop_where_longer)
+
     def keep_lines(self, part: QWidget, n_lines: int) -> None:
         """Never make a part lower than so many lines."""
         self._kept[part] = n_lines
@@ -56,6 +61,9 @@ class Scrolled(QScrollArea):
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange:
             self._fit()
+
+    def _stop_where_longer(self, _least: int, most: int) -> None:
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus if most else Qt.FocusPolicy.NoFocus)
 
     def _fit(self) -> None:
         line_px = self.fontMetrics().height()
