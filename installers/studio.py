@@ -47,7 +47,7 @@ N_FRAMES = 10
 N_BOARDS = 3
 """Pictures of the board that are taken before the calibration is drawn."""
 N_LAYOUTS = 5
-"""At least as many as lie within each other in any screen."""
+"""More than lie around any words that change by themselves."""
 PATIENCE_S = 300.0
 USERS_FOLDER = "/home/puig/adibas"
 """Shown in place of the folder that is thrown away, which says nothing to a reader."""

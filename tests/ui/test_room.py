@@ -157,12 +157,7 @@ def test_with_smaller_letters_the_window_can_be_as_narrow_as_ever(open_window):
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_in_another_language_large_letters_still_have_room(open_window, language):
-    user = open_window(font_scale=2.0)
-    user.give_passphrase()
-    user.until(lambda: user.window.shown)
-    for name in TITLES:
-        user.window.show_screen(name)
-        user.settle()
+    user = seen_before_in_english(open_window, font_scale=2.0)
     user.application.preferences.change(language=language)
     assert least_width_px(user) <= 1280
     user.close()
@@ -170,12 +165,7 @@ def test_in_another_language_large_letters_still_have_room(open_window, language
 
 @pytest.mark.parametrize("language", [one for one in LANGUAGES if one != "en"])
 def test_in_another_language_every_box_is_as_wide_as_the_words_it_offers(open_window, language):
-    user = open_window()
-    user.give_passphrase()
-    user.until(lambda: user.window.shown)
-    for name in TITLES:
-        user.window.show_screen(name)
-        user.settle()
+    user = seen_before_in_english(open_window)
     user.application.preferences.change(language=language)
     for _round in range(2):  # the screens hear of it, then their least sizes are worked out
         user.qapp.processEvents()
@@ -239,6 +229,17 @@ def test_where_no_measure_is_chosen_what_to_do_is_never_squeezed(qtbot, language
     panel.resize(600, 900)
     QApplication.processEvents()
     assert area.focusPolicy() == Qt.FocusPolicy.NoFocus, "and passes where all of it is seen"
+
+
+def seen_before_in_english(open_window, **look):
+    """Return who has been on every screen in another language than the one that comes."""
+    user = open_window(**look)
+    user.give_passphrase()
+    user.until(lambda: user.window.shown)
+    for name in TITLES:
+        user.window.show_screen(name)
+        user.settle()
+    return user
 
 
 def least_width_px(user):

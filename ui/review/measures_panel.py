@@ -43,10 +43,10 @@ class MeasuresPanel(QTabWidget):
         self._chosen_table = LineTable(self, takes_delete=True)
         self._all_table = LineTable(self)
         self._remove, self._keep = QPushButton(self), QPushButton(self)
-        self._none, self._hint = Scrolled(self), QLabel(self)
-        self._none.hold_words()
-        self._none.column.addWidget(self._hint)
-        self._none.column.addStretch()
+        self._hint_area, self._hint = Scrolled(self), QLabel(self)
+        self._hint_area.hold_words()
+        self._hint_area.column.addWidget(self._hint)
+        self._hint_area.column.addStretch()
         self._hint.setProperty("kind", "quiet")
         self._hint.setWordWrap(True)
         self._text, self._kind = QLineEdit(self), QComboBox(self)
@@ -70,7 +70,7 @@ class MeasuresPanel(QTabWidget):
         chosen, everything = QWidget(self), QWidget(self)
         first = QVBoxLayout(chosen)
         first.addWidget(self._chosen_table, 1)
-        first.addWidget(self._none, 1)
+        first.addWidget(self._hint_area, 1)
         first.addWidget(self._remove, 0, Qt.AlignmentFlag.AlignLeft)
         search = QHBoxLayout()
         search.addWidget(self._text, 1)
@@ -110,7 +110,7 @@ class MeasuresPanel(QTabWidget):
         self._hint.setText(
             _("None yet. Press Distance or Angle and click markers, or keep one of all measures.")
         )
-        self._none.setAccessibleName(self._hint.text())
+        self._hint_area.setAccessibleName(self._hint.text())
         self._remove.setText(_("Remove"))
         self._remove.setToolTip(_("Take the measure away (Delete)"))
         self._keep.setText(_("Keep"))
@@ -130,7 +130,7 @@ class MeasuresPanel(QTabWidget):
         """Show the measures that were asked for."""
         self._can_edit = can_edit
         self._chosen.show_rows(rows)
-        self._none.setVisible(not rows)
+        self._hint_area.setVisible(not rows)
         for part in (self._chosen_table, self._remove):
             part.setVisible(bool(rows))
         self._enable()
