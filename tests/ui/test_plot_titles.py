@@ -1,16 +1,24 @@
 """What an axis is stands beside it, all of it, also with large letters."""
 
+from datetime import UTC, datetime
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from pyqtgraph import TextItem
+from PySide6.QtCore import QLocale, QPointF
 from PySide6.QtWidgets import QApplication
 
-from adibas.texts import speaking
+from adibas.data.trends import Trend, TrendPoint
+from adibas.texts import LANGUAGES, speaking
 from adibas.texts import translate as _
+from tests.unit.test_trends import ACROMIA
 from ui.comparison.back_content import Backs, SeenBack
 from ui.comparison.back_plots import SpinePlot
+from ui.comparison.trend_plot import TrendPlot
+from ui.widgets import dates
+from ui.widgets.dates import day_text
 from ui.widgets.plot import Plot
 
 
@@ -103,3 +111,44 @@ def test_numbers_below_a_plot_stand_apart(qtbot, theme, width_px, monkeypatch):
     )
     assert places
     assert all(end < begin for (_left, end), (begin, _right) in pairwise(places))
+
+
+@pytest.mark.usefixtures("large_letters")
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("width_px", [320, 420, 900])
+def test_the_first_and_the_last_date_below_a_trend_are_whole(
+    qtbot, theme, language, width_px, monkeypatch
+):
+    monkeypatch.setattr(dates, "QLocale", partial(QLocale, language))
+    begin_utc, end_utc = (
+        datetime(2026, 9, 5, 12, tzinfo=UTC),
+        datetime(2026, 11, 28, 12, tzinfo=UTC),
+    )
+    with speaking(language):
+        plot = TrendPlot(theme)
+        qtbot.addWidget(plot)
+        plot.resize(width_px, 320)
+        plot.show()
+        plot.show_trend(trend_between(begin_utc, end_utc), None)
+        plot.redraw()  # as when the window gave it its place
+        for _step in range(3):
+            QApplication.processEvents()
+        widths_px = [
+            plot.fontMetrics().horizontalAdvance(day_text(day.astimezone().date()))
+            for day in (begin_utc, end_utc)
+        ]
+    view = plot._widget.getPlotItem().getViewBox()
+    first_px, last_px = (
+        view.mapViewToScene(QPointF(day.timestamp(), 0.0)).x() for day in (begin_utc, end_utc)
+    )
+    assert first_px - widths_px[0] / 2 >= 0
+    assert last_px + widths_px[1] / 2 <= plot._widget.width()
+
+
+def trend_between(begin_utc, end_utc):
+    """Return a trend of two sessions."""
+    points = tuple(
+        TrendPoint(str(day), day, float(n), (n - 3.0, n + 3.0))
+        for n, day in enumerate((begin_utc, end_utc))
+    )
+    return Trend(ACROMIA, "anterior", points)

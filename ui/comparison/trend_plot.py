@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
 from adibas.data.protocols import ReferenceValue
-from adibas.data.trends import Trend
+from adibas.data.trends import Trend, TrendPoint
 from adibas.texts import translate as _
 from ui.comparison.rows import point_rows
 from ui.theme import Theme
@@ -34,6 +34,14 @@ class TrendPlot(Plot):
     @property
     def n_points(self) -> int:
         return 0 if self._trend is None else len(self._trend.points)
+
+    def left_margin_px(self) -> int:
+        """Keep room for half the first date: the axis takes two lines of letters at least."""
+        return max(self._half_date_px(0) - 2 * self.fontMetrics().height(), 1)
+
+    def right_margin_px(self) -> int:
+        """Keep room for half the last date."""
+        return max(super().right_margin_px(), self._half_date_px(-1))
 
     def show_trend(self, trend: Trend | None, reference: ReferenceValue | None) -> None:
         """Show a measure, and what others found."""
@@ -85,6 +93,12 @@ class TrendPlot(Plot):
             )
         )
 
+    def _half_date_px(self, index: int) -> int:
+        if self._trend is None:
+            return 0
+        text = _date_below(self._trend.points[index])
+        return self.fontMetrics().horizontalAdvance(text) // 2 + 1
+
     def _scale(self, plot: "PlotWidget", trend: Trend, times_s: list[float]) -> None:
         shown = [limit for point in trend.points for limit in point.interval]
         shown += trend.band or ()
@@ -93,11 +107,15 @@ class TrendPlot(Plot):
         plot.setYRange(*spread(shown, trend.definition.unit), padding=PADDING)
         center, reach = (times_s[0] + times_s[-1]) / 2, _span(times_s) / 2
         plot.setXRange(center - reach, center + reach, padding=PADDING)
-        days = [day_text(point.taken_utc.astimezone().date()) for point in trend.points]
+        days = [_date_below(point) for point in trend.points]
         room = max(self.width(), 1) / (LETTERS_OF_A_DAY * self.fontMetrics().averageCharWidth())
         kept = spaced(times_s, _span(times_s) / max(room - 1, 1))
         ticks = [(times_s[index], days[index]) for index in kept]
         plot.getAxis("bottom").setTicks([ticks, []])
+
+
+def _date_below(point: TrendPoint) -> str:
+    return day_text(point.taken_utc.astimezone().date())
 
 
 def _span(times_s: Sequence[float]) -> float:

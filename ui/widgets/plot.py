@@ -115,10 +115,14 @@ class Plot(QFrame):
         across = plot.getAxis("bottom")
         across.setStyle(maxTextLevel=0)
         across.tickStrings = partial(_texts_beside_one_another, across, self.fontMetrics())
-        margins = (1, MARGIN_PX // 2, self.right_margin_px(), 1)
+        margins = (self.left_margin_px(), MARGIN_PX // 2, self.right_margin_px(), 1)
         plot.getPlotItem().layout.setContentsMargins(*margins)
         plot.showGrid(x=False, y=True, alpha=0.25)
         self.draw(plot)
+
+    def left_margin_px(self) -> int:
+        """Return what is kept free beside the numbers at the left for the first text below."""
+        return 1
 
     def right_margin_px(self) -> int:
         """Return what is kept free beside the plot for the last text below it."""
