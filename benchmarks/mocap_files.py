@@ -85,6 +85,12 @@ def read_c3d_joints(path: Path) -> FloatArray:
     return np.asarray(np.stack(joints_mm, axis=1) / 1000.0 @ Z_UP_TO_CAMERA.T)
 
 
+def c3d_rate_hz(path: Path) -> float:
+    """Return how many frames a second a C3D file has, as its header says."""
+    (rate_hz,) = struct.unpack_from("<f", path.read_bytes(), 20)
+    return float(rate_hz)
+
+
 def _read_asf(path: Path) -> dict[str, _Bone]:
     bones: dict[str, _Bone] = {"root": _Bone()}
     section, bone = "", _Bone()

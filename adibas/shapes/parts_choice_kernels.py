@@ -22,10 +22,9 @@ from adibas.shapes.parts_core_kernels import (
     turned_to_mean,
     whole_core,
 )
-from adibas.shapes.parts_limb_kernels import MOST_CHOICES, keep_best, list_choices
+from adibas.shapes.parts_limb_kernels import MOST_CHOICES, N_KEPT, keep_best, list_choices
 from adibas.shapes.parts_types import Core, Limbs, Odds, Pool
 
-N_KEPT = 14
 MOST_WAYS = 1000
 
 
@@ -69,7 +68,7 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
                          unit, of_root, all_pairs, all_logs)  # fmt: skip
         has_root = own[root] >= 0
         add_bones(ways, all_pairs[:n], all_logs[:n], has_root, limbs, limb)
-        kept = keep_best(all_pairs[:n], all_logs[:n], of_core, N_KEPT, odds)
+        kept = keep_best(all_pairs[:n], all_logs[:n], of_core, limb, odds)
         n = len(kept[2])
         pairs[limb, :n], by_kind[limb, :n], gains[limb, :n] = kept
         for c in range(n):

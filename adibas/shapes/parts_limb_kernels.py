@@ -10,7 +10,7 @@ from adibas.shapes.labelling_kernels import LOG_2PI, factor
 from adibas.shapes.parts_core_kernels import NEVER, sum_by_kind
 from adibas.shapes.parts_types import Limbs, Odds
 
-MOST_CHOICES = 96
+MOST_CHOICES, N_KEPT = 96, 14
 FAR = 12.0
 """Of a component against the best one, in nats: what it says of the outer point counts no more."""
 LIKELY = 14.0
@@ -228,10 +228,28 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
 
 
 @compiled
+def mix_kinds(by_kind: FloatArray, share: float) -> None:
+    """Give of each choice's (P, kinds) log odds this share to the mean of all kinds.
+
+    Who stands with straight legs may hold the arms as nobody of the training who stood did.
+    """
+    n_kinds = by_kind.shape[1]
+    for c in range(len(by_kind)):
+        highest = by_kind[c].max()
+        of_any = 0.0
+        for q in range(n_kinds):
+            of_any += math.exp(by_kind[c, q] - highest) / n_kinds
+        for q in range(n_kinds):
+            own = math.exp(by_kind[c, q] - highest)
+            by_kind[c, q] = highest + math.log((1.0 - share) * own + share * of_any)
+
+
+@compiled
 def keep_best(
-    pairs: IntArray, by_kind: FloatArray, of_core: FloatArray, n_kept: int, odds: Odds
+    pairs: IntArray, by_kind: FloatArray, of_core: FloatArray, limb: int, odds: Odds
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the most likely choices, their log odds by kind, and at most what each can gain."""
+    """Return the most likely choices, their mixed log odds by kind, and at most what each gains."""
+    mix_kinds(by_kind, odds.mixed[limb])
     gains = np.empty(len(pairs))
     likely = np.empty(len(pairs))
     highest = of_core.max()
@@ -242,5 +260,5 @@ def keep_best(
         likely[i] = -gains[i]
         for d in range(2):
             likely[i] += odds.lone if pairs[i, d] < 0 else 0.0
-    order = np.argsort(likely)[:n_kept]
+    order = np.argsort(likely)[:N_KEPT]
     return pairs[order], by_kind[order], gains[order]

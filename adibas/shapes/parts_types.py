@@ -129,6 +129,8 @@ class Odds(NamedTuple):
         Energies farther above the lowest do not count.
     side_divisor : float
         Of energies of a patient who faces the other way, where no heading was declared.
+    mixed : (L,) array
+        How often a limb is as in any kind of posture, whatever the rest of the body does.
     n_judged, n_varied : int
         Cores that get limbs, and of these, cores whose neighbours get limbs.
     too_unlikely : float
@@ -144,6 +146,7 @@ class Odds(NamedTuple):
     heading_rad: float
     gap: float
     side_divisor: float
+    mixed: FloatArray
     n_judged: int
     n_varied: int
     too_unlikely: float

@@ -8,7 +8,8 @@ from adibas.arrays import BoolArray, FloatArray
 from adibas.skeleton.given_names import given_index, nothing_given
 from adibas.skeleton.labelling import Labelling, label_points
 from adibas.skeleton.model import SkeletonModel
-from adibas.skeleton.parts_naming import MOST_POINTS, Known, PartsOdds, label_parts
+from adibas.skeleton.parts_naming import MOST_POINTS, Known, label_parts
+from adibas.skeleton.parts_odds import PartsOdds
 from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
 from adibas.skeleton.prototype_search import LEAST_POINTS, LabelParams

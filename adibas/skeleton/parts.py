@@ -20,6 +20,8 @@ LIMB_NAMES = (
     ("right_hip", "right_knee", "right_foot"),
 )
 """Root, inner and outer point; a left limb, then its mirror image."""
+ARMS, LEGS = slice(0, 2), slice(2, 4)
+"""Of the limbs."""
 ANCHOR_NAMES = ("neck", "left_hip", "right_hip")
 """At least one of them is there where two points are hidden."""
 

@@ -11,16 +11,17 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.labelling_search_kernels import assign_by_tree
+from adibas.shapes.parts_crossing_kernels import rate_crossings
 from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton.given_names import OPEN, agrees, has_names, nothing_given
 from adibas.skeleton.labelling import Labelling
-from adibas.skeleton.parts import PartsModel
+from adibas.skeleton.parts import LEGS, PartsModel
+from adibas.skeleton.parts_odds import QUICK, THOROUGH, PartsOdds, expected_odds
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
 from adibas.skeleton.side_odds import side_factor
 from adibas.skeleton.starts import (
-    HEADINGS_RAD,
     heading_of_turn,
     list_turns,
     log_radius,
@@ -28,77 +29,10 @@ from adibas.skeleton.starts import (
 
 MOST_WAYS = 3000
 MOST_NATS = 500.0
-MOST_POINTS = 40
-"""Of a set that is searched by parts; more take seconds, and are no markers of one person."""
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """How far is searched: see `Odds`."""
-
-    n_judged: int
-    n_varied: int
-    too_unlikely: float
-
-
-QUICK = Effort(5, 3, 20.0)
-THOROUGH = Effort(100, 5, 60.0)
-"""Where the quick search leaves a doubt, or points are missing or too many."""
 SETTLED = 0.99
 """Share of all names from which on the quick search is believed."""
-
-
-@dataclass(frozen=True, slots=True)
-class PartsOdds:
-    """What is expected before the points are looked at, and when a name is given.
-
-    Attributes
-    ----------
-    complete : float
-        How often no label is hidden: 0.8; of the rest, one more halves it.
-    clean : float
-        How often there is no point too many: 0.8; of the rest, one more halves it.
-    room_m3 : float
-        Where a point without a label may be: 3, a person's reach and a little more.
-    lone : float
-        Least that one more label without a point costs, in nats: 3.
-    kappa : float
-        Concentration of a patient's heading about the declared view: 4.
-    gap : float
-        Ways less likely than the best by so much, in nats, do not count: 9.
-    side_divisor : float
-        Of the log odds that a patient faces the other way, where no view is told: 7; real people
-        differ more than simulated ones.
-    temperature : float
-        By which differences of energy are divided before they are log odds.
-    sure : float
-        Least confidence of a name that is given: 0.5.
-    side_sure : float
-        A name is not given where its mirror image is more probable than this: 0.25.
-    n_anchored : int
-        Cores from single points: 160, where the quick search leaves a doubt.
-    usual : float
-        The points of a person are 60 to 100 nats likelier than chance ones. Where the quick search
-        finds less than 55, it may have missed the person.
-    plausible : float
-        Least nats for each named point: 2.5. Less are no person, or no joints (thesis, section
-        6.1.2: p(b) >= p_t). Of 160 simulated sets with up to four hidden and four chance points 1 %
-        have less, of 60 clouds of chance points all.
-    """
-
-    complete: float = 0.8
-    clean: float = 0.8
-    room_m3: float = 3.0
-    lone: float = 3.0
-    kappa: float = 4.0
-    gap: float = 9.0
-    side_divisor: float = 7.0
-    temperature: float = 1.0
-    sure: float = 0.5
-    side_sure: float = 0.25
-    n_anchored: int = 160
-    usual: float = 55.0
-    plausible: float = 2.5
+MOST_POINTS = 40
+"""Of a set that is searched by parts; more take seconds, and are no markers of one person."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,64 +90,31 @@ def find_by_parts(
         Places alone decide what is listed, as far as it agrees with the given names.
     """
     points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
-    expected = _expected(model, len(points), view, odds, QUICK)
+    expected = expected_odds(model, len(points), view, odds, QUICK)
     turns, shifts = list_turns(prepared.model, view)
     free = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
     starts = np.concatenate([free, _forced(free, known.given, model.core.labels)])
     is_whole = len(points) == len(model.names)
     pool = _searched(model, points, starts, expected, known.given) if is_whole else None
     if pool is not None and len(pool.energies):
-        found = _weighed(model, known.size_odds, pool, expected, odds)
+        found = _weighed(model, points, known.size_odds, pool, expected, odds)
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
-    expected = _expected(model, len(points), view, odds, THOROUGH)
+    expected = expected_odds(model, len(points), view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
     laid = np.concatenate([laid, _forced(laid, known.given, model.core.labels)])
     pool = _searched(model, points, np.concatenate([starts, laid]), expected, known.given)
     if not len(pool.energies):
         return None
-    return _weighed(model, known.size_odds, pool, expected, odds)
+    return _weighed(model, points, known.size_odds, pool, expected, odds)
 
 
 def _is_settled(found: PartsFound, n_names: int) -> bool:
     """Say whether every point surely has a name, and every name a point."""
     own = found.masses.max(axis=1)
     return bool((found.partners >= 0).all() and len(own) == n_names and own.min() >= SETTLED)
-
-
-def _expected(model: PartsModel, n_points: int, view: str, odds: PartsOdds, effort: Effort) -> Odds:
-    n = len(model.names)
-    counts = np.full(n + 1, np.inf)
-    for n_missing in range(n + 1):
-        n_spurious = n_points - (n - n_missing)
-        if n_spurious >= 0:
-            counts[n_missing] = (
-                _count_cost(n_missing, odds.complete)
-                + math.log(math.comb(n, n_missing))
-                + _count_cost(n_spurious, odds.clean)
-                - math.lgamma(n_spurious + 1)
-            )
-    return Odds(
-        n_kinds=len(model.kinds),
-        log_room=math.log(odds.room_m3),
-        counts=counts,
-        least_counts=np.ascontiguousarray(np.minimum.accumulate(counts[::-1])[::-1]),
-        lone=odds.lone,
-        kappa=odds.kappa,
-        heading_rad=HEADINGS_RAD[view] if view else math.nan,
-        gap=odds.gap * odds.temperature,
-        side_divisor=odds.side_divisor,
-        n_judged=effort.n_judged,
-        n_varied=effort.n_varied,
-        too_unlikely=effort.too_unlikely,
-    )
-
-
-def _count_cost(n: int, none: float) -> float:
-    """Return minus the log probability of n, where none is most probable and each more halves."""
-    return -math.log(none if n == 0 else (1.0 - none) * 0.5**n)
 
 
 def _by_neighbours(
@@ -260,7 +161,12 @@ def _searched(
 
 
 def _weighed(
-    model: PartsModel, size_odds: FloatArray, pool: Pool, expected: Odds, odds: PartsOdds
+    model: PartsModel,
+    points: FloatArray,
+    size_odds: FloatArray,
+    pool: Pool,
+    expected: Odds,
+    odds: PartsOdds,
 ) -> PartsFound:
     """Return the most probable names, and the share of each name in all ways.
 
@@ -269,7 +175,7 @@ def _weighed(
     """
     n_points = len(size_odds)
     of_sizes = np.append(size_odds, 0.0)[pool.partners].sum(axis=1)
-    energies = pool.energies - of_sizes
+    energies = pool.energies - of_sizes + _crossing(model, points, pool.partners, odds)
     best = int(np.argmin(energies))
     weights = np.exp((energies[best] - energies) / odds.temperature)
     if math.isnan(expected.heading_rad):
@@ -293,6 +199,16 @@ def _weighed(
     masses = masses[:n_points]
     masses[:, n_names] = np.maximum(1.0 - masses[:, :n_names].sum(axis=1), 0.0)
     return PartsFound(pool.partners[best].copy(), float(pool.headings[best]), masses)
+
+
+def _crossing(
+    model: PartsModel, points: FloatArray, partners: IntArray, odds: PartsOdds
+) -> FloatArray:
+    roots = model.core.labels[model.limbs.roots[LEGS]]
+    legs = np.concatenate([roots[:, None], model.limbs.labels[LEGS]], axis=1)
+    return rate_crossings(
+        points, partners, legs, odds.legs_apart_m, odds.legs_apart_sd_m, odds.legs_through
+    )
 
 
 def label_parts(

@@ -22,6 +22,7 @@ from adibas.skeleton.model_files import model_from_json, model_to_json, read_mod
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.parts import CORE_NAMES, LIMB_NAMES, has_parts
 from adibas.skeleton.parts_naming import label_parts
+from adibas.skeleton.parts_odds import PartsOdds
 from adibas.skeleton.parts_training import PartsParams, learn_parts
 from adibas.skeleton.prepared import PoseSpread, prepare
 from adibas.skeleton.second_opinion import combined, is_in_doubt
@@ -102,7 +103,7 @@ def test_a_person_who_is_unlikely_for_one_is_searched_thoroughly(parts, model, m
     person = people(1, seed=8)[0]
     label_parts(parts, prepared, person, "anterior")
     assert len(searches) == 1
-    hardly_ever = naming.PartsOdds(usual=1e6)
+    hardly_ever = PartsOdds(usual=1e6)
     strange = label_parts(parts, prepared, person, "anterior", odds=hardly_ever)
     assert len(searches) == 3
     assert strange.names == JOINT_NAMES
@@ -170,7 +171,19 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     person = people(1, seed=12)[0]
     person = np.ascontiguousarray(person - person.mean(axis=0))
     odds = Odds(
-        2, math.log(3.0), np.arange(16.0), np.arange(16.0), 0.5, 4.0, 0.3, 9.0, 7.0, 6, 1, 15.0
+        2,
+        math.log(3.0),
+        np.arange(16.0),
+        np.arange(16.0),
+        0.5,
+        4.0,
+        0.3,
+        9.0,
+        7.0,
+        np.array([0.1, 0.1, 0.0, 0.0]),
+        6,
+        1,
+        15.0,
     )
     pool = Pool(np.empty(500), np.empty(500), np.empty((500, 15), np.int64), np.zeros(1, np.int64))
     own = np.where(np.array(CORE_NAMES) == hidden, -1, core.labels)
@@ -218,32 +231,40 @@ def log_odds_by_kind(person, own, core, limbs, odds):
             )
             for place, lower in zip(places, limbs.factors[limb], strict=True)
         ])  # fmt: skip
-        for q in range(odds.n_kinds):
-            chosen = limbs.kinds[limb] == q
-            result[q] += logsumexp((weights + densities)[chosen])
+        of_limb = np.array([
+            logsumexp((weights + densities)[limbs.kinds[limb] == q])
+            + log_odds_of_length(lengths[limb], limbs, limb, q)
+            for q in range(odds.n_kinds)
+        ])  # fmt: skip
+        of_any = logsumexp(of_limb) - math.log(odds.n_kinds)
+        share = odds.mixed[limb]
+        result += np.log((1.0 - share) * np.exp(of_limb) + share * np.exp(of_any))
     return (
         result
-        + log_odds_of_lengths(lengths, limbs, odds.n_kinds)
+        + log_odds_of_sides(lengths, limbs, odds.n_kinds)
         + (len(rows) // 3 + 8) * odds.log_room
         - 8 * 3 * math.log(size_m)
     )
 
 
-def log_odds_of_lengths(lengths, limbs, n_kinds):
-    """Return what the (4, 2) logarithms of lengths, NaN if not known, add for each kind."""
+def log_odds_of_length(lengths, limbs, limb, q):
+    """Return what the (2,) logarithms of a limb's lengths, NaN if not known, add for a kind."""
+    k = np.flatnonzero(np.isfinite(lengths))
+    own = limbs.bone_covariances[limb, q][np.ix_(k, k)]
+    drawn = limbs.drawn_covariances[limb, q][np.ix_(k, k)]
+    log_ratio = multivariate_normal(limbs.bone_means[limb, q][k], own).logpdf(lengths[k])
+    log_ratio -= multivariate_normal(limbs.drawn_means[limb, q][k], drawn).logpdf(lengths[k])
+    strange = limbs.strange[limb]
+    return np.log((1 - strange) * np.exp(log_ratio) + strange)
+
+
+def log_odds_of_sides(lengths, limbs, n_kinds):
+    """Return what the (4, 2) logarithms of lengths of both sides together add for each kind."""
     result = np.zeros(n_kinds)
     for q in range(n_kinds):
         for left in (0, 2):
             own, across = limbs.bone_covariances[left, q], limbs.side_covariances[left, q]
             mean, strange = limbs.bone_means[left, q], limbs.strange[left]
-            for one in lengths[left : left + 2]:
-                k = np.flatnonzero(np.isfinite(one))
-                log_ratio = multivariate_normal(mean[k], own[np.ix_(k, k)]).logpdf(one[k])
-                drawn = limbs.drawn_covariances[left, q][np.ix_(k, k)]
-                log_ratio -= multivariate_normal(limbs.drawn_means[left, q][k], drawn).logpdf(
-                    one[k]
-                )
-                result[q] += np.log((1 - strange) * np.exp(log_ratio) + strange)
             k = np.flatnonzero(np.isfinite(lengths[left : left + 2]).all(axis=0))
             a, b, m = own[np.ix_(k, k)], across[np.ix_(k, k)], mean[k]
             both = np.concatenate([lengths[left, k], lengths[left + 1, k]])
@@ -286,6 +307,43 @@ def test_elbows_are_told_from_hands_by_how_long_the_bones_are():
         for one in (parts, blind)
     ]
     assert wrong[0] <= 0.5 * wrong[1] - 1, wrong
+
+
+def people_with_one_arm_up(n, seed):
+    """People who stand as all do, but the left arm points up as in no standing shape."""
+    shapes = people(n, seed, sd_m=0.015)
+    shoulder = shapes[:, [JOINT_NAMES.index("left_shoulder")]]
+    for name, way in (("left_elbow", (0.1, -0.25, -0.05)), ("left_hand", (0.1, -0.48, -0.1))):
+        shapes[:, [JOINT_NAMES.index(name)]] = shoulder + way
+    return shapes
+
+
+def test_an_arm_may_do_what_is_known_of_another_kind_of_posture():
+    lifted = people_with_one_arm_up(160, 3)
+    # Who lifts an arm bends the knees in this training: nobody of it does both as the patient.
+    for side in ("left", "right"):
+        lifted[:, JOINT_NAMES.index(f"{side}_knee"), 2] -= 0.25
+    kinds = ["standing"] * 160 + ["lifting"] * 160
+    parts = learn_parts(
+        JOINT_NAMES,
+        np.concatenate([people(160), lifted]),
+        kinds,
+        PartsParams(rows_per_component=60),
+    )
+    prepared = prepare(
+        learn_points(JOINT_NAMES, people(), params=TrainingParams(n_prototypes=1)), PoseSpread()
+    )
+    persons = people_with_one_arm_up(10, 4)
+    seen = np.delete(persons, JOINT_NAMES.index("right_foot"), axis=1)
+    truth = tuple(name for name in JOINT_NAMES if name != "right_foot")
+
+    def count_right(mixed):
+        odds = PartsOdds(mixed=mixed)
+        found = [label_parts(parts, prepared, one, "anterior", odds=odds) for one in seen]
+        return sum(one.names == truth for one in found if one is not None)
+
+    assert count_right(PartsOdds().mixed) == len(persons)
+    assert count_right(1e-9) < len(persons)
 
 
 def test_a_file_without_lengths_of_bones_names_without_them(model):
