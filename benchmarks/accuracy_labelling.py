@@ -6,7 +6,8 @@ box about the person, 0.3 m wider; where sizes are measured, they have any from 
 search for markers lets pass, and markers 9 mm with the spread of simulated stickers. Real: markers
 of Plug-in-Gait files, and joints of motion capture (CMU subject 02; 01 was looked at while
 developing), and skeletons as the software of a first Kinect saw people, whose bones are nowhere
-equally long (settings were chosen on UTD-MHAD, not on the others). These need ADIBAS_REAL_DATA.
+equally long (settings were chosen on UTD-MHAD and MSR-Action3D; UTKinect was looked at). These
+need ADIBAS_REAL_DATA.
 """
 
 import math
