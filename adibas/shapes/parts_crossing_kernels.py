@@ -14,22 +14,22 @@ import numpy as np
 from adibas.arrays import FloatArray, IntArray
 from adibas.kernels import compiled
 
-TINY_M2 = 1e-12
+TINY = 1e-12
 
 
 @compiled
 def segments_apart(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
     """Return the least distance between the segments from (3,) a to b and from c to d."""
     of_first, of_second, across = b - a, d - c, a - c
-    first_m2, second_m2 = (of_first**2).sum(), max((of_second**2).sum(), TINY_M2)
+    first_m2, second_m2 = (of_first**2).sum(), max((of_second**2).sum(), TINY)
     along_first, along_second = (of_first * across).sum(), (of_second * across).sum()
     shared = (of_first * of_second).sum()
-    apart = first_m2 * second_m2 - shared * shared
+    determinant = first_m2 * second_m2 - shared * shared
     s = 0.0
-    if apart > TINY_M2:
-        s = min(max((shared * along_second - along_first * second_m2) / apart, 0.0), 1.0)
+    if determinant > TINY:
+        s = min(max((shared * along_second - along_first * second_m2) / determinant, 0.0), 1.0)
     t = min(max((shared * s + along_second) / second_m2, 0.0), 1.0)
-    s = min(max((t * shared - along_first) / max(first_m2, TINY_M2), 0.0), 1.0)
+    s = min(max((t * shared - along_first) / max(first_m2, TINY), 0.0), 1.0)
     return float(math.sqrt(((across + s * of_first - t * of_second) ** 2).sum()))
 
 

@@ -233,6 +233,8 @@ def mix_kinds(by_kind: FloatArray, share: float) -> None:
 
     Who stands with straight legs may hold the arms as nobody of the training who stood did.
     """
+    if share == 0.0:
+        return
     n_kinds = by_kind.shape[1]
     for c in range(len(by_kind)):
         highest = by_kind[c].max()

@@ -45,7 +45,7 @@ class PartsOdds:
     side_divisor : float
         Of the log odds that a patient faces the other way, where no view is told: 7; real people
         differ more than simulated ones.
-    mixed : float
+    arms_free : float
         How often arms are as in any kind of posture, whatever the rest of the body does: 0.05.
         Legs carry the body, and are as the rest tells.
     legs_apart_m, legs_apart_sd_m : float
@@ -76,7 +76,7 @@ class PartsOdds:
     kappa: float = 4.0
     gap: float = 9.0
     side_divisor: float = 7.0
-    mixed: float = 0.05
+    arms_free: float = 0.05
     legs_apart_m: float = 0.03
     legs_apart_sd_m: float = 0.02
     legs_through: float = 0.02
@@ -104,7 +104,7 @@ def expected_odds(
                 - math.lgamma(n_spurious + 1)
             )
     mixed = np.zeros(len(model.limbs.roots))
-    mixed[ARMS] = odds.mixed
+    mixed[ARMS] = odds.arms_free
     return Odds(
         n_kinds=len(model.kinds),
         log_room=math.log(odds.room_m3),

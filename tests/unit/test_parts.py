@@ -170,21 +170,8 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     core, limbs = parts.core, parts.limbs
     person = people(1, seed=12)[0]
     person = np.ascontiguousarray(person - person.mean(axis=0))
-    odds = Odds(
-        2,
-        math.log(3.0),
-        np.arange(16.0),
-        np.arange(16.0),
-        0.5,
-        4.0,
-        0.3,
-        9.0,
-        7.0,
-        np.array([0.1, 0.1, 0.0, 0.0]),
-        6,
-        1,
-        15.0,
-    )
+    counts, mixed = np.arange(16.0), np.array([0.1, 0.1, 0.0, 0.0])
+    odds = Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, 6, 1, 15.0)
     pool = Pool(np.empty(500), np.empty(500), np.empty((500, 15), np.int64), np.zeros(1, np.int64))
     own = np.where(np.array(CORE_NAMES) == hidden, -1, core.labels)
     lowest = judge_core(person, own, core, limbs, odds, np.inf, pool)
@@ -337,12 +324,12 @@ def test_an_arm_may_do_what_is_known_of_another_kind_of_posture():
     seen = np.delete(persons, JOINT_NAMES.index("right_foot"), axis=1)
     truth = tuple(name for name in JOINT_NAMES if name != "right_foot")
 
-    def count_right(mixed):
-        odds = PartsOdds(mixed=mixed)
+    def count_right(arms_free):
+        odds = PartsOdds(arms_free=arms_free)
         found = [label_parts(parts, prepared, one, "anterior", odds=odds) for one in seen]
         return sum(one.names == truth for one in found if one is not None)
 
-    assert count_right(PartsOdds().mixed) == len(persons)
+    assert count_right(PartsOdds().arms_free) == len(persons)
     assert count_right(1e-9) < len(persons)
 
 
