@@ -33,8 +33,9 @@ class BodyParams:
         standard deviations of the noise seen at the usual slant).
     min_area_m2, max_area_m2 : float
         Of the body's front: a child's trunk 0.05; a large adult with arms spread 1.6.
-    min_length_m : float
-        Of the part in view, 0.35.
+    min_length_m, max_length_m : float
+        Of the part in view, 0.35; and 2.6: ceiling and side walls of a room, of whose far end the
+        sensor sees nothing, are longer.
     standing_length_m, standing_top_m : float
         A person in view down to the floor is longer or reaches higher than that, unlike a chair:
         0.95 and 1.0 (children from 6 years on).
@@ -59,6 +60,9 @@ class BodyParams:
         Radius of the disc that closes bays of the outline without depth, 2.
     max_hole_share : float
         Of the body's area that one hole may have, 0.03.
+    alone_share : float
+        Of the outline along which something may be before what stands alone, with nothing measured
+        behind it: noise of the floor about the feet. 0.1.
     """
 
     range_m: tuple[float, float] = (0.4, 4.5)
@@ -69,6 +73,7 @@ class BodyParams:
     min_area_m2: float = 0.05
     max_area_m2: float = 1.6
     min_length_m: float = 0.35
+    max_length_m: float = 2.6
     standing_length_m: float = 0.95
     standing_top_m: float = 1.0
     min_cut_m: float = 0.1
@@ -81,6 +86,7 @@ class BodyParams:
     in_line_m: float = 0.2
     bay_px: int = 2
     max_hole_share: float = 0.03
+    alone_share: float = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,6 +122,14 @@ class Surfaces:
             known = self._pixels[label] = np.flatnonzero(self.labels == label)
         return known
 
+    def outline_px(self, label: int) -> int:
+        """Return the length of an outline in sides of pixels, those of the image left out."""
+        pixels = self.labels == label
+        return sum(
+            int(np.count_nonzero(one != other))
+            for one, other in ((pixels[1:], pixels[:-1]), (pixels[:, 1:], pixels[:, :-1]))
+        )
+
     def borders(self, label: int, reach_px: int) -> FloatArray:
         """Return how every surface borders on one; see `component_kernels.gaps_to_body`."""
         known = self._borders.get((label, reach_px))
@@ -145,8 +159,7 @@ def is_solid_and_long(moments: FloatArray, params: BodyParams) -> bool:
     """Say whether a surface of (10,) moments could be a person's, or a part of one."""
     if not params.min_area_m2 < moments[0] < params.max_area_m2:
         return False
-    shape = _Shape(moments)
-    return shape.length_m >= params.min_length_m and shape.is_solid(params)
+    return _Shape(moments).is_solid_and_long(params)
 
 
 def _candidates(
@@ -156,7 +169,7 @@ def _candidates(
     large = np.flatnonzero((area_m2 > params.min_area_m2) & (area_m2 < params.max_area_m2))
     for label in sorted(large.tolist(), key=lambda label: -area_m2[label]):
         shape = _Shape(surfaces.moments[label])
-        if shape.length_m < params.min_length_m or not shape.is_solid(params):
+        if not shape.is_solid_and_long(params):
             continue
         is_person = _is_tall(surfaces, label, shape, params) or is_seated(label)
         if is_person and _stands_before(surfaces, label, params):
@@ -183,9 +196,15 @@ def _is_tall(surfaces: Surfaces, label: int, shape: "_Shape", params: BodyParams
 
 
 def _stands_before(surfaces: Surfaces, label: int, params: BodyParams) -> bool:
-    """Say whether most of what it borders on lies behind it; of a piece of wall, nothing does."""
+    """Say whether most of what it borders on lies behind it; of a piece of wall, nothing does.
+
+    Far from all walls that the sensor sees, a person borders on nearly nothing.
+    """
     length_px, gap_m = surfaces.borders(label, params.joint_reach_px).T
-    return bool(length_px[gap_m > 0].sum() >= length_px[gap_m < 0].sum())
+    before_px = length_px[gap_m < 0].sum()
+    if length_px[gap_m > 0].sum() >= before_px:
+        return True
+    return bool(before_px < params.alone_share * surfaces.outline_px(label))
 
 
 class _Shape:
@@ -203,6 +222,7 @@ class _Shape:
         """Length of the evenly filled bar that spreads as much along the longest axis."""
         return float(np.sqrt(12.0 * self._variances[2]))
 
-    def is_solid(self, params: BodyParams) -> bool:
-        """Say whether it is no plane."""
-        return bool(self._variances[0] > params.min_relief**2 * self._variances[1])
+    def is_solid_and_long(self, params: BodyParams) -> bool:
+        """Say whether it is no plane, and neither too short nor too long."""
+        is_solid = self._variances[0] > params.min_relief**2 * self._variances[1]
+        return bool(is_solid and params.min_length_m <= self.length_m <= params.max_length_m)

@@ -60,6 +60,14 @@ def test_simulated_people_are_found_with_their_outline(name, seed):
     assert overlap(body.pixels, truth.body_mask) > 0.95
 
 
+@pytest.mark.parametrize("seed", [800, 803, 809])
+def test_a_person_is_found_in_a_room_whose_end_is_too_far_away_to_be_measured(seed):
+    # 800, 809: ceiling and side wall are one large surface; 803: nothing is seen behind the person.
+    depth_m, calibration, truth = simulated("anterior", seed, distance_m=3.5)
+    body = find_body(depth_m, calibration.depth, calibration.floor)
+    assert overlap(body.pixels, truth.body_mask) > 0.85
+
+
 def test_a_chair_in_an_empty_room_is_nobody():
     depth_m, calibration, _ = simulated("empty", 110)
     assert find_body(depth_m, calibration.depth, calibration.floor) is None
