@@ -34,9 +34,11 @@ class LedParams:
     rim_share : float
         Of the LED's own brightest pixel; what is brighter belongs to it: 0.35.
     greatest_share : float
-        Of the body; where more is bright beside its brightest pixel, the image is no dark one.
+        Of the body, that may lie in bright pieces larger than any marker: 0.05. Where more does,
+        the image is no dark one.
     surround_factor : float
-        What is larger than this many times the greatest marker is background: 1.5.
+        What is larger than this many times the greatest marker is background, and no piece of one:
+        1.5.
     blobs : BlobParams
         Size and shape; bloom makes LEDs look larger than they are.
     """
@@ -78,13 +80,13 @@ def find_led_markers(
     brightest = float(brightness[inside].max())
     if brightest - dark < params.least_brightness:
         return Detections((), (), 0.0)
-    is_bright = brightness[inside] > dark + params.rim_share * (brightest - dark)
-    matched = float(is_bright.mean())
+    size_px = _surround_px(depth_m[window], focal_px, params)
+    is_bright = inside & (brightness > dark + params.rim_share * (brightest - dark))
+    matched = _in_large_pieces(is_bright, size_px) / float(np.count_nonzero(inside))
     if matched > params.greatest_share:
         return Detections((), (), matched)
     # A saturated LED is a plateau: the blur makes its middle the brightest place again.
     smooth = cv2.GaussianBlur(brightness, (0, 0), 1.0).astype(np.float32)
-    size_px = _surround_px(depth_m[window], focal_px, params)
     background = _background(np.where(inside, smooth, np.float32(dark)), size_px)
     background = np.maximum(background, np.float32(dark))
     excess = np.where(inside, brightness - background, np.float32(0.0))
@@ -110,6 +112,16 @@ def _surround_px(depth_m: Float32Array, focal_px: float, params: LedParams) -> i
     distance_m = float(np.median(known_m)) if len(known_m) else params.blobs.unknown_distance_m
     width_m = params.surround_factor * params.blobs.greatest_diameter_m
     return round(width_m * focal_px / distance_m) | 1
+
+
+def _in_large_pieces(is_bright: BoolArray, size_px: int) -> int:
+    """Return how many pixels lie in pieces with more of them than a disc of that width.
+
+    The glow about LEDs has its own width in pixels, and far away much of the body is glow.
+    """
+    _, pieces = cv2.connectedComponents(is_bright.view(np.uint8), None, 8, cv2.CV_32S)
+    areas_px = np.bincount(pieces[is_bright])
+    return int(areas_px[areas_px > math.pi / 4.0 * size_px**2].sum())
 
 
 def _background(brightness: Float32Array, size_px: int) -> Float32Array:

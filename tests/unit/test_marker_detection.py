@@ -209,6 +209,16 @@ def test_an_led_that_touches_the_glow_of_a_brighter_one_is_another_blob():
     assert sorted(round(blob.u) for blob in found) == [40, 51]
 
 
+def test_leds_are_found_on_somebody_so_far_away_that_their_glow_is_much_of_the_body():
+    places = [(35.0 + 20 * column, 35.0 + 20 * row) for row in range(4) for column in range(4)]
+    body = np.zeros(SIZE, bool)
+    body[30:100, 30:100] = True
+    depth_m = np.full(SIZE, 3.5, np.float32)
+    picture = led_picture(places)
+    assert (picture[body].max(axis=1) > 100).mean() > LedParams().greatest_share
+    assert len(find_led_markers(picture, body, depth_m, FOCAL_PX, LedParams()).blobs) == 16
+
+
 def test_a_dark_picture_without_leds_has_none():
     dark = led_picture([], 0.0)
     assert find_led_markers(dark, BODY, DEPTH_M, FOCAL_PX, LedParams()).blobs == ()
