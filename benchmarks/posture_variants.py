@@ -28,6 +28,8 @@ ILLUMINATIONS = {
 }
 SKINS = {"light": 0, "brown": 3, "dark": 5}
 GARMENTS = {"white T-shirt": CLOTH_SRGB[1], "black T-shirt": CLOTH_SRGB[0]}
+FOR_FAR = (("LED of 5 mm", "led", 0.005), ("stickers of 12 mm", "sticker", 0.012))
+"""Markers for a patient who is seen whole: name, kind and diameter."""
 WEAK_DITHER = DepthNoise(disparity_sd=0.1)
 """Noise so weak that steps of the disparity do not average out."""
 
@@ -50,6 +52,11 @@ def variants() -> tuple[Variant, ...]:
         *(Variant(f"{name} skin", _dressed(skin=index)) for name, index in SKINS.items()),
         *(Variant(name, _dressed(top=color)) for name, color in GARMENTS.items()),
         Variant("weak dithering", lambda one: replace(one, depth_noise=WEAK_DITHER)),
+        *(
+            Variant(f"{name} at {far_m:g} m", _marked_at(far_m, kind=kind, diameter_m=diameter_m))
+            for name, kind, diameter_m in FOR_FAR
+            for far_m in (2.6, 3.5)
+        ),
     )
 
 
@@ -71,6 +78,10 @@ def _marked(settings: SceneSettings, **changes: object) -> SceneSettings:
 
 def _at(distance_m: float) -> Change:
     return lambda one: replace(one, distance_m=distance_m)
+
+
+def _marked_at(distance_m: float, **changes: object) -> Change:
+    return lambda one: _marked(replace(one, distance_m=distance_m), **changes)
 
 
 def _lit(illumination: Illumination) -> Change:
