@@ -198,11 +198,12 @@ def _is_tall(surfaces: Surfaces, label: int, shape: "_Shape", params: BodyParams
 def _stands_before(surfaces: Surfaces, label: int, params: BodyParams) -> bool:
     """Say whether most of what it borders on lies behind it; of a piece of wall, nothing does.
 
-    Far from all walls that the sensor sees, a person borders on nearly nothing.
+    What is level with it, within the step that parts surfaces, is neither: far away noise tears a
+    leg from its trunk. Far from all walls that the sensor sees, a person borders on nearly nothing.
     """
     length_px, gap_m = surfaces.borders(label, params.joint_reach_px).T
-    before_px = length_px[gap_m < 0].sum()
-    if length_px[gap_m > 0].sum() >= before_px:
+    before_px = length_px[gap_m < -params.step_m].sum()
+    if length_px[gap_m > params.step_m].sum() >= before_px:
         return True
     return bool(before_px < params.alone_share * surfaces.outline_px(label))
 

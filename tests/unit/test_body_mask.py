@@ -23,9 +23,9 @@ def overlap(a, b):
     return (a & b).sum() / (a | b).sum()
 
 
-def simulated(name, seed, **changes):
+def simulated(name, seed, index=3, **changes):
     scene = open_scene(name, seed=seed, **changes)
-    frame = scene.frame(3)
+    frame = scene.frame(index)
     calibration = scene.info.calibration
     depth_m = depth_in_metres(frame.sensor_frame.depth_raw, scene.info.depth_unit_m)
     return calibration.corrected_depth(depth_m), calibration, frame.truth
@@ -64,6 +64,12 @@ def test_simulated_people_are_found_with_their_outline(name, seed):
 def test_a_person_is_found_in_a_room_whose_end_is_too_far_away_to_be_measured(seed):
     # 800, 809: ceiling and side wall are one large surface; 803: nothing is seen behind the person.
     depth_m, calibration, truth = simulated("anterior", seed, distance_m=3.5)
+    body = find_body(depth_m, calibration.depth, calibration.floor)
+    assert overlap(body.pixels, truth.body_mask) > 0.85
+
+
+def test_a_leg_that_noise_tears_from_the_trunk_does_not_stand_before_it():
+    depth_m, calibration, truth = simulated("posterior", 7000, index=0, distance_m=3.9)
     body = find_body(depth_m, calibration.depth, calibration.floor)
     assert overlap(body.pixels, truth.body_mask) > 0.85
 
