@@ -1,6 +1,6 @@
 """What is changed in the thesis' analyses: markers, distance, light, skin, clothes, dithering."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -28,8 +28,12 @@ ILLUMINATIONS = {
 }
 SKINS = {"light": 0, "brown": 3, "dark": 5}
 GARMENTS = {"white T-shirt": CLOTH_SRGB[1], "black T-shirt": CLOTH_SRGB[0]}
-FOR_FAR = (("LED of 5 mm", "led", 0.005), ("stickers of 12 mm", "sticker", 0.012))
-"""Markers for a patient who is seen whole: name, kind and diameter."""
+MARKERS: Mapping[str, Mapping[str, object]] = {
+    "LED of 5 mm": {"kind": "led", "diameter_m": 0.005},
+    "stickers of 12 mm": {"diameter_m": 0.012},
+}
+WHOLE_PATIENT_M = (2.6, 3.5)
+"""From where on the depth camera sees the feet."""
 WEAK_DITHER = DepthNoise(disparity_sd=0.1)
 """Noise so weak that steps of the disparity do not average out."""
 
@@ -45,17 +49,16 @@ class Variant:
 def variants() -> tuple[Variant, ...]:
     """Return all changes, the unchanged analyses not among them."""
     return (
-        Variant("LED of 5 mm", lambda one: _marked(one, kind="led", diameter_m=0.005)),
-        Variant("stickers of 12 mm", lambda one: _marked(one, diameter_m=0.012)),
+        *(Variant(name, _marked(changes)) for name, changes in MARKERS.items()),
         *(Variant(f"{far_m:g} m", _at(far_m)) for far_m in (1.2, 2.6, 3.5)),
         *(Variant(name, _lit(light)) for name, light in ILLUMINATIONS.items()),
         *(Variant(f"{name} skin", _dressed(skin=index)) for name, index in SKINS.items()),
         *(Variant(name, _dressed(top=color)) for name, color in GARMENTS.items()),
         Variant("weak dithering", lambda one: replace(one, depth_noise=WEAK_DITHER)),
         *(
-            Variant(f"{name} at {far_m:g} m", _marked_at(far_m, kind=kind, diameter_m=diameter_m))
-            for name, kind, diameter_m in FOR_FAR
-            for far_m in (2.6, 3.5)
+            Variant(f"{name} at {far_m:g} m", _both(_at(far_m), _marked(changes)))
+            for name, changes in MARKERS.items()
+            for far_m in WHOLE_PATIENT_M
         ),
     )
 
@@ -72,16 +75,16 @@ def changed(wanted: tuple[Analysis, ...], variant: Variant, place: int) -> tuple
     )
 
 
-def _marked(settings: SceneSettings, **changes: object) -> SceneSettings:
-    return replace(settings, markers=replace(settings.markers, **changes))  # type: ignore[arg-type]
+def _marked(changes: Mapping[str, object]) -> Change:
+    return lambda one: replace(one, markers=replace(one.markers, **changes))  # type: ignore[arg-type]
+
+
+def _both(first: Change, second: Change) -> Change:
+    return lambda one: second(first(one))
 
 
 def _at(distance_m: float) -> Change:
     return lambda one: replace(one, distance_m=distance_m)
-
-
-def _marked_at(distance_m: float, **changes: object) -> Change:
-    return lambda one: _marked(replace(one, distance_m=distance_m), **changes)
 
 
 def _lit(illumination: Illumination) -> Change:

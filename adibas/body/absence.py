@@ -8,7 +8,7 @@ from adibas.arrays import BoolArray, Float32Array
 from adibas.body.component_kernels import label_surfaces, surface_moments
 from adibas.body.holes import hole_share
 from adibas.body.mask import heights_over, standing_free
-from adibas.body.person import BodyParams, is_solid_and_long
+from adibas.body.person import BodyParams, could_be_of_a_person
 from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration
 from adibas.geometry.picture_edges import cut_px, seen_box
@@ -75,7 +75,7 @@ def _what_stands(
     labels, n_labels = label_surfaces(inverse_depth, params.step_per_m, params.step_m)
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
     standing = [
-        label for label in range(1, n_labels + 1) if is_solid_and_long(moments[label], params)
+        label for label in range(1, n_labels + 1) if could_be_of_a_person(moments[label], params)
     ]
     box = seen_box(measured)
     least_px = LEAST_CUT * camera.height

@@ -155,11 +155,11 @@ def find_persons(
     return list(_candidates(surfaces, params, is_seated))
 
 
-def is_solid_and_long(moments: FloatArray, params: BodyParams) -> bool:
+def could_be_of_a_person(moments: FloatArray, params: BodyParams) -> bool:
     """Say whether a surface of (10,) moments could be a person's, or a part of one."""
     if not params.min_area_m2 < moments[0] < params.max_area_m2:
         return False
-    return _Shape(moments).is_solid_and_long(params)
+    return _Shape(moments).fits_a_person(params)
 
 
 def _candidates(
@@ -169,7 +169,7 @@ def _candidates(
     large = np.flatnonzero((area_m2 > params.min_area_m2) & (area_m2 < params.max_area_m2))
     for label in sorted(large.tolist(), key=lambda label: -area_m2[label]):
         shape = _Shape(surfaces.moments[label])
-        if not shape.is_solid_and_long(params):
+        if not shape.fits_a_person(params):
             continue
         is_person = _is_tall(surfaces, label, shape, params) or is_seated(label)
         if is_person and _stands_before(surfaces, label, params):
@@ -223,7 +223,7 @@ class _Shape:
         """Length of the evenly filled bar that spreads as much along the longest axis."""
         return float(np.sqrt(12.0 * self._variances[2]))
 
-    def is_solid_and_long(self, params: BodyParams) -> bool:
+    def fits_a_person(self, params: BodyParams) -> bool:
         """Say whether it is no plane, and neither too short nor too long."""
         is_solid = self._variances[0] > params.min_relief**2 * self._variances[1]
         return bool(is_solid and params.min_length_m <= self.length_m <= params.max_length_m)

@@ -82,7 +82,7 @@ def find_led_markers(
         return Detections((), (), 0.0)
     size_px = _surround_px(depth_m[window], focal_px, params)
     is_bright = inside & (brightness > dark + params.rim_share * (brightest - dark))
-    matched = _in_large_pieces(is_bright, size_px) / float(np.count_nonzero(inside))
+    matched = _large_pieces_px(is_bright, size_px) / float(np.count_nonzero(inside))
     if matched > params.greatest_share:
         return Detections((), (), matched)
     # A saturated LED is a plateau: the blur makes its middle the brightest place again.
@@ -114,7 +114,7 @@ def _surround_px(depth_m: Float32Array, focal_px: float, params: LedParams) -> i
     return round(width_m * focal_px / distance_m) | 1
 
 
-def _in_large_pieces(is_bright: BoolArray, size_px: int) -> int:
+def _large_pieces_px(is_bright: BoolArray, size_px: int) -> int:
     """Return how many pixels lie in pieces with more of them than a disc of that width.
 
     The glow about LEDs has its own width in pixels, and far away much of the body is glow.
