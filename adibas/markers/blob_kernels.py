@@ -10,7 +10,12 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntArray, UInt8Array
 from adibas.kernels import compiled
-from adibas.markers.border_kernels import median_color, shares_beside_two, two_sides
+from adibas.markers.border_kernels import (
+    median_color,
+    shares_beside_two,
+    two_sides,
+    unexplained,
+)
 from adibas.markers.quantile_kernels import quantile
 
 NOTHING, RING, NEAR, GROUP = 0, 1, 2, 3
@@ -19,8 +24,9 @@ NEAR_PX = 2
 LEAST_SHARE = 0.12
 GREATEST_SHARE = 1.2
 LEAST_AREA_PX = 1e-6
-N_NUMBERS = 10
-"""Of a blob: u, v, area, short and long variance, noise, prominence, cov_uu, cov_uv, cov_vv."""
+N_NUMBERS = 11
+"""Of a blob: u, v, area, short and long variance, noise, prominence, cov_uu, cov_uv, cov_vv,
+unexplained."""
 
 
 @compiled
@@ -135,25 +141,31 @@ def unmix_groups(
     distance: Float32Array,
     groups: tuple[IntArray, IntArray, IntArray],
     percentile: float,
-) -> FloatArray:
-    """Return (N, 10): the numbers of every group of pixels; see `measure_blobs`."""
+) -> tuple[FloatArray, FloatArray]:
+    """Return (N, 11), the numbers of every group of pixels, and (N, 2, C), its two colours.
+
+    See `measure_blobs`; the colours are the surround's and the core's.
+    """
     rows, columns, starts = groups
     numbers = np.empty((len(starts) - 1, N_NUMBERS))
+    colors = np.empty((len(numbers), 2, values.shape[2]))
     for i in range(len(numbers)):
         part = slice(starts[i], starts[i + 1])
-        _unmix(values, distance, rows[part], columns[part], percentile, numbers[i])
-    return numbers
+        pixels = rows[part], columns[part]
+        _unmix(values, distance, pixels, percentile, numbers[i], colors[i])
+    return numbers, colors
 
 
 @compiled
 def _unmix(
     values: Float32Array,
     distance: Float32Array,
-    rows: IntArray,
-    columns: IntArray,
+    pixels: tuple[IntArray, IntArray],
     percentile: float,
     numbers: FloatArray,
+    colors: FloatArray,
 ) -> None:
+    rows, columns = pixels
     reach = max(3, round(0.8 * math.sqrt(len(rows))))
     top = max(rows.min() - reach - NEAR_PX, 0)
     left = max(columns.min() - reach - NEAR_PX, 0)
@@ -165,6 +177,7 @@ def _unmix(
     surround = median_color(ring, np.ones(len(ring_far), np.bool_))
     around = quantile(ring_far, 0.01 * percentile)
     core, nearest = _core(values, distance, rows, columns)
+    colors[0], colors[1] = surround, core
     shares = _shares(local, surround, core - surround)
     noise = _noise(shares, zones)
     sides, are_two = two_sides(ring, surround, core)
@@ -177,6 +190,7 @@ def _unmix(
     if numbers[2] == LEAST_AREA_PX:  # nothing in it stands out from the noise of its surround
         numbers[0], numbers[1] = columns.mean(), rows.mean()
     numbers[6] = 1.0 - nearest / max(around, 1e-6)
+    numbers[10] = unexplained(ring[:, ring_far >= around], surround, core)
 
 
 @compiled
@@ -310,7 +324,7 @@ def _moments(shares: FloatArray, zones: UInt8Array, noise: float, numbers: Float
     mean = 0.5 * (spread[0] + spread[2]) + 1.0 / 12.0
     half_range = math.hypot(0.5 * (spread[0] - spread[2]), spread[1])
     numbers[:6] = (centre_u, centre_v, area, mean - half_range, mean + half_range, noise)
-    numbers[7:] = noise**2 * support / area**2
+    numbers[7:10] = noise**2 * support / area**2
 
 
 @compiled

@@ -48,6 +48,8 @@ class BlobParams:
     least_filling : float
         Share of the unmixed area that stands out by itself: 0.14. A small sticker on white cloth
         has no more, so much does the white mix into it.
+    least_unexplained : float
+        Share of a speck's contrast that no colour beside it explains: 0.5.
     least_pixels : int
         That stand out by themselves: 2; one alone is noise.
     """
@@ -60,6 +62,7 @@ class BlobParams:
     least_separation: float = 5.0
     least_prominence: float = 0.48
     least_filling: float = 0.14
+    least_unexplained: float = 0.5
     least_pixels: int = 2
 
 
@@ -85,6 +88,10 @@ class Blob:
         Pixels that stand out / unmixed area.
     covariance_px2 : (2, 2) array
         Of (u, v), from noise alone.
+    unexplained : float
+        Share of its contrast that is no mixture of its surround with another colour beside it.
+    surround, core : (C,) arrays
+        Colour about it, and of the third of its pixels that is nearest to the model.
     """
 
     u: float
@@ -96,6 +103,9 @@ class Blob:
     prominence: float
     filling: float
     covariance_px2: FloatArray
+    unexplained: float
+    surround: FloatArray
+    core: FloatArray
 
 
 def connected_groups(seeds: BoolArray, taken: BoolArray) -> Groups:
@@ -110,6 +120,14 @@ def joined_specks(groups: Groups) -> Groups:
     Of a sticker of four pixels on white cloth some pixels stand out that do not touch.
     """
     return join_groups(groups, LEAST_TOLD_PX, SPECK_REACH_PX)
+
+
+def chosen_groups(groups: Groups, is_chosen: BoolArray) -> Groups:
+    """Return some of the groups, those of the (N,) that are chosen."""
+    rows, columns, starts = groups
+    sizes = np.diff(starts)
+    pixels = np.repeat(is_chosen, sizes)
+    return rows[pixels], columns[pixels], np.append(0, np.cumsum(sizes[is_chosen]))
 
 
 def pixels_of(groups: Groups, index: int) -> tuple[IntArray, IntArray]:
@@ -135,24 +153,27 @@ def measure_blobs(values: Float32Array, distance: Float32Array, groups: Groups) 
         From `connected_groups`.
     """
     values, distance = np.ascontiguousarray(values), np.ascontiguousarray(distance)
-    numbers = unmix_groups(values, distance, groups, SURROUND_PERCENTILE)
-    covariances_px2 = numbers[:, [7, 8, 8, 9]].reshape(-1, 2, 2)
+    numbers, colors = unmix_groups(values, distance, groups, SURROUND_PERCENTILE)
     sizes = np.diff(groups[2]).tolist()
-    return tuple(
-        Blob(
-            u=u,
-            v=v,
-            n_pixels=n_pixels,
-            radius_px=math.sqrt(area / math.pi),
-            axis_ratio=math.sqrt(short / long),
-            separation=1.0 / max(noise, 1e-3),
-            prominence=prominence,
-            filling=n_pixels / area,
-            covariance_px2=covariance_px2,
-        )
-        for (u, v, area, short, long, noise, prominence, *_), covariance_px2, n_pixels in zip(
-            numbers.tolist(), covariances_px2, sizes, strict=True
-        )
+    return tuple(map(_blob, numbers, colors, sizes))
+
+
+def _blob(numbers: FloatArray, colors: FloatArray, n_pixels: int) -> Blob:
+    """Return what the unmixing of one group found."""
+    u, v, area, short, long, noise, prominence, uu, uv, vv, unexplained = numbers.tolist()
+    return Blob(
+        u=u,
+        v=v,
+        n_pixels=n_pixels,
+        radius_px=math.sqrt(area / math.pi),
+        axis_ratio=math.sqrt(short / long),
+        separation=1.0 / max(noise, 1e-3),
+        prominence=prominence,
+        filling=n_pixels / area,
+        covariance_px2=np.array([[uu, uv], [uv, vv]]),
+        unexplained=unexplained,
+        surround=colors[0],
+        core=colors[1],
     )
 
 
@@ -192,6 +213,8 @@ def _refusal_of_form(blob: Blob, params: BlobParams) -> str | None:
     if blob.n_pixels < params.least_pixels:
         return TOO_SMALL
     if blob.prominence < params.least_prominence or blob.filling < params.least_filling:
+        return NOT_ALONE
+    if blob.n_pixels < LEAST_TOLD_PX and blob.unexplained < params.least_unexplained:
         return NOT_ALONE
     if blob.axis_ratio < params.least_axis_ratio:
         return TOO_LONG

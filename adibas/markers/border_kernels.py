@@ -120,3 +120,39 @@ def shares_beside_two(local: Float32Array, sides: FloatArray, core: FloatArray) 
                 share = along_second / cc
             shares[row, column] = share
     return shares
+
+
+@compiled
+def unexplained(ring: FloatArray, surround: FloatArray, core: FloatArray) -> float:
+    """Return how much of the core's contrast is no mixture of the surround with a ring's colour.
+
+    A bright wall seen between two fingers ends in a spot, of which all colours lie between the
+    skin's and the wall's; and the wall is in the ring.
+
+    Parameters
+    ----------
+    ring : (C, N) array
+        Colours about the blob.
+    surround, core : (C,) arrays
+        Median of the ring, and the blob's own colour.
+
+    Returns
+    -------
+    float
+        0: all; 1: nothing in the ring is on the way to the core. 1 for brightness alone, of which
+        all mixtures look alike.
+    """
+    contrast_squared = ((core - surround) ** 2).sum()
+    if len(core) == 1 or contrast_squared == 0.0:
+        return 1.0
+    least_squared = contrast_squared
+    for i in range(ring.shape[1]):
+        length_squared = along = 0.0
+        for channel in range(len(core)):
+            difference = ring[channel, i] - surround[channel]
+            length_squared += difference**2
+            along += difference * (core[channel] - surround[channel])
+        share = min(max(along / max(length_squared, 1e-9), 0.0), 1.0)
+        left_squared = contrast_squared - 2.0 * share * along + share**2 * length_squared
+        least_squared = min(least_squared, left_squared)
+    return float(np.sqrt(max(least_squared, 0.0) / contrast_squared))

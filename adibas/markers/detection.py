@@ -25,11 +25,31 @@ from adibas.markers.blobs import (
     pixels_of,
 )
 from adibas.markers.color_model import ColorModel
+from adibas.markers.faint import FaintParams, clear_groups, is_on_the_way
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
 
 MARGIN_PX = 24
 """About the body: what a marker on the outline is compared with."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeedParams:
+    """Which pixels a blob grows from.
+
+    Attributes
+    ----------
+    surround_share : float
+        A marker's distance to the centroids is below this share of its surroundings'.
+    least_contrast : float
+        And smaller than theirs by this, CIELAB units.
+    threshold_factor : float
+        No pixel farther than this times the model's threshold takes part.
+    """
+
+    surround_share: float = 0.62
+    least_contrast: float = 9.0
+    threshold_factor: float = 1.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,24 +65,23 @@ class DetectionParams:
     surround_px : tuple of int
         Widths of the surroundings, smallest first: for stickers of some pixels, and for large
         ones. Odd, in pixels of a 1280 wide image.
-    surround_share : float
-        A marker's distance to the centroids is below this share of its surroundings': 0.62.
-    least_contrast : float
-        And smaller than theirs by this, CIELAB units: 9.
-    threshold_factor : float
-        No pixel farther than this times the model's threshold takes part: 1.8 (a sticker of four
-        pixels is mixed with skin almost everywhere).
-    blobs : BlobParams
-        What a blob must look like.
+    seeds, blobs : SeedParams, BlobParams
+        Pixels and blobs of markers that reach their own colour somewhere.
+    faint_seeds, faint : SeedParams, FaintParams
+        The same of those that do not; they are looked for last, beside the others.
     """
 
     lightness_weight: float = 0.15
     light_range: float = 1.15
     surround_px: tuple[int, ...] = (31, 121)
-    surround_share: float = 0.62
-    least_contrast: float = 9.0
-    threshold_factor: float = 1.8
+    seeds: SeedParams = field(default_factory=SeedParams)
     blobs: BlobParams = field(default_factory=BlobParams)
+    faint_seeds: SeedParams = field(
+        default_factory=lambda: SeedParams(
+            surround_share=0.8, least_contrast=6.0, threshold_factor=4.0
+        )
+    )
+    faint: FaintParams = field(default_factory=FaintParams)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,17 +128,17 @@ def find_color_markers(
     window = bounding_box(body)
     if window is None:
         return Detections((), (), 0.0)
-    inside = body[window]
-    lab = rgb_to_lab(color_rgb[window])
+    lab, inside = rgb_to_lab(color_rgb[window]), body[window]
     centroids_lab = model.pure_centroids_lab().astype(np.float32)
     distance = unlikeness(lab, centroids_lab, params.lightness_weight, params.light_range)
     offset_uv = np.array([window[1].start, window[0].start], float)
-    limit = params.threshold_factor * model.threshold
+    widths_px = _odd_widths(params.surround_px, color_rgb.shape[1])
+    surrounds = [_surround(distance, inside, width_px) for width_px in widths_px]
     blobs: list[Blob] = []
     rejected: list[RejectedBlob] = []
     taken = np.zeros(inside.shape, np.bool_)
-    for width_px in _odd_widths(params.surround_px, color_rgb.shape[1]):
-        seeds = _stands_out(distance, inside, width_px, limit, params)
+    for surround in surrounds:
+        seeds = inside & _stands_out(distance, surround, model.threshold, params.seeds)
         groups = joined_specks(connected_groups(seeds, taken))
         for index, blob in enumerate(measure_blobs(lab, distance, groups)):
             found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
@@ -128,6 +147,13 @@ def find_color_markers(
                 taken[pixels_of(groups, index)] = True
             elif found is not None:
                 rejected.append(found)
+    seeds = inside & _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds)
+    groups = joined_specks(connected_groups(seeds, taken))
+    groups = clear_groups(groups, distance, surrounds[0], widths_px[0], params.faint)
+    for blob in measure_blobs(lab, distance, groups):
+        if is_on_the_way(blob, centroids_lab, params.lightness_weight, params.faint):
+            found = judge(blob, offset_uv, depth_m, focal_px, params.faint.blobs)
+            blobs += [found] if isinstance(found, Blob) else []
     matched = float((distance[inside] < model.threshold).mean())
     return Detections(tuple(blobs), _without_taken(rejected, blobs), matched)
 
@@ -137,18 +163,21 @@ def _odd_widths(widths_px: tuple[int, ...], image_width: int) -> list[int]:
     return [max(15, round(width * image_width / 1280) | 1) for width in widths_px]
 
 
-def _stands_out(
-    distance: Float32Array, inside: BoolArray, width_px: int, limit: float, params: DetectionParams
-) -> BoolArray:
-    """Return the pixels that are nearer to the model than their surroundings."""
+def _surround(distance: Float32Array, inside: BoolArray, width_px: int) -> Float32Array:
+    """Return the mean distance of the body about every pixel."""
     size = (width_px, width_px)
     weight = inside.astype(np.float32)
     total = cv2.boxFilter(distance * weight, -1, size, normalize=False)
     count = cv2.boxFilter(weight, -1, size, normalize=False)
-    surround = total / np.maximum(count, 1.0)
+    return np.asarray(total / np.maximum(count, 1.0), np.float32)
+
+
+def _stands_out(
+    distance: Float32Array, surround: Float32Array, threshold: float, params: SeedParams
+) -> BoolArray:
+    """Return the pixels that are nearer to the model than their surroundings."""
     stands_out: BoolArray = (
-        inside
-        & (distance < limit)
+        (distance < params.threshold_factor * threshold)
         & (distance < params.surround_share * surround)
         & (surround - distance > params.least_contrast)
     )

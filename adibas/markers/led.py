@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blobs import Blob, BlobParams, Groups, connected_groups, judge, measure_blobs
+from adibas.markers.blobs import (
+    Blob,
+    BlobParams,
+    Groups,
+    chosen_groups,
+    connected_groups,
+    judge,
+    measure_blobs,
+)
 from adibas.markers.detection import Detections, bounding_box
 
 Number = TypeVar("Number", np.float32, np.bool_)
@@ -143,13 +151,13 @@ def _groups(excess: Float32Array, params: LedParams) -> Groups:
         groups = connected_groups(excess > params.rim_share * peak, taken)
         is_free = np.zeros(excess.shape, np.bool_)
         is_free[groups[:2]] = True
-        merged = _chosen(waiting, ~_greatest(is_free, waiting))
+        merged = chosen_groups(waiting, ~_greatest(is_free, waiting))
         peaks = _greatest(excess, groups)
         is_bright = peaks >= max(LEVEL_STEP * peak, params.least_brightness)
-        bright = _chosen(groups, is_bright)
+        bright = chosen_groups(groups, is_bright)
         taken[bright[:2]] = taken[merged[:2]] = True
         found += [bright, merged]
-        waiting = _chosen(groups, ~is_bright & (peaks >= params.least_brightness))
+        waiting = chosen_groups(groups, ~is_bright & (peaks >= params.least_brightness))
     return _joined(found)
 
 
@@ -163,13 +171,6 @@ def _greatest(values: NDArray[Number], groups: Groups) -> NDArray[Number]:
     """Return the greatest value in each group."""
     rows, columns, starts = groups
     return np.maximum.reduceat(values[rows, columns], starts[:-1]) if len(rows) else values[0, :0]
-
-
-def _chosen(groups: Groups, is_chosen: BoolArray) -> Groups:
-    rows, columns, starts = groups
-    sizes = np.diff(starts)
-    pixels = np.repeat(is_chosen, sizes)
-    return rows[pixels], columns[pixels], np.append(0, np.cumsum(sizes[is_chosen]))
 
 
 def _joined(parts: list[Groups]) -> Groups:

@@ -1,6 +1,7 @@
 """Blobs are measured in compiled loops: held against NumPy, SciPy and closed forms."""
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -179,6 +180,20 @@ def test_only_refusals_that_a_user_would_ask_about_are_told():
     assert told[0.6] is None
     assert isinstance(told[1.8], Blob)
     assert told[9.0].reason == "too large for a marker at that distance"
+
+
+@pytest.mark.parametrize(
+    ("n_pixels", "is_marker"), [(LEAST_TOLD_PX - 1, False), (LEAST_TOLD_PX, True)]
+)
+def test_a_speck_that_colours_beside_it_explain_is_no_marker_and_told_to_nobody(
+    n_pixels, is_marker
+):
+    depth_m = np.full((SIZE, SIZE), 2.0, np.float32)
+    (blob,) = measured(*disc_picture(22.0, 22.0, 1.8))
+    mixed = replace(blob, n_pixels=n_pixels, unexplained=0.4)
+    judged = judge(mixed, np.zeros(2), depth_m, 1050.0, BlobParams())
+    assert isinstance(judged, Blob) is is_marker
+    assert is_marker or judged is None
 
 
 def test_depth_near_a_marker_is_the_median_of_what_is_known():

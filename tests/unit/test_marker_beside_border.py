@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear, nnls
 
 from adibas.markers.blobs import connected_groups, measure_blobs
-from adibas.markers.border_kernels import shares_beside_two, two_sides
+from adibas.markers.border_kernels import shares_beside_two, two_sides, unexplained
 from adibas.markers.lab import rgb_to_lab
 
 SIZE, SAMPLES = 40, 12
@@ -136,3 +136,30 @@ def test_shares_are_those_of_scipys_non_negative_least_squares(seed, noise):
     np.testing.assert_allclose(shares.ravel()[is_inside], wanted[is_inside], atol=1e-3)
     if noise == 0.0:
         np.testing.assert_allclose(shares, parts[..., 0], atol=1e-4)
+
+
+colors_lab = st.lists(
+    st.tuples(*(st.floats(-60, 60) for _ in range(3))), min_size=1, max_size=8
+).map(lambda colors: np.array(colors).T)
+
+
+@given(colors_lab, colors_lab)
+def test_what_no_colour_beside_a_spot_explains_is_scipys_least_squares(ring, others):
+    surround, core = others[:, 0], others[:, -1] + 7.0
+    left = [
+        lsq_linear((color - surround)[:, None], core - surround, bounds=(0.0, 1.0)).cost
+        for color in ring.T
+        if np.linalg.norm(color - surround) > 1e-3
+    ]
+    contrast = np.linalg.norm(core - surround)
+    wanted = min([math.sqrt(2 * cost) / contrast for cost in left], default=1.0)
+    assert unexplained(ring, surround, core) == pytest.approx(wanted, abs=1e-4)
+
+
+def test_of_brightness_alone_nothing_is_explained():
+    assert unexplained(np.array([[1.0, 2.0, 3.0]]), np.array([1.0]), np.array([2.0])) == 1.0
+
+
+def test_a_spot_that_is_its_surround_is_explained_by_nothing():
+    ring = np.ones((3, 4))
+    assert unexplained(ring, ring[:, 0], ring[:, 0]) == 1.0

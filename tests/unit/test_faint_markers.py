@@ -1,0 +1,171 @@
+"""Markers that differ little from what is about them are found, and spots of other things are not.
+
+Stickers far away are painted here with discs of known place: of two to four pixels, each of which
+is a mixture once the lens and the mosaic of the colour filter have been there.
+"""
+
+import cv2
+import numpy as np
+import pytest
+
+from adibas.markers.blobs import connected_groups, measure_blobs
+from adibas.markers.color_model import ColorModel
+from adibas.markers.detection import DetectionParams, find_color_markers
+from adibas.markers.faint import FaintParams, clear_groups, is_on_the_way
+from adibas.markers.lab import rgb_to_lab
+
+SIZE = (120, 160)
+SKIN, DARK_SKIN = np.array([200.0, 150, 125]), np.array([85.0, 50, 35])
+GREEN, WHITE = np.array([40.0, 150, 70]), np.array([215.0, 215, 210])
+WALL, TROUSERS = np.array([170.0, 180, 140]), np.array([50.0, 35, 30])
+FOCAL_PX, FAR_M = 1050.0, 3.5
+SAMPLES = 12
+PLACES = [(30.3, 30.6), (80.7, 30.2), (130.1, 30.9), (30.5, 80.4), (80.2, 80.8), (130.6, 80.1)]
+BODY = np.ones(SIZE, np.bool_)
+DEPTH_M = np.full(SIZE, FAR_M, np.float32)
+
+
+def lab_of(color):
+    return rgb_to_lab(np.rint(color).astype(np.uint8)[None, None])[0, 0].astype(float)
+
+
+MODEL = ColorModel(lab_of(GREEN)[None], 12.0)
+
+
+def share_of(is_inside):
+    """Return the share of every pixel where a function of (rows, columns) is true."""
+    steps = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
+    rows = (np.arange(SIZE[0])[:, None] + steps).ravel()[:, None]
+    columns = (np.arange(SIZE[1])[:, None] + steps).ravel()
+    fine = is_inside(rows, columns)
+    return fine.reshape(SIZE[0], SAMPLES, SIZE[1], SAMPLES).mean(axis=(1, 3))[..., None]
+
+
+def discs(radius_px, places=PLACES):
+    return share_of(
+        lambda rows, columns: np.any(
+            [(columns - u) ** 2 + (rows - v) ** 2 <= radius_px**2 for u, v in places], axis=0
+        )
+    )
+
+
+def seen(picture, seed=0, noise=2.0):
+    """Return the picture as a colour camera has it: lens, noise, one colour in each pixel."""
+    blurred = cv2.GaussianBlur(picture, (0, 0), 0.7)
+    blurred += np.random.default_rng(seed).normal(0, noise, blurred.shape)
+    blurred = np.clip(np.rint(blurred), 0, 255).astype(np.uint8)
+    mosaic = blurred[..., 1].copy()
+    mosaic[::2, ::2], mosaic[1::2, 1::2] = blurred[::2, ::2, 0], blurred[1::2, 1::2, 2]
+    return cv2.cvtColor(mosaic, cv2.COLOR_BayerRGGB2RGB)
+
+
+def on(background, radius_px, color=GREEN, light=1.0):
+    share = discs(radius_px)
+    return seen((share * color + (1 - share) * background) * light)
+
+
+def find(picture, params=None):
+    return find_color_markers(picture, BODY, DEPTH_M, FOCAL_PX, MODEL, params or DetectionParams())
+
+
+def n_right(blobs, places=PLACES, gate_px=1.0):
+    return sum(any(np.hypot(b.u - u, b.v - v) < gate_px for b in blobs) for u, v in places)
+
+
+@pytest.mark.parametrize("background", [SKIN, WHITE, DARK_SKIN], ids=["skin", "white", "dark"])
+@pytest.mark.parametrize("radius_px", [1.5, 1.8, 2.1])
+def test_stickers_of_three_pixels_are_all_found_and_nothing_else(background, radius_px):
+    picture = on(background, radius_px)
+    blobs = find(picture).blobs
+    assert n_right(blobs) == len(blobs) == len(PLACES)
+
+
+@pytest.mark.parametrize("light", [0.7, 1.25, np.array([1.1, 1.0, 0.8])])
+def test_they_are_found_in_other_light_than_the_one_they_were_learned_in(light):
+    blobs = find(on(SKIN, 1.5, light=light)).blobs
+    assert n_right(blobs) == len(blobs) == len(PLACES)
+
+
+def test_a_large_sticker_on_cloth_not_unlike_it_is_found():
+    cloth = 0.7 * GREEN + 0.3 * np.array([90.0, 90, 90])
+    blobs = find(on(cloth, 4.0)).blobs
+    assert n_right(blobs) == len(blobs) == len(PLACES)
+
+
+@pytest.mark.parametrize("color", [(190, 190, 60), (60, 160, 190), (200, 60, 50), (90, 80, 190)])
+def test_spots_of_another_colour_are_no_markers(color):
+    for background in (SKIN, DARK_SKIN, WHITE):
+        assert find(on(background, 1.5, np.array(color, float))).blobs == ()
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("background", [SKIN, WHITE, DARK_SKIN], ids=["skin", "white", "dark"])
+def test_the_noise_of_a_dark_picture_is_no_marker(background, seed):
+    picture = seen(np.broadcast_to(background, (*SIZE, 3)).astype(float), seed, noise=8.0)
+    assert find(picture).blobs == ()
+
+
+@pytest.mark.parametrize("half_width_px", [1.2, 1.7])
+@pytest.mark.parametrize("number", range(6))
+def test_the_tips_of_a_wall_seen_between_legs_are_no_markers(number, half_width_px):
+    tips = [(30.3 + 0.37 * number, 40.2), (80.1, 50.6 + 0.3 * number), (130.7, 44.4)]
+    gaps = share_of(
+        lambda rows, columns: np.any(
+            [
+                (np.abs(columns - u) < half_width_px + 0.03 * (rows - v)) & (rows > v)
+                for u, v in tips
+            ],
+            axis=0,
+        )
+    )
+    assert find(seen(gaps * WALL + (1 - gaps) * TROUSERS, number)).blobs == ()
+
+
+def measured(picture, places):
+    """Return the blobs of 5x5 pixels about places."""
+    lab = rgb_to_lab(picture)
+    distance = np.linalg.norm(lab - MODEL.centroids_lab[0], axis=2).astype(np.float32)
+    seeds = np.zeros(SIZE, np.bool_)
+    for u, v in places:
+        seeds[round(v) - 2 : round(v) + 3, round(u) - 2 : round(u) + 3] = True
+    groups = connected_groups(seeds, np.zeros(SIZE, np.bool_))
+    return groups, distance, measure_blobs(lab, distance, groups)
+
+
+def on_the_way(blob, params=None):
+    return is_on_the_way(blob, MODEL.centroids_lab, 0.15, params or FaintParams())
+
+
+@pytest.mark.parametrize(
+    ("limit", "value"),
+    [
+        ("least_direction", 1.001),
+        ("least_share", 1.3),
+        ("least_clearness", 500.0),
+        ("least_unexplained", 1.001),
+    ],
+)
+def test_each_limit_alone_refuses_a_spot(limit, value):
+    (blob,) = measured(on(SKIN, 1.8), PLACES[:1])[2]
+    assert on_the_way(blob)
+    assert not on_the_way(blob, FaintParams(**{limit: value}))
+
+
+def test_a_colour_is_on_the_way_from_its_surround_to_the_markers_and_not_beyond_or_beside():
+    ways = {0.3: True, 0.6: True, -0.3: False}
+    for share, wanted in ways.items():
+        mixed = SKIN + share * (GREEN - SKIN)
+        (blob,) = measured(on(SKIN, 3.0, np.clip(mixed, 0, 255)), PLACES[:1])[2]
+        assert on_the_way(blob, FaintParams(least_clearness=-1e9)) is wanted
+
+
+def test_only_groups_that_come_near_the_model_and_are_narrow_are_looked_at():
+    picture = on(SKIN, 1.8)
+    groups, distance, _ = measured(picture, [*PLACES[:3], (55.0, 55.0)])
+    surround = np.full(SIZE, np.median(distance), np.float32)
+    kept = clear_groups(groups, distance, surround, 31, FaintParams())
+    assert len(kept[2]) - 1 == 3
+    assert not np.isin(55, kept[0]).any()
+    assert len(clear_groups(groups, distance, surround, 4, FaintParams())[0]) == 0
+    nothing = connected_groups(np.zeros(SIZE, np.bool_), np.zeros(SIZE, np.bool_))
+    assert len(clear_groups(nothing, distance, surround, 31, FaintParams())[0]) == 0
