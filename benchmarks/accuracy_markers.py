@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from adibas.arrays import FloatArray
 from adibas.simulation.depth_noise import DepthNoise
 from adibas.simulation.layouts import analysis_settings
+from adibas.simulation.patient import GREEN
 from adibas.simulation.scenes import SceneSettings
 from benchmarks.marker_trial import Compared, Outcome, Trial, nearly_straight, pooled, run_trial
 from benchmarks.table import Row
@@ -25,6 +26,16 @@ N_PROCESSES = 2
 QUICK_STEP = 23
 VARIANT_STEP = 7
 """Every seventh analysis is enough for the variants; it meets every layout, posture and body."""
+
+COLORS = {
+    "yellow": (235, 205, 40),
+    "orange": (240, 120, 30),
+    "red": (200, 30, 40),
+    "pink": (230, 50, 140),
+    "blue": (30, 90, 200),
+    "cyan": (30, 180, 190),
+}
+"""Of other stickers, sRGB; clothes and walls of the simulated scenes come in many of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +49,24 @@ class Variant:
     color_size: tuple[int, int] = (1024, 1280)
     disparity_sd: float = 0.5
     left_bias_m: float = 0.0
+    distance_m: float = 2.0
+    color: tuple[int, int, int] = GREEN
 
     def trial(self, settings: SceneSettings) -> Trial:
         """Return one analysis with the change."""
-        markers = replace(settings.markers, diameter_m=self.diameter_m, kind=self.kind)  # type: ignore[arg-type]
-        noise = DepthNoise(disparity_sd=self.disparity_sd)
-        changed = replace(settings, markers=markers, color_size=self.color_size, depth_noise=noise)
+        markers = replace(
+            settings.markers,
+            diameter_m=self.diameter_m,
+            kind=self.kind,  # type: ignore[arg-type]
+            color=self.color,
+        )
+        changed = replace(
+            settings,
+            markers=markers,
+            color_size=self.color_size,
+            depth_noise=DepthNoise(disparity_sd=self.disparity_sd),
+            distance_m=self.distance_m,
+        )
         return Trial(changed, left_bias_m=self.left_bias_m)
 
 
@@ -54,6 +77,10 @@ VARIANTS = (
     Variant("8 mm green, colour 640x480", color_size=(480, 640)),
     Variant("8 mm green, disparity noise 0.1", disparity_sd=0.1),
     Variant("8 mm green, 2 cm bias not corrected", left_bias_m=0.02),
+    Variant("8 mm green at 2.6 m", distance_m=2.6),
+    Variant("8 mm green at 3.5 m", distance_m=3.5),
+    Variant("12 mm green at 3.5 m", diameter_m=0.012, distance_m=3.5),
+    *(Variant(f"12 mm {name}", diameter_m=0.012, color=color) for name, color in COLORS.items()),
 )
 
 
