@@ -4,6 +4,8 @@ Stickers far away are painted here with discs of known place: of two to four pix
 is a mixture once the lens and the mosaic of the colour filter have been there.
 """
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -121,6 +123,15 @@ def test_the_tips_of_a_wall_seen_between_legs_are_no_markers(number, half_width_
     assert find(seen(gaps * WALL + (1 - gaps) * TROUSERS, number)).blobs == ()
 
 
+@pytest.mark.parametrize("red", [(160, 25, 35), (190, 40, 50)])
+def test_a_wall_seen_through_a_hole_in_red_trousers_is_no_marker(red):
+    """Grey is as far from red as green is, on nearly the same way."""
+    picture = on(np.array(red, float), 2.0, np.array([90.0, 120, 110]))
+    assert find(picture).blobs == ()
+    careless = replace(DetectionParams(), faint=FaintParams(greatest_aside=1e9))
+    assert find(picture, careless).blobs != ()
+
+
 def measured(picture, places):
     """Return the blobs of 5x5 pixels about places."""
     lab = rgb_to_lab(picture)
@@ -141,6 +152,7 @@ def on_the_way(blob, params=None):
     [
         ("least_direction", 1.001),
         ("least_share", 1.3),
+        ("greatest_aside", -1.0),
         ("least_clearness", 500.0),
         ("least_unexplained", 1.001),
     ],
