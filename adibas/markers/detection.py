@@ -25,7 +25,7 @@ from adibas.markers.blobs import (
     pixels_of,
 )
 from adibas.markers.color_model import ColorModel
-from adibas.markers.faint import FaintParams, clear_groups, is_on_the_way
+from adibas.markers.faint import FaintParams, clear_groups, in_other_light, is_on_the_way
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
 
@@ -150,8 +150,9 @@ def find_color_markers(
     seeds = inside & _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds)
     groups = joined_specks(connected_groups(seeds, taken))
     groups = clear_groups(groups, distance, surrounds[0], widths_px[0], params.faint)
+    colors_lab = in_other_light(centroids_lab, params.faint.light_range)
     for blob in measure_blobs(lab, distance, groups):
-        if is_on_the_way(blob, centroids_lab, params.lightness_weight, params.faint):
+        if is_on_the_way(blob, colors_lab, params.lightness_weight, params.faint):
             found = judge(blob, offset_uv, depth_m, focal_px, params.faint.blobs)
             blobs += [found] if isinstance(found, Blob) else []
     matched = float((distance[inside] < model.threshold).mean())

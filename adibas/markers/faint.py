@@ -94,17 +94,25 @@ def clear_groups(
     return chosen_groups(groups, is_clear)
 
 
+def in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArray:
+    """Return the (N, 3) CIELAB colours in light dimmer and brighter by up to a factor."""
+    lights = np.geomspace(1.0 / light_range, light_range, N_LIGHTS)
+    lit_lab = (centroids_lab + LIGHTNESS_OFFSET) * lights[:, None, None] - LIGHTNESS_OFFSET
+    colors_lab: FloatArray = lit_lab.reshape(-1, 3)
+    return colors_lab
+
+
 def is_on_the_way(
-    blob: Blob, centroids_lab: Float32Array, lightness_weight: float, params: FaintParams
+    blob: Blob, colors_lab: FloatArray, lightness_weight: float, params: FaintParams
 ) -> bool:
-    """Say whether a blob's colour lies between its surround's and a marker's in some light.
+    """Say whether a blob's colour lies between its surround's and one of the marker's.
 
     Parameters
     ----------
     blob : Blob
         Measured in CIELAB.
-    centroids_lab : (k, 3) array
-        The marker's colours.
+    colors_lab : (N, 3) array
+        The marker's colours in every light: from `in_other_light`.
     lightness_weight : float
         Of a squared difference in L against one in a and b.
     """
@@ -114,7 +122,7 @@ def is_on_the_way(
         return False
     weight = np.array([math.sqrt(lightness_weight), 1.0, 1.0])
     to_core = (blob.core - blob.surround) * weight
-    to_marker = (_in_other_light(centroids_lab, params.light_range) - blob.surround) * weight
+    to_marker = (colors_lab - blob.surround) * weight
     along = to_marker @ to_core
     lengths, way = np.linalg.norm(to_marker, axis=1), float(np.linalg.norm(to_core))
     directions = along / np.maximum(lengths * way, 1e-9)
@@ -123,11 +131,3 @@ def is_on_the_way(
     aside = way * math.sqrt(max(1.0 - direction**2, 0.0))
     is_toward = direction >= params.least_direction and aside <= params.greatest_aside
     return is_toward and share >= params.least_share
-
-
-def _in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArray:
-    """Return the (N, 3) colours in light dimmer and brighter by up to a factor."""
-    lights = np.geomspace(1.0 / light_range, light_range, N_LIGHTS)
-    lit_lab = (centroids_lab + LIGHTNESS_OFFSET) * lights[:, None, None] - LIGHTNESS_OFFSET
-    colors_lab: FloatArray = lit_lab.reshape(-1, 3)
-    return colors_lab

@@ -13,7 +13,7 @@ import pytest
 from adibas.markers.blobs import connected_groups, measure_blobs
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, find_color_markers
-from adibas.markers.faint import FaintParams, clear_groups, is_on_the_way
+from adibas.markers.faint import FaintParams, clear_groups, in_other_light, is_on_the_way
 from adibas.markers.lab import rgb_to_lab
 
 SIZE = (120, 160)
@@ -144,7 +144,9 @@ def measured(picture, places):
 
 
 def on_the_way(blob, params=None):
-    return is_on_the_way(blob, MODEL.centroids_lab, 0.15, params or FaintParams())
+    params = params or FaintParams()
+    colors_lab = in_other_light(MODEL.centroids_lab, params.light_range)
+    return is_on_the_way(blob, colors_lab, 0.15, params)
 
 
 @pytest.mark.parametrize(
