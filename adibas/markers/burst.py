@@ -2,8 +2,10 @@
 
 Each frame's blobs are matched to the markers followed so far by nearness; a living patient sways by
 a pixel or two in that time. A marker is kept if enough frames show it, which removes what flickers.
+What differs so little from its surround that noise hides it in the frames is seen in their mean.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,6 +44,10 @@ class BurstParams:
     centre_sd_px: float = 0.045
     centre_sd_by_radius_px2: float = 0.14
 
+    def gate_px_of(self, radius_px: float) -> float:
+        """Return how far a marker moves at most between two sightings."""
+        return max(self.gate_px, 2.0 * radius_px)
+
     def centre_variance_px2(self, radius_px: float) -> float:
         """Return the variance of a centre, along each axis, that all frames have in common."""
         return self.centre_sd_px**2 + (self.centre_sd_by_radius_px2 / radius_px) ** 2
@@ -60,7 +66,7 @@ class BurstMarker:
     covariance_px2 : (2, 2) array
         Of (u, v).
     n_sightings : int
-        Frames that show it.
+        Frames that show it; all of them where their mean does.
     """
 
     u: float
@@ -90,18 +96,31 @@ class BurstTracker:
             distance_px = np.linalg.norm(last[:, None] - here, axis=2)
             rows, columns = linear_sum_assignment(np.minimum(distance_px, FAR_PX))
             for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
-                gate_px = max(self._params.gate_px, 2.0 * blobs[j].radius_px)
-                if distance_px[i, j] <= gate_px:
+                if distance_px[i, j] <= self._params.gate_px_of(blobs[j].radius_px):
                     self._tracks[i].append(blobs[j])
                     taken.add(j)
         self._tracks += [[blob] for j, blob in enumerate(blobs) if j not in taken]
 
-    def markers(self) -> tuple[BurstMarker, ...]:
-        """Return what enough frames show, from top to bottom."""
+    def markers(self, of_mean: Sequence[Blob] = ()) -> tuple[BurstMarker, ...]:
+        """Return what enough frames show, from top to bottom.
+
+        Parameters
+        ----------
+        of_mean : sequence of Blob
+            Found in the mean picture of all frames: those that are none of the followed ones are
+            markers, too.
+        """
         least = max(1.0, self._params.least_share * self._n_frames)
         kept = [track for track in self._tracks if len(track) >= least]
         found = [_fused(track, self._params) for track in kept]
+        for blob in of_mean:
+            if all(self._is_apart(blob, marker) for marker in found):
+                found.append(_still(blob, self._n_frames, self._params))
         return tuple(sorted(found, key=lambda marker: (marker.v, marker.u)))
+
+    def _is_apart(self, blob: Blob, marker: BurstMarker) -> bool:
+        distance_px = math.hypot(blob.u - marker.u, blob.v - marker.v)
+        return distance_px > self._params.gate_px_of(blob.radius_px)
 
 
 def _fused(track: Sequence[Blob], params: BurstParams) -> BurstMarker:
@@ -114,12 +133,27 @@ def _fused(track: Sequence[Blob], params: BurstParams) -> BurstMarker:
     n_samples = max(1.0, float(kept.sum()) / params.frames_per_sample)
     u, v = centres[kept].mean(axis=0)
     radius_px = float(np.median([blob.radius_px for blob in track]))
-    lasting = np.eye(2) * params.centre_variance_px2(radius_px)
     return BurstMarker(
         u=float(u),
         v=float(v),
         radius_px=radius_px,
         axis_ratio=float(np.median([blob.axis_ratio for blob in track])),
-        covariance_px2=mean_covariance / n_samples + lasting,
+        covariance_px2=mean_covariance / n_samples + _lasting(radius_px, params),
         n_sightings=len(track),
     )
+
+
+def _still(blob: Blob, n_frames: int, params: BurstParams) -> BurstMarker:
+    """Return the marker that the mean picture shows; its noise is already that of the mean."""
+    return BurstMarker(
+        u=blob.u,
+        v=blob.v,
+        radius_px=blob.radius_px,
+        axis_ratio=blob.axis_ratio,
+        covariance_px2=blob.covariance_px2 + _lasting(blob.radius_px, params),
+        n_sightings=n_frames,
+    )
+
+
+def _lasting(radius_px: float, params: BurstParams) -> FloatArray:
+    return np.eye(2) * params.centre_variance_px2(radius_px)

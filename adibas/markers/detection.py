@@ -8,24 +8,33 @@ which gives sub-pixel centres of stickers that are only some pixels wide.
 Source: thesis, section 6.1.1 (distance to the centroids, morphology, blob centres, 6.4).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, UInt8Array, check_shape
+from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
 from adibas.markers.blobs import (
     Blob,
     BlobParams,
+    Groups,
     connected_groups,
     joined_specks,
     judge,
     measure_blobs,
     pixels_of,
 )
+from adibas.markers.burst import BurstMarker
 from adibas.markers.color_model import ColorModel
-from adibas.markers.faint import FaintParams, clear_groups, in_other_light, is_on_the_way
+from adibas.markers.faint import (
+    FaintParams,
+    in_other_light,
+    is_on_the_way,
+    narrow_groups,
+    spot_seeds,
+)
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
 
@@ -68,7 +77,9 @@ class DetectionParams:
     seeds, blobs : SeedParams, BlobParams
         Pixels and blobs of markers that reach their own colour somewhere.
     faint_seeds, faint : SeedParams, FaintParams
-        The same of those that do not; they are looked for last, beside the others.
+        The same of those that do not; they are looked for last, beside the others: first by what
+        is on all sides of them, and then, for those of more pixels, by their surroundings' mean,
+        in which noise does not count.
     """
 
     lightness_weight: float = 0.15
@@ -132,31 +143,53 @@ def find_color_markers(
     centroids_lab = model.pure_centroids_lab().astype(np.float32)
     distance = unlikeness(lab, centroids_lab, params.lightness_weight, params.light_range)
     offset_uv = np.array([window[1].start, window[0].start], float)
+    search = _Search(inside, offset_uv, depth_m, focal_px)
     widths_px = _odd_widths(params.surround_px, color_rgb.shape[1])
     surrounds = [_surround(distance, inside, width_px) for width_px in widths_px]
-    blobs: list[Blob] = []
-    rejected: list[RejectedBlob] = []
-    taken = np.zeros(inside.shape, np.bool_)
     for surround in surrounds:
-        seeds = inside & _stands_out(distance, surround, model.threshold, params.seeds)
-        groups = joined_specks(connected_groups(seeds, taken))
-        for index, blob in enumerate(measure_blobs(lab, distance, groups)):
-            found = judge(blob, offset_uv, depth_m, focal_px, params.blobs)
-            if isinstance(found, Blob):
-                blobs.append(found)
-                taken[pixels_of(groups, index)] = True
-            elif found is not None:
-                rejected.append(found)
-    seeds = inside & _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds)
-    groups = joined_specks(connected_groups(seeds, taken))
-    groups = clear_groups(groups, distance, surrounds[0], widths_px[0], params.faint)
+        groups = search.groups(_stands_out(distance, surround, model.threshold, params.seeds))
+        search.judge(groups, measure_blobs(lab, distance, groups), params.blobs)
+    rejected = list(search.rejected)
     colors_lab = in_other_light(centroids_lab, params.faint.light_range)
-    for blob in measure_blobs(lab, distance, groups):
-        if is_on_the_way(blob, colors_lab, params.lightness_weight, params.faint):
-            found = judge(blob, offset_uv, depth_m, focal_px, params.faint.blobs)
-            blobs += [found] if isinstance(found, Blob) else []
+    for seeds in (
+        spot_seeds(distance, model.threshold, color_rgb.shape[1], params.faint),
+        _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds),
+    ):
+        groups = narrow_groups(search.groups(seeds), widths_px[0], params.faint)
+        blobs = tuple(
+            blob if is_on_the_way(blob, colors_lab, params.lightness_weight, params.faint) else None
+            for blob in measure_blobs(lab, distance, groups)
+        )
+        search.judge(groups, blobs, params.faint.blobs)
     matched = float((distance[inside] < model.threshold).mean())
-    return Detections(tuple(blobs), _without_taken(rejected, blobs), matched)
+    return Detections(tuple(search.found), without_found(rejected, search.found), matched)
+
+
+class _Search:
+    """One window of a picture, what was found in it so far, and which pixels that has taken."""
+
+    def __init__(
+        self, inside: BoolArray, offset_uv: FloatArray, depth_m: Float32Array, focal_px: float
+    ) -> None:
+        self._inside = inside
+        self._at = offset_uv, depth_m, focal_px
+        self._taken = np.zeros(inside.shape, np.bool_)
+        self.found: list[Blob] = []
+        self.rejected: list[RejectedBlob] = []
+
+    def groups(self, seeds: BoolArray) -> Groups:
+        """Return the groups of seeds on the body that hold no pixel of what was found."""
+        return joined_specks(connected_groups(self._inside & seeds, self._taken))
+
+    def judge(self, groups: Groups, blobs: Sequence[Blob | None], params: BlobParams) -> None:
+        """Take what can be a marker of the blobs of all groups; None: that group cannot."""
+        for index, blob in enumerate(blobs):
+            found = None if blob is None else judge(blob, *self._at, params)
+            if isinstance(found, Blob):
+                self.found.append(found)
+                self._taken[pixels_of(groups, index)] = True
+            elif found is not None:
+                self.rejected.append(found)
 
 
 def _odd_widths(widths_px: tuple[int, ...], image_width: int) -> list[int]:
@@ -194,12 +227,12 @@ def bounding_box(body: BoolArray) -> tuple[slice, slice] | None:
     return slice(top, int(rows[-1]) + MARGIN_PX), slice(left, int(columns[-1]) + MARGIN_PX)
 
 
-def _without_taken(rejected: list[RejectedBlob], blobs: list[Blob]) -> tuple[RejectedBlob, ...]:
-    """Leave out what was refused in one surrounding but is a marker in the other."""
+def without_found(
+    rejected: Sequence[RejectedBlob], found: Sequence[Blob | BurstMarker]
+) -> tuple[RejectedBlob, ...]:
+    """Leave out what was refused in one surrounding, or one frame, but is a marker in another."""
     return tuple(
         blob
         for blob in rejected
-        if all(
-            np.hypot(blob.u - found.u, blob.v - found.v) > 2 * found.radius_px for found in blobs
-        )
+        if all(np.hypot(blob.u - one.u, blob.v - one.v) > 2 * one.radius_px for one in found)
     )

@@ -18,11 +18,18 @@ from adibas.data.sessions import ROTATIONS_DEG
 from adibas.data.surface import BurstDisparity
 from adibas.errors import MarkerError
 from adibas.geometry.planes import Plane
+from adibas.markers.blobs import Blob
 from adibas.markers.burst import BurstMarker, BurstParams, BurstTracker
 from adibas.markers.color_model import ColorModel
-from adibas.markers.detection import DetectionParams, Detections, find_color_markers
+from adibas.markers.detection import (
+    DetectionParams,
+    Detections,
+    find_color_markers,
+    without_found,
+)
 from adibas.markers.disparity import DisparitySum
 from adibas.markers.led import LedParams, find_led_markers
+from adibas.markers.mean_picture import MeanPicture
 from adibas.markers.position import PositionFinder, PositionParams
 from adibas.measures.sight_plane import up_of_picture, up_without_floor
 from adibas.pipeline.in_order import in_order
@@ -56,6 +63,8 @@ class PostureParams:
 
     Attributes
     ----------
+    least_log_odds_of_mean : float
+        Of a faint spot in the mean picture, where it is no noise: 1, and 2 in each frame.
     least_pixel_share : float
         A depth pixel takes part if this share of the burst's frames measured it: 0.3.
     greatest_scatter_per_m : float
@@ -72,6 +81,7 @@ class PostureParams:
     """
 
     detection: DetectionParams = field(default_factory=DetectionParams)
+    least_log_odds_of_mean: float = 1.0
     burst: BurstParams = field(default_factory=BurstParams)
     position: PositionParams = field(default_factory=PositionParams)
     least_pixel_share: float = 0.3
@@ -143,76 +153,100 @@ def analyse_burst(
     target: MarkerTarget,
     params: PostureParams,
 ) -> MarkerFindings:
-    """Find the markers in every frame, follow them, and measure each in space once.
+    """Find the markers in every frame and in their mean, and measure each in space once.
 
     Raises
     ------
     MarkerError
         Nobody is seen, or the colour model fits everything.
     """
-    tracker = BurstTracker(params.burst)
-    depth = DisparitySum(calibration.depth_bias, calibration.depth)
-    newest: RgbdFrame | None = None
-    rejected: tuple[RejectedBlob, ...] = ()
+    burst = _Burst(calibration, target, params)
 
-    def work(frame: RgbdFrame) -> tuple[RgbdFrame, Detections | None]:
-        return frame, detect(frame, calibration, target, params)
+    def work(frame: RgbdFrame) -> tuple[RgbdFrame, tuple[Sight, Detections] | None]:
+        sight = look_for_person(frame, calibration, params)
+        if sight is None:
+            return frame, None
+        detections = find_markers(frame.color_rgb, sight, calibration, target, params)
+        return frame, (sight, detections)
 
     with in_order(work, frames, N_THREADS) as results:
-        for frame, detections in results:
-            depth.add(frame.depth_m)
-            if detections is None:
-                tracker.add(())
-                continue
-            newest = frame
-            check_selective(detections, target, params)
-            tracker.add(detections.blobs)
-            rejected = detections.rejected
-    if newest is None:
-        raise MarkerError(
-            "Nobody is seen in the depth image. The patient stands alone, 0.8 to 4 m in front of "
-            "the sensor."
+        for frame, seen in results:
+            burst.add(frame, seen)
+    return burst.findings()
+
+
+class _Burst:
+    """Collects what the frames of a burst show, and measures it when all are there."""
+
+    def __init__(
+        self, calibration: RgbdCalibration, target: MarkerTarget, params: PostureParams
+    ) -> None:
+        self._calibration, self._target, self._params = calibration, target, params
+        self._tracker = BurstTracker(params.burst)
+        self._depth = DisparitySum(calibration.depth_bias, calibration.depth)
+        self._mean = MeanPicture()
+        self._newest: tuple[UInt8Array, Sight, Detections] | None = None
+
+    def add(self, frame: RgbdFrame, seen: tuple[Sight, Detections] | None) -> None:
+        """Add the next frame; None where nobody is seen in it."""
+        self._depth.add(frame.depth_m)
+        if seen is None:
+            self._tracker.add(())
+            return
+        sight, detections = seen
+        check_selective(detections, self._target, self._params)
+        self._newest = frame.color_rgb, sight, detections
+        self._mean.add(frame.color_rgb)
+        self._tracker.add(detections.blobs)
+
+    def findings(self) -> MarkerFindings:
+        """Measure each marker once; see `analyse_burst`."""
+        if self._newest is None:
+            raise MarkerError(
+                "Nobody is seen in the depth image. The patient stands alone, 0.8 to 4 m in front "
+                "of the sensor."
+            )
+        params, calibration = self._params, self._calibration
+        color_rgb, sight, detections = self._newest
+        found = self._tracker.markers(self._markers_of_mean(sight))
+        disparity = self._depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
+        finder = PositionFinder(disparity, calibration, params.position, pixels_uv(found))
+        measured = tuple(_measured(one, finder) for one in found)
+        focal_px = cameras_of(calibration)[0].intrinsics.fx
+        single, merged = apart_from_merged(found, measured, focal_px)
+        markers = tuple(replace(one, label=f"m{i:02d}") for i, one in enumerate(single, 1))
+        n_people, beside = _look_about(
+            color_rgb, sight, calibration, self._target, params, measured
         )
-    disparity = depth.result(params.least_pixel_share, params.greatest_scatter_per_m)
-    found = tracker.markers()
-    finder = PositionFinder(disparity, calibration, params.position, pixels_uv(found))
-    measured = tuple(_measured(one, finder) for one in found)
-    focal_px = cameras_of(calibration)[0].intrinsics.fx
-    single, merged = apart_from_merged(found, measured, focal_px)
-    markers = tuple(replace(one, label=f"m{number:02d}") for number, one in enumerate(single, 1))
-    n_people, beside = _look_about(newest, calibration, target, params, measured)
-    return MarkerFindings(markers, (*rejected, *merged, *beside), disparity, n_people)
+        refused = (*without_found(detections.rejected, found), *merged, *beside)
+        return MarkerFindings(markers, refused, disparity, n_people)
+
+    def _markers_of_mean(self, sight: Sight) -> tuple[Blob, ...]:
+        """Return what the mean picture shows; LEDs outshine the noise of every frame."""
+        if isinstance(self._target, LedParams):
+            return ()
+        least = self._params.least_log_odds_of_mean
+        detection = self._params.detection
+        faint = replace(detection.faint, least_log_odds=least)
+        params = replace(self._params, detection=replace(detection, faint=faint))
+        mean_rgb = self._mean.result()
+        return find_markers(mean_rgb, sight, self._calibration, self._target, params).blobs
 
 
 def _look_about(
-    frame: RgbdFrame,
+    color_rgb: UInt8Array,
+    sight: Sight,
     calibration: RgbdCalibration,
     target: MarkerTarget,
     params: PostureParams,
     markers: tuple[Marker, ...],
 ) -> tuple[int, tuple[RejectedBlob, ...]]:
     """Return how many people a frame shows, and what looks like a marker and is on nobody."""
-    sight = look_for_person(frame, calibration, params)
-    if sight is None:
-        return 1, ()
     _, depth = cameras_of(calibration)
     n_people = count_people(sight.depth_m, depth, sight.floor, sight.body)
     beside = replace(sight, outline=~sight.outline)
-    seen = find_markers(frame.color_rgb, beside, calibration, target, params)
+    seen = find_markers(color_rgb, beside, calibration, target, params)
     return n_people, refuse_beside(seen, markers, _greatest_share(target, params))
-
-
-def detect(
-    frame: RgbdFrame,
-    calibration: RgbdCalibration,
-    target: MarkerTarget,
-    params: PostureParams,
-) -> Detections | None:
-    """Return the blobs of one frame; None where nobody is seen."""
-    sight = look_for_person(frame, calibration, params)
-    if sight is None:
-        return None
-    return find_markers(frame.color_rgb, sight, calibration, target, params)
 
 
 def look_for_person(

@@ -13,7 +13,15 @@ import pytest
 from adibas.markers.blobs import connected_groups, measure_blobs
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, find_color_markers
-from adibas.markers.faint import FaintParams, clear_groups, in_other_light, is_on_the_way
+from adibas.markers.faint import (
+    FaintParams,
+    SpotOdds,
+    in_other_light,
+    is_on_the_way,
+    narrow_groups,
+    spot_features,
+    spot_seeds,
+)
 from adibas.markers.lab import rgb_to_lab
 
 SIZE = (120, 160)
@@ -128,8 +136,19 @@ def test_a_wall_seen_through_a_hole_in_red_trousers_is_no_marker(red):
     """Grey is as far from red as green is, on nearly the same way."""
     picture = on(np.array(red, float), 2.0, np.array([90.0, 120, 110]))
     assert find(picture).blobs == ()
-    careless = replace(DetectionParams(), faint=FaintParams(greatest_aside=1e9))
-    assert find(picture, careless).blobs != ()
+    careless = FaintParams(greatest_aside=1e9)
+    assert find(picture, replace(DetectionParams(), faint=careless)).blobs != ()
+
+
+@pytest.mark.parametrize("radius_px", [1.5, 2.0])
+def test_stickers_on_the_border_of_two_colours_are_found(radius_px):
+    """The mean of the surroundings says nothing of either side; a closing does."""
+    share = discs(radius_px, [(80.2, 20.0), (80.4, 50.3), (79.8, 80.7), (81.5, 105.1)])
+    border = np.where(np.arange(SIZE[1])[:, None] < 80, SKIN, TROUSERS)[None]
+    picture = seen(share * GREEN + (1 - share) * border)
+    blobs = find(picture).blobs
+    assert len(blobs) == 4
+    assert n_right(blobs, [(80.2, 20.0), (80.4, 50.3), (79.8, 80.7), (81.5, 105.1)]) == 4
 
 
 def measured(picture, places):
@@ -155,8 +174,7 @@ def on_the_way(blob, params=None):
         ("least_direction", 1.001),
         ("least_share", 1.3),
         ("greatest_aside", -1.0),
-        ("least_clearness", 500.0),
-        ("least_unexplained", 1.001),
+        ("least_log_odds", 500.0),
     ],
 )
 def test_each_limit_alone_refuses_a_spot(limit, value):
@@ -165,21 +183,62 @@ def test_each_limit_alone_refuses_a_spot(limit, value):
     assert not on_the_way(blob, FaintParams(**{limit: value}))
 
 
+def test_the_odds_are_the_sum_of_the_weighted_features():
+    (blob,) = measured(on(SKIN, 1.8), PLACES[:1])[2]
+    colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
+    features = spot_features(blob, colors_lab, 0.15, FaintParams())
+    odds = SpotOdds(2.0, -3.0, 5.0, 7.0, 11.0, 13.0)
+    log_odds = 13.0 + np.dot([2.0, -3.0, 5.0, 7.0, 11.0], features)
+    for least, wanted in ((log_odds - 1e-6, True), (log_odds + 1e-6, False)):
+        assert on_the_way(blob, FaintParams(odds=odds, least_log_odds=least)) is wanted
+
+
+def test_what_the_odds_go_by_is_what_the_spot_is():
+    (blob,) = measured(on(SKIN, 1.8), PLACES[:1])[2]
+    colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
+    unexplained, aside, axis_ratio, log_separation, log_contrast = spot_features(
+        blob, colors_lab, 1.0, FaintParams()
+    )
+    way = blob.core - blob.surround
+    assert (unexplained, axis_ratio) == (blob.unexplained, blob.axis_ratio)
+    assert np.exp(log_separation) == pytest.approx(blob.separation)
+    assert np.exp(log_contrast) == pytest.approx(np.linalg.norm(way))
+    off = np.cross(way, colors_lab - blob.surround)
+    lengths = np.linalg.norm(colors_lab - blob.surround, axis=1)
+    assert aside == pytest.approx((np.linalg.norm(off, axis=1) / lengths).min(), rel=1e-3)
+
+
 def test_a_colour_is_on_the_way_from_its_surround_to_the_markers_and_not_beyond_or_beside():
     ways = {0.3: True, 0.6: True, -0.3: False}
     for share, wanted in ways.items():
         mixed = SKIN + share * (GREEN - SKIN)
         (blob,) = measured(on(SKIN, 3.0, np.clip(mixed, 0, 255)), PLACES[:1])[2]
-        assert on_the_way(blob, FaintParams(least_clearness=-1e9)) is wanted
+        assert on_the_way(blob, FaintParams(least_log_odds=-1e9)) is wanted
 
 
-def test_only_groups_that_come_near_the_model_and_are_narrow_are_looked_at():
-    picture = on(SKIN, 1.8)
-    groups, distance, _ = measured(picture, [*PLACES[:3], (55.0, 55.0)])
-    surround = np.full(SIZE, np.median(distance), np.float32)
-    kept = clear_groups(groups, distance, surround, 31, FaintParams())
-    assert len(kept[2]) - 1 == 3
-    assert not np.isin(55, kept[0]).any()
-    assert len(clear_groups(groups, distance, surround, 4, FaintParams())[0]) == 0
+def test_seeds_are_where_a_closing_by_brute_force_is_well_above_the_distance():
+    distance = np.random.default_rng(3).uniform(5.0, 60.0, (40, 50)).astype(np.float32)
+    wide = np.pad(distance, 4, constant_values=-np.inf)
+    dilated = np.lib.stride_tricks.sliding_window_view(wide, (9, 9)).max(axis=(2, 3))
+    wide = np.pad(dilated, 4, constant_values=np.inf)
+    closed = np.lib.stride_tricks.sliding_window_view(wide, (9, 9)).min(axis=(2, 3))
+    params = FaintParams(spot_px=9, least_rise_share=0.5, least_rise=30.0, threshold_factor=4.0)
+    rise = closed - distance
+    wanted = (distance < 40.0) & (rise > 0.5 * closed) & (rise > 30.0)
+    np.testing.assert_array_equal(spot_seeds(distance, 10.0, 1280, params), wanted)
+    assert 0 < wanted.sum() < wanted.size
+
+
+def test_only_groups_of_some_pixels_that_are_narrow_are_looked_at():
+    seeds = np.zeros(SIZE, np.bool_)
+    seeds[10, 10] = True
+    seeds[20:22, 20] = True
+    seeds[40, 30:60] = True
+    seeds[50:80, 100] = True
+    groups = connected_groups(seeds, np.zeros(SIZE, np.bool_))
+    kept = narrow_groups(groups, 30, FaintParams())
+    assert sorted(np.diff(kept[2])) == [2, 30, 30]
+    kept = narrow_groups(groups, 29, FaintParams())
+    assert (kept[0].tolist(), kept[1].tolist()) == ([20, 21], [20, 20])
     nothing = connected_groups(np.zeros(SIZE, np.bool_), np.zeros(SIZE, np.bool_))
-    assert len(clear_groups(nothing, distance, surround, 31, FaintParams())[0]) == 0
+    assert len(narrow_groups(nothing, 30, FaintParams())[0]) == 0
