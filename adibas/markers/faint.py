@@ -25,7 +25,7 @@ LEAST_SPOT_PX = 9
 class SpotOdds:
     """Log odds that a spot is a marker: a weight for each of its features, and a constant.
 
-    Learned by logistic regression from 33,680 spots in 408 simulated scenes, of which 4,415 were
+    Learned by logistic regression from 51,323 spots in 408 simulated scenes, of which 2,381 were
     markers (`python -m benchmarks.train_spots`).
 
     Attributes
@@ -44,12 +44,12 @@ class SpotOdds:
     constant : float
     """
 
-    unexplained: float = 9.39
-    aside: float = -0.289
-    axis_ratio: float = 10.05
-    log_separation: float = 1.085
-    log_contrast: float = 3.325
-    constant: float = -24.25
+    unexplained: float = 7.728
+    aside: float = -0.328
+    axis_ratio: float = 8.494
+    log_separation: float = 1.229
+    log_contrast: float = 3.21
+    constant: float = -21.901
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class FaintParams:
         How far it is beside that way, CIELAB units: stickers may be of several colours.
     odds : SpotOdds
     least_log_odds : float
-        Below, it is no marker: 2 in one picture.
+        Below, it is no marker: 1.5 in one picture.
     light_range : float
         By how much the light may change (L + 16, a, b) of the marker's colour.
     """
@@ -93,7 +93,7 @@ class FaintParams:
     least_share: float = 0.1
     greatest_aside: float = 12.0
     odds: SpotOdds = field(default_factory=SpotOdds)
-    least_log_odds: float = 2.0
+    least_log_odds: float = 1.5
     light_range: float = 1.5
 
 

@@ -64,7 +64,7 @@ class PostureParams:
     Attributes
     ----------
     least_log_odds_of_mean : float
-        Of a faint spot in the mean picture, where it is no noise: 1, and 2 in each frame.
+        Of a faint spot in the mean picture, where it is no noise: 1, and 1.5 in each frame.
     least_pixel_share : float
         A depth pixel takes part if this share of the burst's frames measured it: 0.3.
     greatest_scatter_per_m : float

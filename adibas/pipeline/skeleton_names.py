@@ -12,8 +12,10 @@ from adibas.data.markers import AutomaticName, Marker, pixels_uv
 from adibas.data.posture import Provenance
 from adibas.geometry.distortion import undistort_pixels
 from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.seen_spaces import seen_spaces
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
+from adibas.skeleton.seen_space import SeenSpace
 
 Names: TypeAlias = tuple[str | None, ...]
 
@@ -62,14 +64,15 @@ def with_names(
     positions_m = np.stack([one.position_m for one in placed if one.position_m is not None])
     diameters_m = diameters_of(placed, calibration)
     given = [_given(one, named_by_hand) for one in placed]
-    alone = _labelled(namer, positions_m @ turn.T, view, diameters_m, given)
+    in_color, in_both = (space.turned(turn) for space in seen_spaces(calibration))
+    alone = _labelled(namer, positions_m @ turn.T, view, diameters_m, given, in_both)
     found, sure = alone.names, alone.confidences
     flat, flat_m = _as_far_away(markers, positions_m, calibration)
     if flat:
         known_m = np.append(diameters_m, np.full(len(flat), np.nan))
         given += [_given(one, named_by_hand) for one in flat]
         places_m = np.vstack([positions_m, flat_m]) @ turn.T
-        together = _labelled(namer, places_m, view, known_m, given)
+        together = _labelled(namer, places_m, view, known_m, given, in_color)
         found = _agreed(alone, together)
         is_confirmed = np.array([name is None for name in alone.names])
         of_placed = np.where(is_confirmed, together.confidences[: len(placed)], sure)
@@ -88,16 +91,21 @@ def _given(marker: Marker, named_by_hand: frozenset[str]) -> str:
 
 
 def _labelled(
-    namer: Namer, points_m: FloatArray, view: str, diameters_m: FloatArray, given: Sequence[str]
+    namer: Namer,
+    points_m: FloatArray,
+    view: str,
+    diameters_m: FloatArray,
+    given: Sequence[str],
+    seen: SeenSpace,
 ) -> Labelling:
     """Return the naming that agrees with the given names, as far as it is none against a sure one.
 
     A hand errs, too: its error must not become a second one.
     """
-    free = namer.label(points_m, view, diameters_m)
+    free = namer.label(points_m, view, diameters_m, seen=seen)
     if not any(given):
         return free
-    told = namer.label(points_m, view, diameters_m, given)
+    told = namer.label(points_m, view, diameters_m, given, seen)
     names = tuple(
         name if other in (None, name) else None
         for name, other in zip(told.names, free.names, strict=True)

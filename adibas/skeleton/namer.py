@@ -14,6 +14,7 @@ from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
 from adibas.skeleton.prototype_search import LEAST_POINTS, LabelParams
 from adibas.skeleton.second_opinion import combined, is_in_doubt, named_by
+from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 from adibas.skeleton.sizes import size_log_odds, with_sizes
 
 SPACE = 3
@@ -66,6 +67,7 @@ class Namer:
         view: str = "",
         diameters_m: FloatArray | None = None,
         given: Sequence[str] = (),
+        seen: SeenSpace = EVERYWHERE,
     ) -> Labelling:
         """Name (M, D) points in metres, y down; see `label_points`.
 
@@ -78,6 +80,8 @@ class Namer:
             Of each point the name that it has already, empty where it is to be found; nothing: all
             are to be found. The other points get names that agree with these; a point with a name
             that is none of the model's is none of its points.
+        seen : SeenSpace
+            By the cameras: that a point is missing which must be beyond tells nothing.
 
         Raises
         ------
@@ -90,10 +94,10 @@ class Namer:
             raise ValueError("points are named by places that are known")
         sizes = np.zeros(len(points_m)) if diameters_m is None else size_log_odds(diameters_m)
         if not any(given):
-            return self._label(points_m, view, Known(sizes, nothing_given(len(points_m))))
+            return self._label(points_m, view, Known(sizes, nothing_given(len(points_m)), seen))
         is_other = np.array([bool(one) and one not in self.names for one in given], bool)
         own = [one for one in given if not one or one in self.names]
-        known = Known(sizes[~is_other], given_index(own, self.names))
+        known = Known(sizes[~is_other], given_index(own, self.names), seen)
         return _with_others(self._label(points_m[~is_other], view, known), is_other)
 
     def _label(self, points_m: FloatArray, view: str, known: Known) -> Labelling:

@@ -5,7 +5,7 @@ share of each name in all that was listed is its confidence.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,13 +13,15 @@ from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.labelling_search_kernels import assign_by_tree
 from adibas.shapes.parts_crossing_kernels import rate_crossings
 from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
+from adibas.shapes.parts_sight_kernels import rate_sight
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton.given_names import OPEN, agrees, has_names, nothing_given
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.parts import LEGS, PartsModel
-from adibas.skeleton.parts_odds import QUICK, THOROUGH, PartsOdds, expected_odds
+from adibas.skeleton.parts_odds import QUICK, THOROUGH, PartsOdds, expected_odds, hidden_costs
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
+from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 from adibas.skeleton.side_odds import side_factor
 from adibas.skeleton.starts import (
     heading_of_turn,
@@ -45,10 +47,13 @@ class Known:
         See `adibas.skeleton.sizes.size_log_odds`.
     given : (M,) int array
         See `adibas.skeleton.given_names.given_index`.
+    seen : SeenSpace
+        By the cameras, in the axes of the points.
     """
 
     size_odds: FloatArray
     given: IntArray
+    seen: SeenSpace = EVERYWHERE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +94,9 @@ def find_by_parts(
     known : Known
         Places alone decide what is listed, as far as it agrees with the given names.
     """
-    points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
+    origin_m = points_m.mean(axis=0)
+    points = np.ascontiguousarray(points_m - origin_m)
+    known = replace(known, seen=known.seen.about(origin_m))
     expected = expected_odds(model, len(points), view, odds, QUICK)
     turns, shifts = list_turns(prepared.model, view)
     free = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
@@ -97,7 +104,7 @@ def find_by_parts(
     is_whole = len(points) == len(model.names)
     pool = _searched(model, points, starts, expected, known.given) if is_whole else None
     if pool is not None and len(pool.energies):
-        found = _weighed(model, points, known.size_odds, pool, expected, odds)
+        found = _weighed(model, points, known, pool, expected, odds)
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
@@ -108,7 +115,7 @@ def find_by_parts(
     pool = _searched(model, points, np.concatenate([starts, laid]), expected, known.given)
     if not len(pool.energies):
         return None
-    return _weighed(model, points, known.size_odds, pool, expected, odds)
+    return _weighed(model, points, known, pool, expected, odds)
 
 
 def _is_settled(found: PartsFound, n_names: int) -> bool:
@@ -163,7 +170,7 @@ def _searched(
 def _weighed(
     model: PartsModel,
     points: FloatArray,
-    size_odds: FloatArray,
+    known: Known,
     pool: Pool,
     expected: Odds,
     odds: PartsOdds,
@@ -173,9 +180,10 @@ def _weighed(
     One way more is that all points are chance ones and all labels hidden: no person. It is the only
     one where the best way is not plausible, or leaves most points without a name.
     """
-    n_points = len(size_odds)
-    of_sizes = np.append(size_odds, 0.0)[pool.partners].sum(axis=1)
-    energies = pool.energies - of_sizes + _crossing(model, points, pool.partners, odds)
+    n_points = len(points)
+    of_sizes = np.append(known.size_odds, 0.0)[pool.partners].sum(axis=1)
+    by_sight = pool.energies + _sight(model, points, known.seen, pool, expected, odds)
+    energies = by_sight - of_sizes + _crossing(model, points, pool.partners, odds)
     best = int(np.argmin(energies))
     weights = np.exp((energies[best] - energies) / odds.temperature)
     if math.isnan(expected.heading_rad):
@@ -186,7 +194,10 @@ def _weighed(
     lead = (expected.counts[-1] - energies[best]) / odds.temperature
     weights /= weights.sum() + math.exp(-max(lead, -MOST_NATS))
     n_named = np.count_nonzero(pool.partners[best] >= 0)
-    is_likely = pool.energies[best] <= -odds.plausible * n_named
+    is_likely = (
+        pool.energies[best] <= -odds.plausible * n_named
+        or by_sight[best] <= -odds.plausible_by_sight * n_named
+    )
     if not is_likely or 2 * n_named < n_points:
         weights[:] = 0.0
     n_names = len(model.names)
@@ -199,6 +210,24 @@ def _weighed(
     masses = masses[:n_points]
     masses[:, n_names] = np.maximum(1.0 - masses[:, :n_names].sum(axis=1), 0.0)
     return PartsFound(pool.partners[best].copy(), float(pool.headings[best]), masses)
+
+
+def _sight(
+    model: PartsModel,
+    points: FloatArray,
+    seen: SeenSpace,
+    pool: Pool,
+    expected: Odds,
+    odds: PartsOdds,
+) -> FloatArray:
+    """Return by how much ways are likelier as their missing labels are out of sight (negative)."""
+    if not len(seen.normals):
+        return np.zeros(len(pool.energies))
+    costs = hidden_costs(len(model.names), odds)
+    return rate_sight(
+        points, pool.partners, model.core, model.limbs, expected, costs, seen.normals,
+        seen.offsets_m,
+    )  # fmt: skip
 
 
 def _crossing(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from adibas.arrays import FloatArray
 from adibas.shapes.parts_types import Odds
 from adibas.skeleton.parts import ARMS, PartsModel
 from adibas.skeleton.starts import HEADINGS_RAD
@@ -67,6 +68,10 @@ class PartsOdds:
         Least nats for each named point: 2.5. Less are no person, or no joints (thesis, section
         6.1.2: p(b) >= p_t). Of 160 simulated sets with up to four hidden and four chance points 1 %
         have less, of 60 clouds of chance points all.
+    plausible_by_sight : float
+        Or so many, if labels that are out of sight are not counted as hidden: 3.6. Of 848 bands of
+        5 to 14 markers of people who stand 99 % have more where all names are right; of 51 where
+        one is wrong 7.
     """
 
     complete: float = 0.8
@@ -86,6 +91,7 @@ class PartsOdds:
     n_anchored: int = 160
     usual: float = 55.0
     plausible: float = 2.5
+    plausible_by_sight: float = 3.6
 
 
 def expected_odds(
@@ -120,6 +126,19 @@ def expected_odds(
         n_varied=effort.n_varied,
         too_unlikely=effort.too_unlikely,
     )
+
+
+def hidden_costs(n_names: int, odds: PartsOdds) -> FloatArray:
+    """Return the (N + 1, N + 1) costs of so many labels out of sight (row), so many others hidden.
+
+    Minus the log probability of one such choice of labels; infinite where there are not so many.
+    """
+    costs = np.full((n_names + 1, n_names + 1), np.inf)
+    for n_out in range(n_names + 1):
+        for n_hidden in range(n_names - n_out + 1):
+            n_ways = math.comb(n_names - n_out, n_hidden)
+            costs[n_out, n_hidden] = _count_cost(n_hidden, odds.complete) + math.log(n_ways)
+    return costs
 
 
 def _count_cost(n: int, none: float) -> float:
