@@ -119,12 +119,13 @@ def name_joints() -> None:
     from adibas.shapes.point_distribution import learn_distribution
     from adibas.shapes.shape_context import match_shapes
     from adibas.shapes.shape_fitting import fit_shape
+    from adibas.skeleton.seen_space import SeenSpace
 
     namer = shipped_namer()
     shapes_m = np.random.default_rng(0).normal(0.0, 0.5, (N_SHAPES, len(namer.names), SPACE))
     fit_shape(learn_distribution(namer.names, shapes_m), shapes_m[0], 1.0)
     points_m = np.random.default_rng(0).normal(0.0, 0.5, (len(namer.names), SPACE))
-    namer.label(points_m)
+    namer.label(points_m, seen=SeenSpace(np.eye(SPACE), np.zeros(SPACE)))
     namer.label(points_m[:, :2], "front")
     match_shapes(points_m[:, :2], points_m[:, :2])
 

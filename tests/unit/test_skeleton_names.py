@@ -169,7 +169,8 @@ def says():
     """A namer that is told what to say: (names, guesses, confidences) by the number of points."""
 
     def namer(words):
-        def label(points_m, _view, _diameters_m):
+        def label(points_m, _view, _diameters_m, *, seen):
+            assert len(seen.normals) in (4, 8)
             names, guesses, confidences = words[len(points_m)]
             return SimpleNamespace(
                 names=names, guesses=guesses, confidences=np.array(confidences, float)
