@@ -108,6 +108,16 @@ def _note(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
 
 
 @compiled
+def with_root(lower: FloatArray, of_root: FloatArray) -> FloatArray:
+    """Return the (6, 6) covariance of a factor, where the root is only known so surely (3, 3)."""
+    covariance: FloatArray = lower @ lower.T
+    for a in range(0, 6, 3):
+        for b in range(0, 6, 3):
+            covariance[a : a + 3, b : b + 3] += of_root
+    return covariance
+
+
+@compiled
 def _widened(
     limbs: Limbs, limb: int, chosen: IntArray, of_root: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -117,10 +127,7 @@ def _widened(
     if of_root[0, 0] == 0.0:
         return factors, outer_factors
     for k in range(len(chosen)):
-        covariance = factors[k] @ factors[k].T
-        for a in range(0, 6, 3):
-            for b in range(0, 6, 3):
-                covariance[a : a + 3, b : b + 3] += of_root
+        covariance = with_root(factors[k], of_root)
         factors[k] = factor(covariance)
         outer_factors[k] = factor(np.ascontiguousarray(covariance[3:, 3:]))
     return factors, outer_factors

@@ -20,7 +20,7 @@ from adibas.shapes.parts_core_kernels import (
     turned_to_mean,
     whole_core,
 )
-from adibas.shapes.parts_limb_kernels import place_limb, whiten
+from adibas.shapes.parts_limb_kernels import place_limb, whiten, with_root
 from adibas.shapes.parts_types import Core, Limbs, Odds
 
 BORDER_SD_M = 0.03
@@ -213,7 +213,9 @@ def _labels_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are i
         weights, places = place_limb(plain if sign > 0 else mirrored, limbs, limb, odds.n_kinds)
         weights += by_kind[limbs.kinds[limb]]
         spread = spread_of_missing(rows, own, root, sign, core, component) / size_m**2
-        covariances = _covariances(limbs, limb, spread)
+        covariances = np.empty(limbs.factors[limb].shape)
+        for k in range(len(covariances)):
+            covariances[k] = with_root(limbs.factors[limb, k], spread)
         from_root = (edges - inward @ whole[root]) / size_m
         towards = inward.copy()
         towards[:, 0] *= sign
@@ -221,16 +223,3 @@ def _labels_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are i
             ways, pair, weights, places, covariances, towards, from_root, BORDER_SD_M / size_m
         )
     return shares
-
-
-@compiled
-def _covariances(limbs: Limbs, limb: int, of_root: FloatArray) -> FloatArray:
-    """Return the (K, 6, 6) covariances of a limb whose root is only known so surely (3, 3)."""
-    lower = limbs.factors[limb]
-    covariances = np.empty(lower.shape)
-    for k in range(len(lower)):
-        covariances[k] = lower[k] @ lower[k].T
-        for a in range(0, 6, 3):
-            for b in range(0, 6, 3):
-                covariances[k, a : a + 3, b : b + 3] += of_root
-    return covariances
