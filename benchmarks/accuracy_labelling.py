@@ -26,6 +26,7 @@ from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
 from adibas.skeleton.tracking import name_movement
+from benchmarks.labelling_bands import band_rows
 from benchmarks.mocap_files import c3d_rate_hz, read_c3d_joints, read_mocap_joints
 from benchmarks.skeleton_sets import msr_action3d, utd_mhad, utkinect
 from benchmarks.table import Row
@@ -79,6 +80,8 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _rows(f"standing, 2 missing and 2 spurious, sizes measured, {told}", count, 98.0)
     count = label_all(standing, len(standing), "")
     yield from _rows(f"standing, all 15, view not told, {told}", count, None)
+    for kind in ("standing", "gesture"):
+        yield from band_rows(people.shapes_m[kinds == kind], f"{kind}, {told}", SEED, share)
     of_clinic = people.shapes_m[np.isin(kinds, ("standing", "seated"))]
     count = label_all(of_clinic, N_SWAP_SETS // share, "told")
     yield Row(f"silent left-right swaps in {count.n} sets", count.swapped, "sets", 0, "goal")
