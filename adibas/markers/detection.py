@@ -30,9 +30,10 @@ from adibas.markers.burst import BurstMarker
 from adibas.markers.color_model import ColorModel
 from adibas.markers.faint import (
     FaintParams,
+    clear_groups,
+    closed_distance,
     in_other_light,
     is_on_the_way,
-    narrow_groups,
     spot_seeds,
 )
 from adibas.markers.lab import rgb_to_lab
@@ -151,11 +152,16 @@ def find_color_markers(
         search.judge(groups, measure_blobs(lab, distance, groups), params.blobs)
     rejected = list(search.rejected)
     colors_lab = in_other_light(centroids_lab, params.faint.light_range)
-    for seeds in (
-        spot_seeds(distance, model.threshold, color_rgb.shape[1], params.faint),
-        _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds),
+    closed = closed_distance(distance, color_rgb.shape[1], params.faint)
+    for reference, seeds in (
+        (closed, spot_seeds(distance, closed, model.threshold, params.faint)),
+        (
+            surrounds[0],
+            _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds),
+        ),
     ):
-        groups = narrow_groups(search.groups(seeds), widths_px[0], params.faint)
+        groups = search.groups(seeds)
+        groups = clear_groups(groups, distance, reference, widths_px[0], params.faint)
         blobs = tuple(
             blob if is_on_the_way(blob, colors_lab, params.lightness_weight, params.faint) else None
             for blob in measure_blobs(lab, distance, groups)

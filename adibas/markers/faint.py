@@ -63,6 +63,9 @@ class FaintParams:
     least_rise_share, least_rise : float
         By how much a pixel is nearer to the model than the closing of the spot, as a share of that
         and in CIELAB units.
+    greatest_nearness : float
+        A pixel of it is nearer to the model than this share of what it is compared with: noise that
+        is not is left out before it is measured.
     threshold_factor : float
         No pixel farther from the model than this times its threshold takes part.
     blobs : BlobParams
@@ -83,6 +86,7 @@ class FaintParams:
     spot_px: int = 11
     least_rise_share: float = 0.2
     least_rise: float = 6.0
+    greatest_nearness: float = 0.7
     threshold_factor: float = 6.0
     blobs: BlobParams = field(
         default_factory=lambda: BlobParams(
@@ -97,20 +101,16 @@ class FaintParams:
     light_range: float = 1.5
 
 
-def spot_seeds(
-    distance: Float32Array, threshold: float, image_width: int, params: FaintParams
-) -> BoolArray:
-    """Return the pixels of spots that are nearer to the model than what is on all sides of them.
+def closed_distance(distance: Float32Array, image_width: int, params: FaintParams) -> Float32Array:
+    """Return the (H, W) distance with every spot filled that is narrower than a square.
 
-    A closing fills every spot that is narrower than its square, also where a border or a shadow
-    passes, and the mean of the surroundings says nothing of either side.
+    Also where a border or a shadow passes, and the mean of the surroundings says nothing of either
+    side.
 
     Parameters
     ----------
     distance : (H, W) array
         To the model.
-    threshold : float
-        Of the model.
     image_width : int
         Of the whole image, pixels.
 
@@ -121,7 +121,21 @@ def spot_seeds(
     """
     spot_px = max(LEAST_SPOT_PX, round(params.spot_px * image_width / 1280) | 1)
     square = np.ones((spot_px, spot_px), np.uint8)
-    closed = np.asarray(cv2.morphologyEx(distance, cv2.MORPH_CLOSE, square), np.float32)
+    return np.asarray(cv2.morphologyEx(distance, cv2.MORPH_CLOSE, square), np.float32)
+
+
+def spot_seeds(
+    distance: Float32Array, closed: Float32Array, threshold: float, params: FaintParams
+) -> BoolArray:
+    """Return the pixels that are nearer to the model than what is on all sides of them.
+
+    Parameters
+    ----------
+    distance, closed : (H, W) arrays
+        To the model, and with the spots filled.
+    threshold : float
+        Of the model.
+    """
     rise = closed - distance
     seeds: BoolArray = (
         (distance < params.threshold_factor * threshold)
@@ -131,20 +145,39 @@ def spot_seeds(
     return seeds
 
 
-def narrow_groups(groups: Groups, greatest_px: int, params: FaintParams) -> Groups:
-    """Return the groups of pixels that are neither too small nor as wide as their surroundings.
+def clear_groups(
+    groups: Groups,
+    distance: Float32Array,
+    reference: Float32Array,
+    greatest_px: int,
+    params: FaintParams,
+) -> Groups:
+    """Return the groups of pixels that come near the model and are worth to be measured.
 
-    With what is wider a pixel was compared with itself.
+    Those that are too small, or as wide as their surroundings, are not: with what is wider a pixel
+    was compared with itself.
+
+    Parameters
+    ----------
+    groups : tuple
+        From `connected_groups`.
+    distance, reference : (H, W) arrays
+        To the model; of every pixel and of what it is compared with.
+    greatest_px : int
+        Width of the surroundings.
     """
     rows, columns, starts = groups
     if len(rows) == 0:
         return groups
-    is_narrow = np.diff(starts) >= params.blobs.least_pixels
+    begins = starts[:-1]
+    nearness = np.minimum.reduceat(distance[rows, columns] / reference[rows, columns], begins)
+    is_clear = (np.diff(starts) >= params.blobs.least_pixels) & (
+        nearness < params.greatest_nearness
+    )
     for places in (rows, columns):
-        begins = starts[:-1]
         extent_px = np.maximum.reduceat(places, begins) - np.minimum.reduceat(places, begins)
-        is_narrow &= extent_px < greatest_px
-    return chosen_groups(groups, is_narrow)
+        is_clear &= extent_px < greatest_px
+    return chosen_groups(groups, is_clear)
 
 
 def in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArray:

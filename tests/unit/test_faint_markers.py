@@ -16,9 +16,10 @@ from adibas.markers.detection import DetectionParams, find_color_markers
 from adibas.markers.faint import (
     FaintParams,
     SpotOdds,
+    clear_groups,
+    closed_distance,
     in_other_light,
     is_on_the_way,
-    narrow_groups,
     spot_features,
     spot_seeds,
 )
@@ -225,20 +226,29 @@ def test_seeds_are_where_a_closing_by_brute_force_is_well_above_the_distance():
     params = FaintParams(spot_px=9, least_rise_share=0.5, least_rise=30.0, threshold_factor=4.0)
     rise = closed - distance
     wanted = (distance < 40.0) & (rise > 0.5 * closed) & (rise > 30.0)
-    np.testing.assert_array_equal(spot_seeds(distance, 10.0, 1280, params), wanted)
+    found = closed_distance(distance, 1280, params)
+    np.testing.assert_array_equal(found, closed)
+    np.testing.assert_array_equal(spot_seeds(distance, found, 10.0, params), wanted)
     assert 0 < wanted.sum() < wanted.size
 
 
-def test_only_groups_of_some_pixels_that_are_narrow_are_looked_at():
+def test_only_narrow_groups_of_some_pixels_that_come_near_the_model_are_measured():
     seeds = np.zeros(SIZE, np.bool_)
     seeds[10, 10] = True
     seeds[20:22, 20] = True
     seeds[40, 30:60] = True
     seeds[50:80, 100] = True
+    seeds[90, 20:30] = True
     groups = connected_groups(seeds, np.zeros(SIZE, np.bool_))
-    kept = narrow_groups(groups, 30, FaintParams())
-    assert sorted(np.diff(kept[2])) == [2, 30, 30]
-    kept = narrow_groups(groups, 29, FaintParams())
-    assert (kept[0].tolist(), kept[1].tolist()) == ([20, 21], [20, 20])
+    distance, reference = np.full(SIZE, 9.0, np.float32), np.full(SIZE, 20.0, np.float32)
+    distance[90] = 15.0
+
+    def kept(greatest_px):
+        return clear_groups(groups, distance, reference, greatest_px, FaintParams())
+
+    assert sorted(np.diff(kept(30)[2])) == [2, 30, 30]
+    assert (kept(29)[0].tolist(), kept(29)[1].tolist()) == ([20, 21], [20, 20])
+    distance[90, 25] = 13.9
+    assert sorted(np.diff(kept(30)[2])) == [2, 10, 30, 30]
     nothing = connected_groups(np.zeros(SIZE, np.bool_), np.zeros(SIZE, np.bool_))
-    assert len(narrow_groups(nothing, 30, FaintParams())[0]) == 0
+    assert len(clear_groups(nothing, distance, reference, 30, FaintParams())[0]) == 0
