@@ -222,12 +222,15 @@ class _Burst:
         return MarkerFindings(markers, refused, disparity, n_people)
 
     def _markers_of_mean(self, sight: Sight) -> tuple[Blob, ...]:
-        """Return what the mean picture shows; LEDs outshine the noise of every frame."""
+        """Return what the mean picture shows; there is time to measure every spot of one picture.
+
+        LEDs outshine the noise of every frame.
+        """
         if isinstance(self._target, LedParams):
             return ()
         least = self._params.least_log_odds_of_mean
         detection = self._params.detection
-        faint = replace(detection.faint, least_log_odds=least)
+        faint = replace(detection.faint, least_log_odds=least, greatest_nearness=1.0)
         params = replace(self._params, detection=replace(detection, faint=faint))
         mean_rgb = self._mean.result()
         return find_markers(mean_rgb, sight, self._calibration, self._target, params).blobs
