@@ -92,7 +92,7 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     focal_px = _focal_px(truth)
 
     def look(picture_rgb: UInt8Array, least: float) -> tuple[Blob, ...]:
-        params = DetectionParams(faint=replace(FaintParams(), least_log_odds=least))
+        params = DetectionParams(faint=FaintParams(least_log_odds=least, greatest_nearness=1.0))
         return find_color_markers(picture_rgb, outline, depth_m, focal_px, model, params).blobs
 
     mean = MeanPicture()

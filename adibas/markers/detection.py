@@ -150,7 +150,7 @@ def find_color_markers(
     for surround in surrounds:
         groups = search.groups(_stands_out(distance, surround, model.threshold, params.seeds))
         search.judge(groups, measure_blobs(lab, distance, groups), params.blobs)
-    rejected = list(search.rejected)
+    rejected = tuple(search.rejected)  # of faint spots nobody asks why they are none
     colors_lab = in_other_light(centroids_lab, params.faint.light_range)
     closed = closed_distance(distance, color_rgb.shape[1], params.faint)
     for reference, seeds in (

@@ -149,7 +149,7 @@ def _core_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its
     rows: IntArray, own: IntArray, whole: FloatArray, core: Core, component: int,
     normals: FloatArray, offsets: FloatArray,
 ) -> FloatArray:  # fmt: skip
-    """Return how probably points of the core are out of sight (C,); 0 if they are seen."""
+    """Return the probabilities (C,) that the core's points are out of sight; 0 if seen."""
     shares = np.zeros(len(own))
     for i in range(len(own)):
         if own[i] < 0:
