@@ -43,7 +43,12 @@ class BodyParams:
         Width at the image's lower edge of someone seen from the waist up, 0.1.
     min_relief : float
         Depth of the shape as a share of its width (standard deviations along the shortest and the
-        middle principal axis): a wall has 0.04 of noise, a trunk from the front 0.13. 0.07.
+        middle principal axis) once the sensor's noise is taken off: a trunk from the front has
+        0.13. 0.07.
+    noise_per_m : float
+        Standard deviation of a far wall's depth per depth squared (1/m), 0.001: seen from 3.5 m on
+        a strip of wall is as thick with it as a trunk is for its width. A first Kinect has 0.0014
+        (Khoshelham and Elberink 2012), of which no wall has all after the lens is corrected.
     joint_reach_px : int
         Width of the shadow between an arm and the trunk that still counts as touching, 24.
     front_gap_m, level_gap_m : float
@@ -78,6 +83,7 @@ class BodyParams:
     standing_top_m: float = 1.0
     min_cut_m: float = 0.1
     min_relief: float = 0.07
+    noise_per_m: float = 0.001
     joint_reach_px: int = 24
     front_gap_m: float = 0.6
     level_gap_m: float = 0.13
@@ -225,5 +231,6 @@ class _Shape:
 
     def fits_a_person(self, params: BodyParams) -> bool:
         """Say whether it is no plane, and neither too short nor too long."""
-        is_solid = self._variances[0] > params.min_relief**2 * self._variances[1]
+        noise_m = params.noise_per_m * self.mean_m[2] ** 2
+        is_solid = self._variances[0] - noise_m**2 > params.min_relief**2 * self._variances[1]
         return bool(is_solid and params.min_length_m <= self.length_m <= params.max_length_m)

@@ -1,5 +1,7 @@
 """The person and the floor in a depth image, against scenes whose truth is known."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -88,14 +90,22 @@ def test_head_and_chest_over_raised_forearms_belong_to_the_legs_below():
     assert overlap(body.pixels, frame.truth.body_mask) > 0.93
 
 
-def test_a_piece_of_wall_between_arm_and_chair_is_nobody_however_large():
-    settings = next(one for one in analysis_settings(7) if one.seed == 8014)
+@pytest.mark.parametrize(
+    ("settings", "least"),
+    [
+        # Between arm and chair; and far away at the picture's side, as rough as the noise.
+        (analysis_settings(7)[14], 0.95),
+        (replace(analysis_settings(0)[175], distance_m=3.5), 0.85),
+    ],
+    ids=["inside", "far"],
+)
+def test_a_piece_of_wall_is_nobody_however_large(settings, least):
     scene = SimulatedScene(settings)
     frame, calibration = scene.frame(0), scene.info.calibration
     depth_m = depth_in_metres(frame.sensor_frame.depth_raw, scene.info.depth_unit_m)
     depth_m = calibration.corrected_depth(depth_m)
     body = find_body(depth_m, calibration.depth, calibration.floor)
-    assert overlap(body.pixels, frame.truth.body_mask) > 0.95
+    assert overlap(body.pixels, frame.truth.body_mask) > least
 
 
 def test_legs_before_a_camera_that_looks_down_are_a_person_and_the_chair_is_not():
