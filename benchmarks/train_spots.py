@@ -8,18 +8,25 @@ a benchmark's.
 import math
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
+from dataclasses import fields, replace
 from multiprocessing import get_context
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from adibas.arrays import BoolArray, FloatArray, UInt8Array
+from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.markers.blobs import Blob
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, find_color_markers
-from adibas.markers.faint import FaintParams, SpotOdds, in_other_light, spot_features
+from adibas.markers.faint import (
+    FaintParams,
+    SpotFeatures,
+    SpotOdds,
+    in_other_light,
+    spot_features,
+)
+from adibas.markers.lab import rgb_to_lab
 from adibas.markers.mean_picture import MeanPicture
 from adibas.pipeline.posture import PostureParams, look_for_person
 from adibas.recordings.decoding import to_rgbd
@@ -35,6 +42,7 @@ SEEDS = (3, 4)
 N_FRAMES, ALONE = 12, (0, 2)
 """Frames of a burst; those that are looked at one by one, beside the mean of all."""
 N_PROCESSES = 2
+N_FEATURES = len(fields(SpotOdds)) - 1
 RIDGE = 1.0
 SMALL_M, LARGE_M = 0.008, 0.012
 
@@ -80,7 +88,7 @@ def _with(
 
 
 def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
-    """Return the (N, 5) features of the spots in one scene, and which are markers."""
+    """Return the (N, 7) features of the spots in one scene, and which are markers."""
     scene = SimulatedScene(settings)
     simulated = [scene.frame(index) for index in range(N_FRAMES)]
     frames = [to_rgbd(one.sensor_frame, scene.info) for one in simulated]
@@ -102,15 +110,25 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     rows = [
         row
         for picture_rgb in pictures
-        for row in _judged(look(picture_rgb, math.inf), look(picture_rgb, -math.inf), truth, model)
+        for row in _judged(
+            rgb_to_lab(picture_rgb),
+            look(picture_rgb, math.inf),
+            look(picture_rgb, -math.inf),
+            truth,
+            model,
+        )
     ]
-    features = np.array([row[0] for row in rows], float).reshape(-1, 5)
+    features = np.array([row[0] for row in rows], float).reshape(-1, N_FEATURES)
     return features, np.array([row[1] for row in rows], bool)
 
 
 def _judged(
-    full: Sequence[Blob], all_blobs: Sequence[Blob], truth: FrameTruth, model: ColorModel
-) -> Iterator[tuple[tuple[float, ...], bool]]:
+    lab: Float32Array,
+    full: Sequence[Blob],
+    all_blobs: Sequence[Blob],
+    truth: FrameTruth,
+    model: ColorModel,
+) -> Iterator[tuple[SpotFeatures, bool]]:
     """Give the features of the spots that are not found by full colour, and whether they are."""
     detection = DetectionParams()
     centroids_lab = model.pure_centroids_lab().astype(np.float32)
@@ -122,7 +140,7 @@ def _judged(
         is_clear = index is None or (index not in taken and truth.markers[index].is_visible)
         if (blob.u, blob.v) in seen or not is_clear:
             continue
-        features = spot_features(blob, colors_lab, detection.lightness_weight, detection.faint)
+        features = spot_features(blob, lab, colors_lab, detection.lightness_weight, detection.faint)
         if features is not None:
             yield features, index is not None
 

@@ -163,7 +163,9 @@ def find_color_markers(
         groups = search.groups(seeds)
         groups = clear_groups(groups, distance, reference, widths_px[0], params.faint)
         blobs = tuple(
-            blob if is_on_the_way(blob, colors_lab, params.lightness_weight, params.faint) else None
+            blob
+            if is_on_the_way(blob, lab, colors_lab, params.lightness_weight, params.faint)
+            else None
             for blob in measure_blobs(lab, distance, groups)
         )
         search.judge(groups, blobs, params.faint.blobs)

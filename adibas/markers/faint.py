@@ -8,13 +8,16 @@ clear such a spot is, and how exactly it lies on that way, are the odds that it 
 
 import math
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray
 from adibas.markers.blobs import Blob, BlobParams, Groups, chosen_groups
+from adibas.markers.faint_kernels import middle_and_about
 
+SpotFeatures: TypeAlias = tuple[float, float, float, float, float, float, float]
 N_LIGHTS = 9
 LIGHTNESS_OFFSET = np.array([16.0, 0.0, 0.0])
 """CIELAB is a cube root of light: in dimmer light (L + 16, a, b) shrink together."""
@@ -41,15 +44,22 @@ class SpotOdds:
         Of the logarithm of its contrast in standard deviations of the surround.
     log_contrast : float
         Of the logarithm of its contrast, CIELAB units.
+    middle : float
+        Of how much of its contrast the nine pixels in its middle have: noise is no disc.
+    against : float
+        Of the root of how far its ring goes the other way, as a share of its contrast: dots that
+        the camera's mosaic makes of a seam have the opposite colour beside them.
     constant : float
     """
 
-    unexplained: float = 7.728
-    aside: float = -0.328
-    axis_ratio: float = 8.494
-    log_separation: float = 1.229
-    log_contrast: float = 3.21
-    constant: float = -21.901
+    unexplained: float = 10.389
+    aside: float = -0.394
+    axis_ratio: float = 8.626
+    log_separation: float = 0.291
+    log_contrast: float = 3.155
+    middle: float = 4.642
+    against: float = -4.928
+    constant: float = -21.015
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,42 +199,51 @@ def in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArra
 
 
 def is_on_the_way(
-    blob: Blob, colors_lab: FloatArray, lightness_weight: float, params: FaintParams
+    blob: Blob,
+    lab: Float32Array,
+    colors_lab: FloatArray,
+    lightness_weight: float,
+    params: FaintParams,
 ) -> bool:
     """Say whether a blob is a marker whose colour is mixed with its surround's.
 
     Parameters
     ----------
     blob : Blob
-        Measured in CIELAB.
+    lab : (H, W, 3) array
+        Where it was measured, CIELAB.
     colors_lab : (N, 3) array
         The marker's colours in every light: from `in_other_light`.
     lightness_weight : float
         Of a squared difference in L against one in a and b.
     """
-    features = spot_features(blob, colors_lab, lightness_weight, params)
+    features = spot_features(blob, lab, colors_lab, lightness_weight, params)
     if features is None:
         return False
     odds = params.odds
     weights = (odds.unexplained, odds.aside, odds.axis_ratio, odds.log_separation,
-               odds.log_contrast)  # fmt: skip
+               odds.log_contrast, odds.middle, odds.against)  # fmt: skip
     log_odds = odds.constant + sum(w * one for w, one in zip(weights, features, strict=True))
     return bool(log_odds >= params.least_log_odds)
 
 
 def spot_features(
-    blob: Blob, colors_lab: FloatArray, lightness_weight: float, params: FaintParams
-) -> tuple[float, float, float, float, float] | None:
+    blob: Blob,
+    lab: Float32Array,
+    colors_lab: FloatArray,
+    lightness_weight: float,
+    params: FaintParams,
+) -> SpotFeatures | None:
     """Return what the odds go by, in the order of `SpotOdds`; None where it leads elsewhere.
 
     Parameters
     ----------
-    blob, colors_lab, lightness_weight
+    blob, lab, colors_lab, lightness_weight
         See `is_on_the_way`.
     """
-    weight = np.array([math.sqrt(lightness_weight), 1.0, 1.0])
-    to_core = (blob.core - blob.surround) * weight
-    to_marker = (colors_lab - blob.surround) * weight
+    weights = np.array([lightness_weight, 1.0, 1.0])
+    to_core = (blob.core - blob.surround) * np.sqrt(weights)
+    to_marker = (colors_lab - blob.surround) * np.sqrt(weights)
     along = to_marker @ to_core
     lengths, contrast = np.linalg.norm(to_marker, axis=1), float(np.linalg.norm(to_core))
     directions = along / np.maximum(lengths * contrast, 1e-9)
@@ -235,6 +254,11 @@ def spot_features(
     if not is_toward or share < params.least_share:
         return None
     separation = max(blob.separation, 1e-9)
+    centre = round(blob.v), round(blob.u)
+    middle, against = middle_and_about(
+        lab, centre, blob.n_pixels, blob.surround, blob.core, weights
+    )
     return (
         blob.unexplained, aside, blob.axis_ratio, math.log(separation), math.log(contrast),
+        middle, math.sqrt(against),
     )  # fmt: skip

@@ -23,6 +23,7 @@ from adibas.markers.faint import (
     spot_features,
     spot_seeds,
 )
+from adibas.markers.faint_kernels import middle_and_about
 from adibas.markers.lab import rgb_to_lab
 
 SIZE = (120, 160)
@@ -163,10 +164,12 @@ def measured(picture, places):
     return groups, distance, measure_blobs(lab, distance, groups)
 
 
-def on_the_way(blob, params=None):
+def on_the_way(picture, params=None):
+    """Say it of the spot at the first place."""
     params = params or FaintParams()
+    (blob,) = measured(picture, PLACES[:1])[2]
     colors_lab = in_other_light(MODEL.centroids_lab, params.light_range)
-    return is_on_the_way(blob, colors_lab, 0.15, params)
+    return is_on_the_way(blob, rgb_to_lab(picture), colors_lab, 0.15, params)
 
 
 @pytest.mark.parametrize(
@@ -179,42 +182,74 @@ def on_the_way(blob, params=None):
     ],
 )
 def test_each_limit_alone_refuses_a_spot(limit, value):
-    (blob,) = measured(on(SKIN, 1.8), PLACES[:1])[2]
-    assert on_the_way(blob)
-    assert not on_the_way(blob, FaintParams(**{limit: value}))
+    assert on_the_way(on(SKIN, 1.8))
+    assert not on_the_way(on(SKIN, 1.8), FaintParams(**{limit: value}))
+
+
+def features_of(picture, lightness_weight):
+    """Return the blob at the first place, and its features."""
+    (blob,) = measured(picture, PLACES[:1])[2]
+    colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
+    lab = rgb_to_lab(picture)
+    return blob, spot_features(blob, lab, colors_lab, lightness_weight, FaintParams())
 
 
 def test_the_odds_are_the_sum_of_the_weighted_features():
-    (blob,) = measured(on(SKIN, 1.8), PLACES[:1])[2]
-    colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
-    features = spot_features(blob, colors_lab, 0.15, FaintParams())
-    odds = SpotOdds(2.0, -3.0, 5.0, 7.0, 11.0, 13.0)
-    log_odds = 13.0 + np.dot([2.0, -3.0, 5.0, 7.0, 11.0], features)
+    picture = on(SKIN, 1.8)
+    _, features = features_of(picture, 0.15)
+    odds = SpotOdds(2.0, -3.0, 5.0, 7.0, 11.0, 13.0, -17.0, 19.0)
+    log_odds = 19.0 + np.dot([2.0, -3.0, 5.0, 7.0, 11.0, 13.0, -17.0], features)
     for least, wanted in ((log_odds - 1e-6, True), (log_odds + 1e-6, False)):
-        assert on_the_way(blob, FaintParams(odds=odds, least_log_odds=least)) is wanted
+        assert on_the_way(picture, FaintParams(odds=odds, least_log_odds=least)) is wanted
 
 
 def test_what_the_odds_go_by_is_what_the_spot_is():
-    (blob,) = measured(on(SKIN, 1.8), PLACES[:1])[2]
-    colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
-    unexplained, aside, axis_ratio, log_separation, log_contrast = spot_features(
-        blob, colors_lab, 1.0, FaintParams()
-    )
+    blob, features = features_of(on(SKIN, 1.8), 1.0)
+    unexplained, aside, axis_ratio, log_separation, log_contrast, _, _ = features
     way = blob.core - blob.surround
     assert (unexplained, axis_ratio) == (blob.unexplained, blob.axis_ratio)
     assert np.exp(log_separation) == pytest.approx(blob.separation)
     assert np.exp(log_contrast) == pytest.approx(np.linalg.norm(way))
+    colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
     off = np.cross(way, colors_lab - blob.surround)
     lengths = np.linalg.norm(colors_lab - blob.surround, axis=1)
     assert aside == pytest.approx((np.linalg.norm(off, axis=1) / lengths).min(), rel=1e-3)
+
+
+@pytest.mark.parametrize("n_pixels", [2, 25, 400])
+def test_the_middle_and_what_goes_the_other_way_are_those_of_a_weighted_least_squares(n_pixels):
+    rng = np.random.default_rng(n_pixels)
+    values = rng.normal(size=(23, 31, 3)).astype(np.float32)
+    surround, core, weights = rng.normal(size=3), rng.normal(size=3), np.array([0.15, 1.0, 1.0])
+    way = np.sqrt(weights) * (core - surround)
+    shares = np.linalg.lstsq(
+        way[:, None], (np.sqrt(weights) * (values - surround)).reshape(-1, 3).T, rcond=None
+    )[0].reshape(values.shape[:2])
+    rows, columns = np.indices(shares.shape)
+    for at in ((11, 15), (1, 29)):
+        away = np.maximum(abs(rows - at[0]), abs(columns - at[1]))
+        inner, outer = {2: (2.7, 5.7), 25: (4.5, 8.5), 400: (6.0, 10.0)}[n_pixels]
+        ring = shares[(away > inner) & (away <= outer)]
+        middle, against = middle_and_about(values, at, n_pixels, surround, core, weights)
+        assert middle == pytest.approx(shares[away <= 1].mean(), rel=1e-5)
+        assert against == pytest.approx(max(-ring.min(), 0.0), rel=1e-5)
+
+
+def test_of_a_disc_the_middle_is_full_and_nothing_about_it_goes_the_other_way():
+    _, (*_, middle, against) = features_of(on(SKIN, 3.0), 0.15)
+    assert middle == pytest.approx(1.0, abs=0.1)
+    assert against < 0.35  # noise
+    seam = on(SKIN, 3.0)
+    seam[36:38, 28:33] = np.clip(SKIN + 0.8 * (SKIN - GREEN), 0, 255)
+    assert features_of(seam, 0.15)[1][-1] > 0.5
 
 
 def test_a_colour_is_on_the_way_from_its_surround_to_the_markers_and_not_beyond_or_beside():
     ways = {0.3: True, 0.6: True, -0.3: False}
     for share, wanted in ways.items():
         mixed = SKIN + share * (GREEN - SKIN)
-        (blob,) = measured(on(SKIN, 3.0, np.clip(mixed, 0, 255)), PLACES[:1])[2]
-        assert on_the_way(blob, FaintParams(least_log_odds=-1e9)) is wanted
+        picture = on(SKIN, 3.0, np.clip(mixed, 0, 255))
+        assert on_the_way(picture, FaintParams(least_log_odds=-1e9)) is wanted
 
 
 def test_seeds_are_where_a_closing_by_brute_force_is_well_above_the_distance():
