@@ -15,18 +15,16 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
-from adibas.markers.blobs import Blob
+from adibas.arrays import BoolArray, FloatArray, UInt8Array
+from adibas.markers.blobs import Blob, Looks
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, find_color_markers
 from adibas.markers.faint import (
     FaintParams,
-    SpotFeatures,
     SpotOdds,
     in_other_light,
     spot_features,
 )
-from adibas.markers.lab import rgb_to_lab
 from adibas.markers.mean_picture import MeanPicture
 from adibas.pipeline.posture import PostureParams, look_for_person
 from adibas.recordings.decoding import to_rgbd
@@ -111,7 +109,6 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
         row
         for picture_rgb in pictures
         for row in _judged(
-            rgb_to_lab(picture_rgb),
             look(picture_rgb, math.inf),
             look(picture_rgb, -math.inf),
             truth,
@@ -123,12 +120,11 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
 
 
 def _judged(
-    lab: Float32Array,
     full: Sequence[Blob],
     all_blobs: Sequence[Blob],
     truth: FrameTruth,
     model: ColorModel,
-) -> Iterator[tuple[SpotFeatures, bool]]:
+) -> Iterator[tuple[FloatArray, bool]]:
     """Give the features of the spots that are not found by full colour, and whether they are."""
     detection = DetectionParams()
     centroids_lab = model.pure_centroids_lab().astype(np.float32)
@@ -140,9 +136,14 @@ def _judged(
         is_clear = index is None or (index not in taken and truth.markers[index].is_visible)
         if (blob.u, blob.v) in seen or not is_clear:
             continue
-        features = spot_features(blob, lab, colors_lab, detection.lightness_weight, detection.faint)
-        if features is not None:
-            yield features, index is not None
+        features = spot_features(
+            _looks(blob), np.array([blob.axis_ratio]), colors_lab, detection.lightness_weight
+        )
+        yield features[0], index is not None
+
+
+def _looks(blob: Blob) -> Looks:
+    return Looks(*(np.array([getattr(blob, name)]) for name in Looks._fields))
 
 
 def _marker_at(blob: Blob, truth: FrameTruth) -> int | None:

@@ -16,6 +16,7 @@ from adibas.markers.border_kernels import (
     two_sides,
     unexplained,
 )
+from adibas.markers.faint_kernels import middle_and_about
 from adibas.markers.quantile_kernels import quantile
 
 NOTHING, RING, NEAR, GROUP = 0, 1, 2, 3
@@ -24,9 +25,10 @@ NEAR_PX = 2
 LEAST_SHARE = 0.12
 GREATEST_SHARE = 1.2
 LEAST_AREA_PX = 1e-6
-N_NUMBERS = 11
-"""Of a blob: u, v, area, short and long variance, noise, prominence, cov_uu, cov_uv, cov_vv,
-unexplained."""
+N_NUMBERS = 8
+"""Of a blob: u, v, area, short and long variance, cov_uu, cov_uv, cov_vv."""
+N_LOOKS = 5
+"""Of a group: noise, prominence, unexplained, middle, against."""
 
 
 @compiled
@@ -136,36 +138,75 @@ def _gathered(
 
 
 @compiled
+def look_at_groups(
+    values: Float32Array,
+    distance: Float32Array,
+    groups: tuple[IntArray, IntArray, IntArray],
+    percentile: float,
+    weights: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return (N, 5), how every group of pixels looks, and (N, 2, C), its two colours.
+
+    See `adibas.markers.blobs.look_at`; the colours are the surround's and the core's.
+    """
+    rows, columns, starts = groups
+    looks = np.empty((len(starts) - 1, N_LOOKS))
+    colors = np.empty((len(looks), 2, values.shape[2]))
+    for i in range(len(looks)):
+        part = slice(starts[i], starts[i + 1])
+        pixels = rows[part], columns[part]
+        _look(values, distance, pixels, percentile, weights, (looks[i], colors[i]))
+    return looks, colors
+
+
+@compiled
 def unmix_groups(
     values: Float32Array,
     distance: Float32Array,
     groups: tuple[IntArray, IntArray, IntArray],
     percentile: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Return (N, 11), the numbers of every group of pixels, and (N, 2, C), its two colours.
+    weights: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return (N, 8), the numbers of every group of pixels, and what `look_at_groups` returns.
 
-    See `measure_blobs`; the colours are the surround's and the core's.
+    See `adibas.markers.blobs.measure_blobs`.
     """
     rows, columns, starts = groups
     numbers = np.empty((len(starts) - 1, N_NUMBERS))
+    looks = np.empty((len(numbers), N_LOOKS))
     colors = np.empty((len(numbers), 2, values.shape[2]))
     for i in range(len(numbers)):
         part = slice(starts[i], starts[i + 1])
         pixels = rows[part], columns[part]
-        _unmix(values, distance, pixels, percentile, numbers[i], colors[i])
-    return numbers, colors
+        local, shares, zones, ring, corner = _look(
+            values, distance, pixels, percentile, weights, (looks[i], colors[i])
+        )
+        _unmix(local, shares, zones, ring, colors[i], numbers[i])
+        numbers[i, 0] += corner[1]
+        numbers[i, 1] += corner[0]
+        if numbers[i, 2] == LEAST_AREA_PX:  # nothing stands out from the noise of its surround
+            numbers[i, 0], numbers[i, 1] = columns[part].mean(), rows[part].mean()
+    return numbers, looks, colors
 
 
 @compiled
-def _unmix(
+def _look(
     values: Float32Array,
     distance: Float32Array,
     pixels: tuple[IntArray, IntArray],
     percentile: float,
-    numbers: FloatArray,
-    colors: FloatArray,
-) -> None:
-    rows, columns = pixels
+    weights: FloatArray,
+    into: tuple[FloatArray, FloatArray],
+) -> tuple[Float32Array, FloatArray, UInt8Array, FloatArray, tuple[int, int]]:
+    """Fill in one group's looks and colours; return what they were found in.
+
+    Returns
+    -------
+    tuple
+        The (H, W, C) colours about the group, the core's (H, W) share in them, the zones, the
+        (C, N) colours of the ring, and row and column of the first pixel.
+    """
+    (rows, columns), (looks, colors) = pixels, into
     reach = max(3, round(0.8 * math.sqrt(len(rows))))
     top = max(rows.min() - reach - NEAR_PX, 0)
     left = max(columns.min() - reach - NEAR_PX, 0)
@@ -179,18 +220,29 @@ def _unmix(
     core, nearest = _core(values, distance, rows, columns)
     colors[0], colors[1] = surround, core
     shares = _shares(local, surround, core - surround)
-    noise = _noise(shares, zones)
+    looks[0] = _noise(shares, zones)
+    looks[1] = 1.0 - nearest / max(around, 1e-6)
+    looks[2] = unexplained(ring, surround, core)
+    at = round(rows.mean()) - top, round(columns.mean()) - left
+    looks[3], looks[4] = middle_and_about(local, zones, at, surround, core, weights)
+    return local, shares, zones, ring, (top, left)
+
+
+@compiled
+def _unmix(
+    local: Float32Array,
+    shares: FloatArray,
+    zones: UInt8Array,
+    ring: FloatArray,
+    colors: FloatArray,
+    numbers: FloatArray,
+) -> None:
+    """Fill in the numbers of one group, of which `_look` told the rest."""
+    surround, core = colors[0], colors[1]
     sides, are_two = two_sides(ring, surround, core)
     if are_two:
         shares = shares_beside_two(local, sides, core)
     _moments(shares, zones, _noise(shares, zones), numbers)
-    numbers[5] = noise  # a blob is judged by how it stands out from everything about it
-    numbers[0] += left
-    numbers[1] += top
-    if numbers[2] == LEAST_AREA_PX:  # nothing in it stands out from the noise of its surround
-        numbers[0], numbers[1] = columns.mean(), rows.mean()
-    numbers[6] = 1.0 - nearest / max(around, 1e-6)
-    numbers[10] = unexplained(ring[:, ring_far >= around], surround, core)
 
 
 @compiled
@@ -323,8 +375,8 @@ def _moments(shares: FloatArray, zones: UInt8Array, noise: float, numbers: Float
     # One pixel spreads by 1/12: without it a few pixels in a row look like a line.
     mean = 0.5 * (spread[0] + spread[2]) + 1.0 / 12.0
     half_range = math.hypot(0.5 * (spread[0] - spread[2]), spread[1])
-    numbers[:6] = (centre_u, centre_v, area, mean - half_range, mean + half_range, noise)
-    numbers[7:10] = noise**2 * support / area**2
+    numbers[:5] = (centre_u, centre_v, area, mean - half_range, mean + half_range)
+    numbers[5:] = noise**2 * support / area**2
 
 
 @compiled

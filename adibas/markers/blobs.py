@@ -2,14 +2,20 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from adibas.data.markers import RejectedBlob
-from adibas.markers.blob_kernels import group_pixels, join_groups, median_depth, unmix_groups
+from adibas.markers.blob_kernels import (
+    group_pixels,
+    join_groups,
+    look_at_groups,
+    median_depth,
+    unmix_groups,
+)
 from adibas.texts import message
 
 Groups: TypeAlias = tuple[IntArray, IntArray, IntArray]
@@ -22,6 +28,8 @@ TOO_WEAK = message("too faint against its surroundings")
 NOT_ALONE = "part of a larger area of that colour"
 SURROUND_PERCENTILE = 5.0
 LEAST_TOLD_PX = 6
+LEAST_NOISE = 1e-3
+"""Of the surround, as a share of the contrast."""
 SPECK_REACH_PX = 3
 """From speck to speck of one sticker: of 4 pixels, where white cloth mixes into nearly all."""
 
@@ -88,8 +96,8 @@ class Blob:
         Pixels that stand out / unmixed area.
     covariance_px2 : (2, 2) array
         Of (u, v), from noise alone.
-    unexplained : float
-        Share of its contrast that is no mixture of its surround with another colour beside it.
+    unexplained, middle, against : float
+        See `Looks`.
     surround, core : (C,) arrays
         Colour about it, and of the third of its pixels that is nearest to the model.
     """
@@ -104,6 +112,33 @@ class Blob:
     filling: float
     covariance_px2: FloatArray
     unexplained: float
+    middle: float
+    against: float
+    surround: FloatArray
+    core: FloatArray
+
+
+class Looks(NamedTuple):
+    """How each of N groups of pixels looks, whatever its form.
+
+    Attributes
+    ----------
+    separation : (N,) array
+        Contrast in standard deviations of the surround.
+    unexplained : (N,) array
+        Share of its contrast that is no mixture of its surround with another colour beside it.
+    middle : (N,) array
+        Share of its contrast that the nine pixels in its middle have on the average.
+    against : (N,) array
+        How far its ring goes the other way, as a share of its contrast.
+    surround, core : (N, C) arrays
+        See `Blob`.
+    """
+
+    separation: FloatArray
+    unexplained: FloatArray
+    middle: FloatArray
+    against: FloatArray
     surround: FloatArray
     core: FloatArray
 
@@ -137,7 +172,9 @@ def pixels_of(groups: Groups, index: int) -> tuple[IntArray, IntArray]:
     return rows[part], columns[part]
 
 
-def measure_blobs(values: Float32Array, distance: Float32Array, groups: Groups) -> tuple[Blob, ...]:
+def measure_blobs(
+    values: Float32Array, distance: Float32Array, groups: Groups, lightness_weight: float = 1.0
+) -> tuple[Blob, ...]:
     """Unmix every group of pixels from its surround.
 
     Every pixel near a group is taken as a mixture of the surround's colour and of the core's; the
@@ -151,27 +188,51 @@ def measure_blobs(values: Float32Array, distance: Float32Array, groups: Groups) 
         To the model: the core is where it is least.
     groups : tuple
         From `connected_groups`.
+    lightness_weight : float
+        Of a squared difference in the first channel against one in the others, in `Looks`.
     """
-    values, distance = np.ascontiguousarray(values), np.ascontiguousarray(distance)
-    numbers, colors = unmix_groups(values, distance, groups, SURROUND_PERCENTILE)
+    numbers, looks, colors = unmix_groups(*_arrays(values, distance, groups, lightness_weight))
     sizes = np.diff(groups[2]).tolist()
-    return tuple(map(_blob, numbers, colors, sizes))
+    return tuple(map(_blob, numbers, looks, colors, sizes))
 
 
-def _blob(numbers: FloatArray, colors: FloatArray, n_pixels: int) -> Blob:
+def look_at(
+    values: Float32Array, distance: Float32Array, groups: Groups, lightness_weight: float
+) -> Looks:
+    """Return how every group of pixels looks, in a third of the time; see `measure_blobs`."""
+    looks, colors = look_at_groups(*_arrays(values, distance, groups, lightness_weight))
+    noise, _, unexplained, middle, against = looks.T
+    separation = 1.0 / np.maximum(noise, LEAST_NOISE)
+    return Looks(separation, unexplained, middle, against, colors[:, 0], colors[:, 1])
+
+
+def _arrays(
+    values: Float32Array, distance: Float32Array, groups: Groups, lightness_weight: float
+) -> tuple[Float32Array, Float32Array, Groups, float, FloatArray]:
+    """Return what the loops ask for."""
+    weights = np.ones(values.shape[2])
+    weights[0] = lightness_weight
+    values, distance = np.ascontiguousarray(values), np.ascontiguousarray(distance)
+    return values, distance, groups, SURROUND_PERCENTILE, weights
+
+
+def _blob(numbers: FloatArray, looks: FloatArray, colors: FloatArray, n_pixels: int) -> Blob:
     """Return what the unmixing of one group found."""
-    u, v, area, short, long, noise, prominence, uu, uv, vv, unexplained = numbers.tolist()
+    u, v, area, short, long, uu, uv, vv = numbers.tolist()
+    noise, prominence, unexplained, middle, against = looks.tolist()
     return Blob(
         u=u,
         v=v,
         n_pixels=n_pixels,
         radius_px=math.sqrt(area / math.pi),
         axis_ratio=math.sqrt(short / long),
-        separation=1.0 / max(noise, 1e-3),
+        separation=1.0 / max(noise, LEAST_NOISE),
         prominence=prominence,
         filling=n_pixels / area,
         covariance_px2=np.array([[uu, uv], [uv, vv]]),
         unexplained=unexplained,
+        middle=middle,
+        against=against,
         surround=colors[0],
         core=colors[1],
     )

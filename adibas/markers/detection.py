@@ -23,6 +23,7 @@ from adibas.markers.blobs import (
     connected_groups,
     joined_specks,
     judge,
+    look_at,
     measure_blobs,
     pixels_of,
 )
@@ -33,7 +34,8 @@ from adibas.markers.faint import (
     clear_groups,
     closed_distance,
     in_other_light,
-    is_on_the_way,
+    likely_groups,
+    log_odds_in_form,
     spot_seeds,
 )
 from adibas.markers.lab import rgb_to_lab
@@ -149,7 +151,9 @@ def find_color_markers(
     surrounds = [_surround(distance, inside, width_px) for width_px in widths_px]
     for surround in surrounds:
         groups = search.groups(_stands_out(distance, surround, model.threshold, params.seeds))
-        search.judge(groups, measure_blobs(lab, distance, groups), params.blobs)
+        search.judge(
+            groups, measure_blobs(lab, distance, groups, params.lightness_weight), params.blobs
+        )
     rejected = tuple(search.rejected)  # of faint spots nobody asks why they are none
     colors_lab = in_other_light(centroids_lab, params.faint.light_range)
     closed = closed_distance(distance, color_rgb.shape[1], params.faint)
@@ -162,15 +166,23 @@ def find_color_markers(
     ):
         groups = search.groups(seeds)
         groups = clear_groups(groups, distance, reference, widths_px[0], params.faint)
+        looks = look_at(lab, distance, groups, params.lightness_weight)
+        groups, as_discs = likely_groups(
+            groups, looks, colors_lab, params.lightness_weight, params.faint
+        )
+        measured = measure_blobs(lab, distance, groups, params.lightness_weight)
         blobs = tuple(
-            blob
-            if is_on_the_way(blob, lab, colors_lab, params.lightness_weight, params.faint)
-            else None
-            for blob in measure_blobs(lab, distance, groups)
+            blob if _is_likely(log_odds, blob, params.faint) else None
+            for log_odds, blob in zip(as_discs.tolist(), measured, strict=True)
         )
         search.judge(groups, blobs, params.faint.blobs)
     matched = float((distance[inside] < model.threshold).mean())
     return Detections(tuple(search.found), without_found(rejected, search.found), matched)
+
+
+def _is_likely(log_odds: float, blob: Blob, params: FaintParams) -> bool:
+    in_form = log_odds_in_form(log_odds, blob.axis_ratio, params.odds)
+    return in_form >= params.least_log_odds
 
 
 class _Search:

@@ -7,17 +7,15 @@ clear such a spot is, and how exactly it lies on that way, are the odds that it 
 """
 
 import math
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import astuple, dataclass, field
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray
-from adibas.markers.blobs import Blob, BlobParams, Groups, chosen_groups
-from adibas.markers.faint_kernels import middle_and_about
+from adibas.markers.blobs import BlobParams, Groups, Looks, chosen_groups
 
-SpotFeatures: TypeAlias = tuple[float, float, float, float, float, float, float]
 N_LIGHTS = 9
 LIGHTNESS_OFFSET = np.array([16.0, 0.0, 0.0])
 """CIELAB is a cube root of light: in dimmer light (L + 16, a, b) shrink together."""
@@ -28,7 +26,7 @@ LEAST_SPOT_PX = 9
 class SpotOdds:
     """Log odds that a spot is a marker: a weight for each of its features, and a constant.
 
-    Learned by logistic regression from 51,323 spots in 408 simulated scenes, of which 2,381 were
+    Learned by logistic regression from 50,763 spots in 408 simulated scenes, of which 2,381 were
     markers (`python -m benchmarks.train_spots`).
 
     Attributes
@@ -39,7 +37,7 @@ class SpotOdds:
         Of how far its colour is beside the way to the marker's, CIELAB units: a grey wall seen
         through a hole in red trousers is as far from red as green is, in nearly that direction.
     axis_ratio : float
-        Of its short over its long axis.
+        Of its short over its long axis, at least 0: a disc is likeliest.
     log_separation : float
         Of the logarithm of its contrast in standard deviations of the surround.
     log_contrast : float
@@ -52,14 +50,18 @@ class SpotOdds:
     constant : float
     """
 
-    unexplained: float = 10.389
-    aside: float = -0.394
-    axis_ratio: float = 8.626
-    log_separation: float = 0.291
-    log_contrast: float = 3.155
-    middle: float = 4.642
-    against: float = -4.928
-    constant: float = -21.015
+    unexplained: float = 8.883
+    aside: float = -0.358
+    axis_ratio: float = 7.62
+    log_separation: float = 0.253
+    log_contrast: float = 2.759
+    middle: float = 4.033
+    against: float = -4.484
+    constant: float = -18.049
+
+    def __post_init__(self) -> None:
+        if self.axis_ratio < 0.0:
+            raise ValueError("a disc is the likeliest form: axis_ratio must be 0 or more")
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,67 +200,97 @@ def in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArra
     return colors_lab
 
 
-def is_on_the_way(
-    blob: Blob,
-    lab: Float32Array,
+def likely_groups(
+    groups: Groups,
+    looks: Looks,
     colors_lab: FloatArray,
     lightness_weight: float,
     params: FaintParams,
-) -> bool:
-    """Say whether a blob is a marker whose colour is mixed with its surround's.
+) -> tuple[Groups, FloatArray]:
+    """Return the groups that are as likely a marker as is asked for if they are discs.
 
     Parameters
     ----------
-    blob : Blob
-    lab : (H, W, 3) array
-        Where it was measured, CIELAB.
+    groups : tuple
+        From `connected_groups`.
+    looks : Looks
+        Of the groups.
     colors_lab : (N, 3) array
         The marker's colours in every light: from `in_other_light`.
     lightness_weight : float
         Of a squared difference in L against one in a and b.
+
+    Returns
+    -------
+    tuple
+        The groups, and the log odds of each as a disc; see `log_odds_in_form`.
     """
-    features = spot_features(blob, lab, colors_lab, lightness_weight, params)
-    if features is None:
-        return False
-    odds = params.odds
-    weights = (odds.unexplained, odds.aside, odds.axis_ratio, odds.log_separation,
-               odds.log_contrast, odds.middle, odds.against)  # fmt: skip
-    log_odds = odds.constant + sum(w * one for w, one in zip(weights, features, strict=True))
-    return bool(log_odds >= params.least_log_odds)
+    way = ways_to_marker(looks, colors_lab, lightness_weight)
+    features = spot_features(looks, np.ones(len(way.share)), colors_lab, lightness_weight)
+    log_odds = features @ np.array(astuple(params.odds)[:-1]) + params.odds.constant
+    is_likely = (
+        (way.direction >= params.least_direction)
+        & (way.aside <= params.greatest_aside)
+        & (way.share >= params.least_share)
+        & (log_odds >= params.least_log_odds)
+    )
+    return chosen_groups(groups, is_likely), log_odds[is_likely]
 
 
-def spot_features(
-    blob: Blob,
-    lab: Float32Array,
-    colors_lab: FloatArray,
-    lightness_weight: float,
-    params: FaintParams,
-) -> SpotFeatures | None:
-    """Return what the odds go by, in the order of `SpotOdds`; None where it leads elsewhere.
+def log_odds_in_form(log_odds: float, axis_ratio: float, odds: SpotOdds) -> float:
+    """Return the log odds of a spot that is no disc: from those as a disc, and its axis ratio."""
+    return log_odds - odds.axis_ratio * (1.0 - axis_ratio)
+
+
+class Ways(NamedTuple):
+    """Of N spots: cosine between both ways, how far on it, and how far beside it (CIELAB units)."""
+
+    direction: FloatArray
+    share: FloatArray
+    aside: FloatArray
+
+
+def ways_to_marker(looks: Looks, colors_lab: FloatArray, lightness_weight: float) -> Ways:
+    """Compare the way from surround to core with that to the marker's colour nearest in direction.
 
     Parameters
     ----------
-    blob, lab, colors_lab, lightness_weight
-        See `is_on_the_way`.
+    looks, colors_lab, lightness_weight
+        See `likely_groups`.
+    """
+    weight = np.array([math.sqrt(lightness_weight), 1.0, 1.0])
+    to_core = (looks.core - looks.surround) * weight
+    to_marker = (colors_lab - looks.surround[:, None]) * weight
+    along = (to_marker * to_core[:, None]).sum(axis=2)
+    lengths, contrasts = np.linalg.norm(to_marker, axis=2), np.linalg.norm(to_core, axis=1)
+    directions = along / np.maximum(lengths * contrasts[:, None], 1e-9)
+    best = (np.arange(len(directions)), directions.argmax(axis=1))
+    direction, share = directions[best], along[best] / np.maximum(lengths[best] ** 2, 1e-9)
+    return Ways(direction, share, contrasts * np.sqrt(np.maximum(1.0 - direction**2, 0.0)))
+
+
+def spot_features(
+    looks: Looks, axis_ratios: FloatArray, colors_lab: FloatArray, lightness_weight: float
+) -> FloatArray:
+    """Return the (N, 7) features that the odds go by, in the order of `SpotOdds`.
+
+    Parameters
+    ----------
+    axis_ratios : (N,) array
+        Short over long axis.
+    looks, colors_lab, lightness_weight
+        See `likely_groups`.
     """
     weights = np.array([lightness_weight, 1.0, 1.0])
-    to_core = (blob.core - blob.surround) * np.sqrt(weights)
-    to_marker = (colors_lab - blob.surround) * np.sqrt(weights)
-    along = to_marker @ to_core
-    lengths, contrast = np.linalg.norm(to_marker, axis=1), float(np.linalg.norm(to_core))
-    directions = along / np.maximum(lengths * contrast, 1e-9)
-    best = int(directions.argmax())
-    direction, share = float(directions[best]), float(along[best] / max(lengths[best] ** 2, 1e-9))
-    aside = contrast * math.sqrt(max(1.0 - direction**2, 0.0))
-    is_toward = direction >= params.least_direction and aside <= params.greatest_aside
-    if not is_toward or share < params.least_share:
-        return None
-    separation = max(blob.separation, 1e-9)
-    centre = round(blob.v), round(blob.u)
-    middle, against = middle_and_about(
-        lab, centre, blob.n_pixels, blob.surround, blob.core, weights
+    contrast = np.sqrt((weights * (looks.core - looks.surround) ** 2).sum(axis=1))
+    return np.column_stack(
+        [
+            looks.unexplained,
+            ways_to_marker(looks, colors_lab, lightness_weight).aside,
+            axis_ratios,
+            np.log(looks.separation),
+            np.log(np.maximum(contrast, 1e-9)),
+            looks.middle,
+            np.sqrt(looks.against),
+        ]
     )
-    return (
-        blob.unexplained, aside, blob.axis_ratio, math.log(separation), math.log(contrast),
-        middle, math.sqrt(against),
-    )  # fmt: skip

@@ -22,6 +22,7 @@ from adibas.markers.blobs import (
     depth_near,
     joined_specks,
     judge,
+    look_at,
     measure_blobs,
     pixels_of,
 )
@@ -45,6 +46,36 @@ def disc_picture(u, v, radius_px, noise=0.0):
 def measured(lab, distance, seeds):
     groups = connected_groups(seeds, np.zeros(seeds.shape, bool))
     return measure_blobs(lab, distance, groups)
+
+
+@pytest.mark.parametrize("radius_px", [1, 3, 9])
+def test_middle_and_ring_are_those_of_a_weighted_least_squares(radius_px):
+    rng = np.random.default_rng(radius_px)
+    lab, distance, _ = disc_picture(24, 23, radius_px)
+    lab += rng.normal(0, 8, lab.shape).astype(np.float32)
+    seeds = np.zeros((SIZE, SIZE), bool)
+    seeds[23 - radius_px : 24 + radius_px, 24 - radius_px : 25 + radius_px] = True
+    groups = connected_groups(seeds, np.zeros(seeds.shape, bool))
+    weights = np.array([0.15, 1.0, 1.0])
+    looks = look_at(lab, distance, groups, 0.15)
+    way = np.sqrt(weights) * (looks.core[0] - looks.surround[0])
+    off = np.sqrt(weights) * (lab - looks.surround[0])
+    shares = np.linalg.lstsq(way[:, None], off.reshape(-1, 3).T, rcond=None)[0].reshape(SIZE, SIZE)
+    near = ndimage.binary_dilation(seeds, np.ones((5, 5)))
+    reach = max(3, round(0.8 * math.sqrt(seeds.sum())))
+    ring = ndimage.binary_dilation(near, np.ones((2 * reach + 1, 2 * reach + 1))) & ~near
+    assert looks.middle[0] == pytest.approx(shares[22:25, 23:26].mean(), rel=1e-4)
+    assert looks.against[0] == pytest.approx(-shares[ring].min(), rel=1e-4)
+    np.testing.assert_allclose(looks.surround[0], np.median(lab[ring], axis=0), rtol=1e-6)
+
+
+def test_a_spot_is_explained_by_whatever_is_like_it_in_its_ring():
+    """As are the dots that the mosaic leaves along a seam."""
+    lab, distance, seeds = disc_picture(24, 23, 2.0)
+    assert measured(lab, distance, seeds)[0].unexplained > 0.9
+    lab[29, 24] = 0.2 * SKIN_LAB + 0.8 * STICKER_LAB
+    distance[29, 24] = np.linalg.norm(lab[29, 24] - STICKER_LAB)
+    assert measured(lab, distance, seeds)[0].unexplained < 0.3
 
 
 @given(masks, masks)

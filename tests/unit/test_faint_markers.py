@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from adibas.markers.blobs import connected_groups, measure_blobs
+from adibas.markers.blobs import Looks, connected_groups, look_at, measure_blobs
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, find_color_markers
 from adibas.markers.faint import (
@@ -19,11 +19,12 @@ from adibas.markers.faint import (
     clear_groups,
     closed_distance,
     in_other_light,
-    is_on_the_way,
+    likely_groups,
+    log_odds_in_form,
     spot_features,
     spot_seeds,
+    ways_to_marker,
 )
-from adibas.markers.faint_kernels import middle_and_about
 from adibas.markers.lab import rgb_to_lab
 
 SIZE = (120, 160)
@@ -165,11 +166,14 @@ def measured(picture, places):
 
 
 def on_the_way(picture, params=None):
-    """Say it of the spot at the first place."""
+    """Say of the spot at the first place whether it can be a marker, and has the odds in form."""
     params = params or FaintParams()
-    (blob,) = measured(picture, PLACES[:1])[2]
+    groups, distance, (blob,) = measured(picture, PLACES[:1])
     colors_lab = in_other_light(MODEL.centroids_lab, params.light_range)
-    return is_on_the_way(blob, rgb_to_lab(picture), colors_lab, 0.15, params)
+    looks = look_at(rgb_to_lab(picture), distance, groups, 0.15)
+    log_odds = likely_groups(groups, looks, colors_lab, 0.15, params)[1]
+    in_form = [log_odds_in_form(one, blob.axis_ratio, params.odds) for one in log_odds]
+    return any(one >= params.least_log_odds for one in in_form)
 
 
 @pytest.mark.parametrize(
@@ -187,27 +191,34 @@ def test_each_limit_alone_refuses_a_spot(limit, value):
 
 
 def features_of(picture, lightness_weight):
-    """Return the blob at the first place, and its features."""
-    (blob,) = measured(picture, PLACES[:1])[2]
+    """Return the blob at the first place, how it looks, and its features."""
+    groups, distance, (blob,) = measured(picture, PLACES[:1])
     colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
-    lab = rgb_to_lab(picture)
-    return blob, spot_features(blob, lab, colors_lab, lightness_weight, FaintParams())
+    looks = look_at(rgb_to_lab(picture), distance, groups, lightness_weight)
+    axis_ratios = np.array([blob.axis_ratio])
+    return blob, looks, spot_features(looks, axis_ratios, colors_lab, lightness_weight)[0]
 
 
 def test_the_odds_are_the_sum_of_the_weighted_features():
     picture = on(SKIN, 1.8)
-    _, features = features_of(picture, 0.15)
+    features = features_of(picture, 0.15)[2]
     odds = SpotOdds(2.0, -3.0, 5.0, 7.0, 11.0, 13.0, -17.0, 19.0)
     log_odds = 19.0 + np.dot([2.0, -3.0, 5.0, 7.0, 11.0, 13.0, -17.0], features)
     for least, wanted in ((log_odds - 1e-6, True), (log_odds + 1e-6, False)):
         assert on_the_way(picture, FaintParams(odds=odds, least_log_odds=least)) is wanted
 
 
+def test_odds_by_which_a_disc_is_not_the_likeliest_form_are_refused():
+    with pytest.raises(ValueError, match="disc"):
+        SpotOdds(axis_ratio=-0.1)
+
+
 def test_what_the_odds_go_by_is_what_the_spot_is():
-    blob, features = features_of(on(SKIN, 1.8), 1.0)
-    unexplained, aside, axis_ratio, log_separation, log_contrast, _, _ = features
+    blob, looks, features = features_of(on(SKIN, 1.8), 1.0)
+    unexplained, aside, axis_ratio, log_separation, log_contrast, middle, against = features
     way = blob.core - blob.surround
     assert (unexplained, axis_ratio) == (blob.unexplained, blob.axis_ratio)
+    assert (middle, against**2) == pytest.approx((looks.middle[0], looks.against[0]))
     assert np.exp(log_separation) == pytest.approx(blob.separation)
     assert np.exp(log_contrast) == pytest.approx(np.linalg.norm(way))
     colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
@@ -216,32 +227,23 @@ def test_what_the_odds_go_by_is_what_the_spot_is():
     assert aside == pytest.approx((np.linalg.norm(off, axis=1) / lengths).min(), rel=1e-3)
 
 
-@pytest.mark.parametrize("n_pixels", [2, 25, 400])
-def test_the_middle_and_what_goes_the_other_way_are_those_of_a_weighted_least_squares(n_pixels):
-    rng = np.random.default_rng(n_pixels)
-    values = rng.normal(size=(23, 31, 3)).astype(np.float32)
-    surround, core, weights = rng.normal(size=3), rng.normal(size=3), np.array([0.15, 1.0, 1.0])
-    way = np.sqrt(weights) * (core - surround)
-    shares = np.linalg.lstsq(
-        way[:, None], (np.sqrt(weights) * (values - surround)).reshape(-1, 3).T, rcond=None
-    )[0].reshape(values.shape[:2])
-    rows, columns = np.indices(shares.shape)
-    for at in ((11, 15), (1, 29)):
-        away = np.maximum(abs(rows - at[0]), abs(columns - at[1]))
-        inner, outer = {2: (2.7, 5.7), 25: (4.5, 8.5), 400: (6.0, 10.0)}[n_pixels]
-        ring = shares[(away > inner) & (away <= outer)]
-        middle, against = middle_and_about(values, at, n_pixels, surround, core, weights)
-        assert middle == pytest.approx(shares[away <= 1].mean(), rel=1e-5)
-        assert against == pytest.approx(max(-ring.min(), 0.0), rel=1e-5)
-
-
 def test_of_a_disc_the_middle_is_full_and_nothing_about_it_goes_the_other_way():
-    _, (*_, middle, against) = features_of(on(SKIN, 3.0), 0.15)
-    assert middle == pytest.approx(1.0, abs=0.1)
-    assert against < 0.35  # noise
+    _, looks, _ = features_of(on(SKIN, 3.0), 0.15)
+    assert looks.middle[0] == pytest.approx(1.0, abs=0.1)
+    assert looks.against[0] < 0.12  # noise
     seam = on(SKIN, 3.0)
     seam[36:38, 28:33] = np.clip(SKIN + 0.8 * (SKIN - GREEN), 0, 255)
-    assert features_of(seam, 0.15)[1][-1] > 0.5
+    assert features_of(seam, 0.15)[1].against[0] > 0.25
+
+
+def test_the_way_is_to_the_colour_nearest_in_direction():
+    nothing = np.zeros(2)
+    cores = np.array([[9.0, 2.0, 0.5], [0.0, -3.0, 4.0]])
+    looks = Looks(nothing, nothing, nothing, nothing, np.zeros((2, 3)), cores)
+    way = ways_to_marker(looks, np.array([[0.0, 8.0, 0.0], [0.0, 0.0, 5.0]]), 0.0)
+    np.testing.assert_allclose(way.direction, [2.0 / np.hypot(2.0, 0.5), 0.8])
+    np.testing.assert_allclose(way.share, [0.25, 0.8])
+    np.testing.assert_allclose(way.aside, [0.5, 3.0])
 
 
 def test_a_colour_is_on_the_way_from_its_surround_to_the_markers_and_not_beyond_or_beside():

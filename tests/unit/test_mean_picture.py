@@ -22,7 +22,10 @@ GATE_M = 0.012
 
 def spot(u, v, radius_px=1.7):
     nothing = np.zeros(3)
-    return Blob(u, v, 9, radius_px, 1.0, 8.0, 0.5, 0.8, 0.04 * np.eye(2), 1.0, nothing, nothing)
+    covariance_px2 = 0.04 * np.eye(2)
+    return Blob(
+        u, v, 9, radius_px, 1.0, 8.0, 0.5, 0.8, covariance_px2, 1.0, 1.0, 0.0, nothing, nothing
+    )
 
 
 def test_the_mean_is_rounded_to_the_nearest_level_and_noise_averages_out():

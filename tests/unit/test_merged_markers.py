@@ -13,7 +13,7 @@ from adibas.pipeline.posture_checks import MOST_BESIDE, apart_from_merged, refus
 
 def blob(u, v, separation=10.0):
     color = np.zeros(3)
-    return Blob(u, v, 20, 3.0, 0.9, separation, 0.8, 0.9, np.eye(2), 1.0, color, color)
+    return Blob(u, v, 20, 3.0, 0.9, separation, 0.8, 0.9, np.eye(2), 1.0, 1.0, 0.0, color, color)
 
 
 def seen(turned_rad, radius_m=0.005):
