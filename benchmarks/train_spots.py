@@ -24,6 +24,7 @@ from adibas.markers.faint import (
     SpotOdds,
     in_other_light,
     spot_features,
+    ways_to_marker,
 )
 from adibas.markers.mean_picture import MeanPicture
 from adibas.pipeline.posture import PostureParams, look_for_person
@@ -108,22 +109,14 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     rows = [
         row
         for picture_rgb in pictures
-        for row in _judged(
-            look(picture_rgb, math.inf),
-            look(picture_rgb, -math.inf),
-            truth,
-            model,
-        )
+        for row in _judged(look(picture_rgb, math.inf), look(picture_rgb, -math.inf), truth, model)
     ]
     features = np.array([row[0] for row in rows], float).reshape(-1, N_FEATURES)
     return features, np.array([row[1] for row in rows], bool)
 
 
 def _judged(
-    full: Sequence[Blob],
-    all_blobs: Sequence[Blob],
-    truth: FrameTruth,
-    model: ColorModel,
+    full: Sequence[Blob], all_blobs: Sequence[Blob], truth: FrameTruth, model: ColorModel
 ) -> Iterator[tuple[FloatArray, bool]]:
     """Give the features of the spots that are not found by full colour, and whether they are."""
     detection = DetectionParams()
@@ -136,10 +129,9 @@ def _judged(
         is_clear = index is None or (index not in taken and truth.markers[index].is_visible)
         if (blob.u, blob.v) in seen or not is_clear:
             continue
-        features = spot_features(
-            _looks(blob), np.array([blob.axis_ratio]), colors_lab, detection.lightness_weight
-        )
-        yield features[0], index is not None
+        looks = _looks(blob)
+        way = ways_to_marker(looks, colors_lab, detection.lightness_weight)
+        yield spot_features(looks, way, np.array([blob.axis_ratio]))[0], index is not None
 
 
 def _looks(blob: Blob) -> Looks:

@@ -16,10 +16,9 @@ from adibas.markers.border_kernels import (
     two_sides,
     unexplained,
 )
-from adibas.markers.faint_kernels import middle_and_about
+from adibas.markers.faint_kernels import NEAR, RING, middle_and_about
 from adibas.markers.quantile_kernels import quantile
 
-NOTHING, RING, NEAR, GROUP = 0, 1, 2, 3
 NEAR_PX = 2
 """About the group: pixels that may hold some of the core."""
 LEAST_SHARE = 0.12
@@ -220,7 +219,7 @@ def _look(
     core, nearest = _core(values, distance, rows, columns)
     colors[0], colors[1] = surround, core
     shares = _shares(local, surround, core - surround)
-    looks[0] = _noise(shares, zones)
+    looks[0] = _noise(shares, zones)  # of everything about it, be it of two colours or not
     looks[1] = 1.0 - nearest / max(around, 1e-6)
     looks[2] = unexplained(ring, surround, core)
     at = round(rows.mean()) - top, round(columns.mean()) - left

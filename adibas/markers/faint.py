@@ -226,7 +226,7 @@ def likely_groups(
         The groups, and the log odds of each as a disc; see `log_odds_in_form`.
     """
     way = ways_to_marker(looks, colors_lab, lightness_weight)
-    features = spot_features(looks, np.ones(len(way.share)), colors_lab, lightness_weight)
+    features = spot_features(looks, way, np.ones(len(way.contrast)))
     log_odds = features @ np.array(astuple(params.odds)[:-1]) + params.odds.constant
     is_likely = (
         (way.direction >= params.least_direction)
@@ -243,10 +243,21 @@ def log_odds_in_form(log_odds: float, axis_ratio: float, odds: SpotOdds) -> floa
 
 
 class Ways(NamedTuple):
-    """Of N spots: cosine between both ways, how far on it, and how far beside it (CIELAB units)."""
+    """Of N spots: the way from the surround's colour to the core's, and that to the marker's.
+
+    Attributes
+    ----------
+    direction : (N,) array
+        Cosine between both ways.
+    share : (N,) array
+        How far the core is on the way to the marker; 1 is the marker itself.
+    contrast, aside : (N,) arrays
+        Length of the way to the core, and how far it ends beside the other; CIELAB units.
+    """
 
     direction: FloatArray
     share: FloatArray
+    contrast: FloatArray
     aside: FloatArray
 
 
@@ -266,30 +277,28 @@ def ways_to_marker(looks: Looks, colors_lab: FloatArray, lightness_weight: float
     directions = along / np.maximum(lengths * contrasts[:, None], 1e-9)
     best = (np.arange(len(directions)), directions.argmax(axis=1))
     direction, share = directions[best], along[best] / np.maximum(lengths[best] ** 2, 1e-9)
-    return Ways(direction, share, contrasts * np.sqrt(np.maximum(1.0 - direction**2, 0.0)))
+    asides = contrasts * np.sqrt(np.maximum(1.0 - direction**2, 0.0))
+    return Ways(direction, share, contrasts, asides)
 
 
-def spot_features(
-    looks: Looks, axis_ratios: FloatArray, colors_lab: FloatArray, lightness_weight: float
-) -> FloatArray:
+def spot_features(looks: Looks, way: Ways, axis_ratios: FloatArray) -> FloatArray:
     """Return the (N, 7) features that the odds go by, in the order of `SpotOdds`.
 
     Parameters
     ----------
+    looks : Looks
+    way : Ways
+        From `ways_to_marker`.
     axis_ratios : (N,) array
         Short over long axis.
-    looks, colors_lab, lightness_weight
-        See `likely_groups`.
     """
-    weights = np.array([lightness_weight, 1.0, 1.0])
-    contrast = np.sqrt((weights * (looks.core - looks.surround) ** 2).sum(axis=1))
     return np.column_stack(
         [
             looks.unexplained,
-            ways_to_marker(looks, colors_lab, lightness_weight).aside,
+            way.aside,
             axis_ratios,
             np.log(looks.separation),
-            np.log(np.maximum(contrast, 1e-9)),
+            np.log(np.maximum(way.contrast, 1e-9)),
             looks.middle,
             np.sqrt(looks.against),
         ]

@@ -3,11 +3,14 @@
 from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.kernels import compiled
 
+NOTHING, RING, NEAR, GROUP = 0, 1, 2, 3
+"""Zones about a group of pixels: far from it, about it, beside it, and itself."""
+
 
 @compiled
 def middle_and_about(
     local: Float32Array,
-    is_about: UInt8Array,
+    zones: UInt8Array,
     at: tuple[int, int],
     surround: FloatArray,
     core: FloatArray,
@@ -22,8 +25,8 @@ def middle_and_about(
     ----------
     local : (H, W, C) array
         Colours about the spot.
-    is_about : (H, W) array
-        1 in the ring.
+    zones : (H, W) array
+        `RING` about the spot.
     at : tuple of int
         Row and column of the middle.
     surround, core : (C,) arrays
@@ -43,7 +46,7 @@ def middle_and_about(
     for row in range(local.shape[0]):
         for column in range(local.shape[1]):
             is_middle = abs(row - at[0]) <= 1 and abs(column - at[1]) <= 1
-            if not is_middle and is_about[row, column] != 1:
+            if not is_middle and zones[row, column] != RING:
                 continue
             share = 0.0
             for channel in range(len(axis)):

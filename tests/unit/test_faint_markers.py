@@ -195,8 +195,8 @@ def features_of(picture, lightness_weight):
     groups, distance, (blob,) = measured(picture, PLACES[:1])
     colors_lab = in_other_light(MODEL.centroids_lab, 1.5)
     looks = look_at(rgb_to_lab(picture), distance, groups, lightness_weight)
-    axis_ratios = np.array([blob.axis_ratio])
-    return blob, looks, spot_features(looks, axis_ratios, colors_lab, lightness_weight)[0]
+    way = ways_to_marker(looks, colors_lab, lightness_weight)
+    return blob, looks, spot_features(looks, way, np.array([blob.axis_ratio]))[0]
 
 
 def test_the_odds_are_the_sum_of_the_weighted_features():
@@ -243,6 +243,7 @@ def test_the_way_is_to_the_colour_nearest_in_direction():
     way = ways_to_marker(looks, np.array([[0.0, 8.0, 0.0], [0.0, 0.0, 5.0]]), 0.0)
     np.testing.assert_allclose(way.direction, [2.0 / np.hypot(2.0, 0.5), 0.8])
     np.testing.assert_allclose(way.share, [0.25, 0.8])
+    np.testing.assert_allclose(way.contrast, [np.hypot(2.0, 0.5), 5.0])
     np.testing.assert_allclose(way.aside, [0.5, 3.0])
 
 
