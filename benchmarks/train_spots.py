@@ -1,14 +1,13 @@
 """Learn the odds that a faint spot is a marker: python -m benchmarks.train_spots.
 
-Prints the weights of `adibas.markers.faint.SpotOdds`. Markers that are found by their full colour
-are not learned from; what lies on a hidden marker is neither a marker nor none. No scene is one of
-a benchmark's.
+Prints the weights of `adibas.markers.spot_odds.SpotOdds`. What lies
+on a hidden marker is neither a marker nor none. No scene is one of a benchmark's.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import fields, replace
+from dataclasses import replace
 from multiprocessing import get_context
 
 import numpy as np
@@ -16,20 +15,17 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from adibas.arrays import BoolArray, FloatArray, UInt8Array
-from adibas.markers.blobs import Blob, Looks
+from adibas.markers.blobs import Blob
 from adibas.markers.color_model import ColorModel
-from adibas.markers.detection import DetectionParams, find_color_markers
-from adibas.markers.faint import (
-    FaintParams,
-    SpotOdds,
-    in_other_light,
-    spot_features,
-    ways_to_marker,
-)
+from adibas.markers.detection import DetectionParams, find_color_markers, spots_with_features
+from adibas.markers.faint import FaintParams
+from adibas.markers.lab import rgb_to_lab
 from adibas.markers.mean_picture import MeanPicture
+from adibas.markers.spot_odds import FEATURES, SpotOdds
 from adibas.pipeline.posture import PostureParams, look_for_person
 from adibas.recordings.decoding import to_rgbd
 from adibas.simulation.layouts import analysis_settings
+from adibas.simulation.patient import GREEN
 from adibas.simulation.scenes import SceneSettings, SimulatedScene
 from adibas.simulation.truth import FrameTruth
 from benchmarks.accuracy_markers import COLORS
@@ -41,9 +37,12 @@ SEEDS = (3, 4)
 N_FRAMES, ALONE = 12, (0, 2)
 """Frames of a burst; those that are looked at one by one, beside the mean of all."""
 N_PROCESSES = 2
-N_FEATURES = len(fields(SpotOdds)) - 1
 RIDGE = 1.0
+N_STEPS = 2000
+NONE = FaintParams(least_log_odds=math.inf)
 SMALL_M, LARGE_M = 0.008, 0.012
+FAR_APART = 60.0
+"""Two colours, in the plane of CIELAB's a and b."""
 
 
 def main() -> None:
@@ -87,7 +86,10 @@ def _with(
 
 
 def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
-    """Return the (N, 7) features of the spots in one scene, and which are markers."""
+    """Return the (N, 8) features of the spots in one scene, and which are markers.
+
+    They are looked for by the markers' colour, and by one of which none is a marker.
+    """
     scene = SimulatedScene(settings)
     simulated = [scene.frame(index) for index in range(N_FRAMES)]
     frames = [to_rgbd(one.sensor_frame, scene.info) for one in simulated]
@@ -98,44 +100,51 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     outline, depth_m = sight.outline, sight.registration.depth_m
     focal_px = _focal_px(truth)
 
-    def look(picture_rgb: UInt8Array, least: float) -> tuple[Blob, ...]:
-        params = DetectionParams(faint=FaintParams(least_log_odds=least, greatest_nearness=1.0))
-        return find_color_markers(picture_rgb, outline, depth_m, focal_px, model, params).blobs
+    stranger = _stranger(settings)
+
+    def spots(picture_rgb: UInt8Array, least_rise: float) -> Iterator[tuple[FloatArray, bool]]:
+        faint = FaintParams(least_rise=least_rise, least_log_odds=-math.inf)
+        params, at = DetectionParams(faint=faint), (picture_rgb, outline, depth_m, focal_px)
+        full = find_color_markers(*at, model, replace(params, faint=NONE)).blobs
+        yield from _judged(spots_with_features(*at, model, params), full, truth)
+        for _, features in spots_with_features(*at, stranger, params):
+            yield features, False
 
     mean = MeanPicture()
     for frame in frames:
         mean.add(frame.color_rgb)
-    pictures = [frames[index].color_rgb for index in ALONE] + [mean.result()]
-    rows = [
-        row
-        for picture_rgb in pictures
-        for row in _judged(look(picture_rgb, math.inf), look(picture_rgb, -math.inf), truth, model)
-    ]
-    features = np.array([row[0] for row in rows], float).reshape(-1, N_FEATURES)
+    in_frame, in_mean = FaintParams().least_rise, PostureParams().least_rise_of_mean
+    rows = [row for index in ALONE for row in spots(frames[index].color_rgb, in_frame)]
+    rows += spots(mean.result(), in_mean)
+    features = np.array([row[0] for row in rows], float).reshape(-1, len(FEATURES))
     return features, np.array([row[1] for row in rows], bool)
 
 
+def _stranger(settings: SceneSettings) -> ColorModel:
+    """Return the learned model of a colour that is far from the markers'."""
+    colors = np.array([settings.markers.color, GREEN, *COLORS.values()], np.uint8)
+    lab = rgb_to_lab(colors[None])[0]
+    far = np.flatnonzero(np.linalg.norm(lab[:, 1:] - lab[0, 1:], axis=1) > FAR_APART)
+    color = tuple(colors[far[settings.seed % len(far)]].tolist())
+    model = learned_target(replace(settings, markers=replace(settings.markers, color=color)))
+    if not isinstance(model, ColorModel):
+        raise TypeError("a colour was learned")
+    return model
+
+
 def _judged(
-    full: Sequence[Blob], all_blobs: Sequence[Blob], truth: FrameTruth, model: ColorModel
+    spots: Iterable[tuple[Blob, FloatArray]], full: Sequence[Blob], truth: FrameTruth
 ) -> Iterator[tuple[FloatArray, bool]]:
-    """Give the features of the spots that are not found by full colour, and whether they are."""
-    detection = DetectionParams()
-    centroids_lab = model.pure_centroids_lab().astype(np.float32)
-    colors_lab = in_other_light(centroids_lab, detection.faint.light_range)
-    seen = {(one.u, one.v) for one in full}
+    """Give the features of each spot, and whether it is a marker.
+
+    One beside a marker that its full colour shows is none; one on a marker that is not in view is
+    left out.
+    """
     taken = {_marker_at(one, truth) for one in full}
-    for blob in all_blobs:
+    for blob, features in spots:
         index = _marker_at(blob, truth)
-        is_clear = index is None or (index not in taken and truth.markers[index].is_visible)
-        if (blob.u, blob.v) in seen or not is_clear:
-            continue
-        looks = _looks(blob)
-        way = ways_to_marker(looks, colors_lab, detection.lightness_weight)
-        yield spot_features(looks, way, np.array([blob.axis_ratio]))[0], index is not None
-
-
-def _looks(blob: Blob) -> Looks:
-    return Looks(*(np.array([getattr(blob, name)]) for name in Looks._fields))
+        if index is None or index in taken or truth.markers[index].is_visible:
+            yield features, index is not None and index not in taken
 
 
 def _marker_at(blob: Blob, truth: FrameTruth) -> int | None:
@@ -154,20 +163,34 @@ def _focal_px(truth: FrameTruth) -> float:
 
 
 def learn(features: FloatArray, is_marker: BoolArray) -> SpotOdds:
-    """Return the weights of a logistic regression, with a ridge on standardised features."""
-    mean, sd = features.mean(axis=0), features.std(axis=0)
-    rows = np.column_stack([(features - mean) / sd, np.ones(len(features))])
+    """Return the weights of a logistic regression on products, with a ridge."""
+    standard = _standardising(features)
+    terms = np.column_stack([np.ones(len(features)), features]) @ standard.T
+    upper = np.triu_indices(terms.shape[1])
+    rows = terms[:, upper[0]] * terms[:, upper[1]]
 
     def loss(weights: FloatArray) -> tuple[float, FloatArray]:
         log_odds = rows @ weights
-        penalty = np.append(weights[:-1], 0.0)
+        penalty = np.append(0.0, weights[1:])
         value = np.logaddexp(0.0, log_odds).sum() - log_odds[is_marker].sum()
         slope = rows.T @ (expit(log_odds) - is_marker) + RIDGE * penalty
         return float(value + 0.5 * RIDGE * (penalty**2).sum()), slope
 
-    weights = minimize(loss, np.zeros(rows.shape[1]), jac=True).x
-    slopes = weights[:-1] / sd
-    return SpotOdds(*np.round([*slopes, weights[-1] - slopes @ mean], 3).tolist())
+    weights = minimize(loss, np.zeros(rows.shape[1]), jac=True, options={"maxiter": N_STEPS}).x
+    matrix = np.zeros_like(standard)
+    matrix[upper] = weights
+    both = standard.T @ matrix @ standard
+    whole = np.triu(both) + np.triu(both.T, 1)
+    rounded = [[float(f"{value:.5g}") for value in row] for row in whole]
+    return SpotOdds(tuple(tuple(row[index:]) for index, row in enumerate(rounded)))
+
+
+def _standardising(features: FloatArray) -> FloatArray:
+    """Return what makes 1 and the features 1 and features of mean 0 and standard deviation 1."""
+    sd = features.std(axis=0)
+    matrix = np.diag(np.append(1.0, 1.0 / sd))
+    matrix[1:, 0] = -features.mean(axis=0) / sd
+    return matrix
 
 
 if __name__ == "__main__":

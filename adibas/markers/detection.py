@@ -31,18 +31,19 @@ from adibas.markers.burst import BurstMarker
 from adibas.markers.color_model import ColorModel
 from adibas.markers.faint import (
     FaintParams,
-    clear_groups,
-    closed_distance,
+    blurred,
+    find_spots,
     in_other_light,
     likely_groups,
-    log_odds_in_form,
-    spot_seeds,
 )
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.likeness_kernels import unlikeness
 
 MARGIN_PX = 24
 """About the body: what a marker on the outline is compared with."""
+
+BESIDE_PX = 3
+"""About the pixels of a marker: its rim is no spot of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +80,8 @@ class DetectionParams:
         ones. Odd, in pixels of a 1280 wide image.
     seeds, blobs : SeedParams, BlobParams
         Pixels and blobs of markers that reach their own colour somewhere.
-    faint_seeds, faint : SeedParams, FaintParams
-        The same of those that do not; they are looked for last, beside the others: first by what
-        is on all sides of them, and then, for those of more pixels, by their surroundings' mean,
-        in which noise does not count.
+    faint : FaintParams
+        Those that do not; they are looked for last, beside the others.
     """
 
     lightness_weight: float = 0.15
@@ -90,11 +89,6 @@ class DetectionParams:
     surround_px: tuple[int, ...] = (31, 121)
     seeds: SeedParams = field(default_factory=SeedParams)
     blobs: BlobParams = field(default_factory=BlobParams)
-    faint_seeds: SeedParams = field(
-        default_factory=lambda: SeedParams(
-            surround_share=0.8, least_contrast=6.0, threshold_factor=4.0
-        )
-    )
     faint: FaintParams = field(default_factory=FaintParams)
 
 
@@ -138,92 +132,148 @@ def find_color_markers(
     focal_px : float
         Of the colour camera.
     """
-    check_shape("body", body, color_rgb.shape[:2])
-    window = bounding_box(body)
-    if window is None:
+    search = _begun(color_rgb, body, depth_m, focal_px, model, params)
+    if search is None:
         return Detections((), (), 0.0)
-    lab, inside = rgb_to_lab(color_rgb[window]), body[window]
-    centroids_lab = model.pure_centroids_lab().astype(np.float32)
-    distance = unlikeness(lab, centroids_lab, params.lightness_weight, params.light_range)
-    offset_uv = np.array([window[1].start, window[0].start], float)
-    search = _Search(inside, offset_uv, depth_m, focal_px)
-    widths_px = _odd_widths(params.surround_px, color_rgb.shape[1])
-    surrounds = [_surround(distance, inside, width_px) for width_px in widths_px]
-    for surround in surrounds:
-        groups = search.groups(_stands_out(distance, surround, model.threshold, params.seeds))
-        search.judge(
-            groups, measure_blobs(lab, distance, groups, params.lightness_weight), params.blobs
-        )
     rejected = tuple(search.rejected)  # of faint spots nobody asks why they are none
-    colors_lab = in_other_light(centroids_lab, params.faint.light_range)
-    closed = closed_distance(distance, color_rgb.shape[1], params.faint)
-    for reference, seeds in (
-        (closed, spot_seeds(distance, closed, model.threshold, params.faint)),
-        (
-            surrounds[0],
-            _stands_out(distance, surrounds[0], model.threshold, params.faint_seeds),
-        ),
-    ):
-        groups = search.groups(seeds)
-        groups = clear_groups(groups, distance, reference, widths_px[0], params.faint)
-        looks = look_at(lab, distance, groups, params.lightness_weight)
-        groups, as_discs = likely_groups(
-            groups, looks, colors_lab, params.lightness_weight, params.faint
-        )
-        measured = measure_blobs(lab, distance, groups, params.lightness_weight)
-        blobs = tuple(
-            blob if _is_likely(log_odds, blob, params.faint) else None
-            for log_odds, blob in zip(as_discs.tolist(), measured, strict=True)
-        )
-        search.judge(groups, blobs, params.faint.blobs)
-    matched = float((distance[inside] < model.threshold).mean())
+    groups, blobs, features = search.spots()
+    is_likely = params.faint.odds.of(features) >= params.faint.least_log_odds
+    likely = [blob if is_one else None for blob, is_one in zip(blobs, is_likely, strict=True)]
+    search.judge(groups, likely, params.faint.blobs)
+    matched = search.matched_share(model.threshold)
     return Detections(tuple(search.found), without_found(rejected, search.found), matched)
 
 
-def _is_likely(log_odds: float, blob: Blob, params: FaintParams) -> bool:
-    in_form = log_odds_in_form(log_odds, blob.axis_ratio, params.odds)
-    return in_form >= params.least_log_odds
+def spots_with_features(
+    color_rgb: UInt8Array,
+    body: BoolArray,
+    depth_m: Float32Array,
+    focal_px: float,
+    model: ColorModel,
+    params: DetectionParams,
+) -> tuple[tuple[Blob, FloatArray], ...]:
+    """Return what faint markers are chosen from, each with the (8,) features its odds go by.
+
+    For those who learn the odds; see `find_color_markers`.
+    """
+    search = _begun(color_rgb, body, depth_m, focal_px, model, params)
+    if search is None:
+        return ()
+    _, blobs, features = search.spots()
+    judged = [search.judged(blob, params.faint.blobs) for blob in blobs]
+    return tuple(
+        (blob, row) for blob, row in zip(judged, features, strict=True) if isinstance(blob, Blob)
+    )
+
+
+def _begun(
+    color_rgb: UInt8Array,
+    body: BoolArray,
+    depth_m: Float32Array,
+    focal_px: float,
+    model: ColorModel,
+    params: DetectionParams,
+) -> "_Search | None":
+    """Return the search with the markers that reach their own colour; None without a body."""
+    check_shape("body", body, color_rgb.shape[:2])
+    window = bounding_box(body)
+    if window is None:
+        return None
+    offset_uv = np.array([window[1].start, window[0].start], float)
+    at = offset_uv, depth_m, focal_px
+    centroids_lab = model.pure_centroids_lab().astype(np.float32)
+    search = _Search(color_rgb[window], body[window], at, centroids_lab, params)
+    widths_px = _odd_widths(params.surround_px, color_rgb.shape[1])
+    for surround in [search.surround(width_px) for width_px in widths_px]:
+        seeds = _stands_out(search.distance, surround, model.threshold, params.seeds)
+        groups = search.groups(seeds)
+        search.judge(groups, search.measured(groups), params.blobs)
+    return search
 
 
 class _Search:
     """One window of a picture, what was found in it so far, and which pixels that has taken."""
 
     def __init__(
-        self, inside: BoolArray, offset_uv: FloatArray, depth_m: Float32Array, focal_px: float
+        self,
+        color_rgb: UInt8Array,
+        inside: BoolArray,
+        at: tuple[FloatArray, Float32Array, float],
+        centroids_lab: Float32Array,
+        params: DetectionParams,
     ) -> None:
-        self._inside = inside
-        self._at = offset_uv, depth_m, focal_px
+        self._color_rgb, self._inside, self._at = color_rgb, inside, at
+        self._centroids_lab, self._params = centroids_lab, params
+        self._lab, self.distance = self._compared(color_rgb)
         self._taken = np.zeros(inside.shape, np.bool_)
         self.found: list[Blob] = []
         self.rejected: list[RejectedBlob] = []
+
+    def _compared(self, color_rgb: UInt8Array) -> tuple[Float32Array, Float32Array]:
+        """Return CIELAB, and how far that is from the model."""
+        lab, params = rgb_to_lab(color_rgb), self._params
+        distance = unlikeness(lab, self._centroids_lab, params.lightness_weight, params.light_range)
+        return lab, distance
+
+    def matched_share(self, threshold: float) -> float:
+        """Return which share of the body's pixels match the model."""
+        return float((self.distance[self._inside] < threshold).mean())
+
+    def surround(self, width_px: int) -> Float32Array:
+        """Return the mean distance of the body about every pixel."""
+        size = (width_px, width_px)
+        weight = self._inside.astype(np.float32)
+        total = cv2.boxFilter(self.distance * weight, -1, size, normalize=False)
+        count = cv2.boxFilter(weight, -1, size, normalize=False)
+        return np.asarray(total / np.maximum(count, 1.0), np.float32)
 
     def groups(self, seeds: BoolArray) -> Groups:
         """Return the groups of seeds on the body that hold no pixel of what was found."""
         return joined_specks(connected_groups(self._inside & seeds, self._taken))
 
+    def measured(self, groups: Groups) -> tuple[Blob, ...]:
+        """Return a blob for each of the groups, in pixels of the window."""
+        weight = self._params.lightness_weight
+        return measure_blobs(self._lab, self.distance, groups, weight)
+
+    def spots(self) -> tuple[Groups, tuple[Blob, ...], FloatArray]:
+        """Return the spots that can be faint markers, and the (N, 8) features of each.
+
+        They are looked for in the blurred picture, and measured in the sharp one.
+        """
+        weight, faint = self._params.lightness_weight, self._params.faint
+        lab, distance = self._compared(blurred(self._color_rgb, faint))
+        groups = find_spots(distance, self._free(), faint)
+        looks = look_at(lab, distance, groups, weight)
+        colors_lab = in_other_light(self._centroids_lab, faint.light_range)
+        groups, of_looks = likely_groups(groups, looks, colors_lab, weight, faint)
+        blobs = self.measured(groups)
+        return groups, blobs, np.column_stack([of_looks, [blob.axis_ratio for blob in blobs]])
+
+    def _free(self) -> BoolArray:
+        """Return the pixels of the body that are not near to what was found."""
+        near = np.ones((2 * BESIDE_PX + 1, 2 * BESIDE_PX + 1), np.uint8)
+        free: BoolArray = self._inside & (cv2.dilate(self._taken.astype(np.uint8), near) == 0)
+        return free
+
     def judge(self, groups: Groups, blobs: Sequence[Blob | None], params: BlobParams) -> None:
         """Take what can be a marker of the blobs of all groups; None: that group cannot."""
         for index, blob in enumerate(blobs):
-            found = None if blob is None else judge(blob, *self._at, params)
+            found = None if blob is None else self.judged(blob, params)
             if isinstance(found, Blob):
                 self.found.append(found)
                 self._taken[pixels_of(groups, index)] = True
             elif found is not None:
                 self.rejected.append(found)
 
+    def judged(self, blob: Blob, params: BlobParams) -> Blob | RejectedBlob | None:
+        """Return the blob in pixels of the picture if it can be a marker; see `judge`."""
+        return judge(blob, *self._at, params)
+
 
 def _odd_widths(widths_px: tuple[int, ...], image_width: int) -> list[int]:
     """Scale the surroundings to the image; they are odd and at least 15 pixels wide."""
     return [max(15, round(width * image_width / 1280) | 1) for width in widths_px]
-
-
-def _surround(distance: Float32Array, inside: BoolArray, width_px: int) -> Float32Array:
-    """Return the mean distance of the body about every pixel."""
-    size = (width_px, width_px)
-    weight = inside.astype(np.float32)
-    total = cv2.boxFilter(distance * weight, -1, size, normalize=False)
-    count = cv2.boxFilter(weight, -1, size, normalize=False)
-    return np.asarray(total / np.maximum(count, 1.0), np.float32)
 
 
 def _stands_out(

@@ -7,61 +7,25 @@ clear such a spot is, and how exactly it lies on that way, are the odds that it 
 """
 
 import math
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.markers.blobs import BlobParams, Groups, Looks, chosen_groups
+from adibas.markers.faint_kernels import grow_spots
+from adibas.markers.spot_odds import SpotOdds
 
 N_LIGHTS = 9
 LIGHTNESS_OFFSET = np.array([16.0, 0.0, 0.0])
 """CIELAB is a cube root of light: in dimmer light (L + 16, a, b) shrink together."""
-LEAST_SPOT_PX = 9
-
-
-@dataclass(frozen=True, slots=True)
-class SpotOdds:
-    """Log odds that a spot is a marker: a weight for each of its features, and a constant.
-
-    Learned by logistic regression from 50,763 spots in 408 simulated scenes, of which 2,381 were
-    markers (`python -m benchmarks.train_spots`).
-
-    Attributes
-    ----------
-    unexplained : float
-        Of the share of its contrast that no colour beside it explains.
-    aside : float
-        Of how far its colour is beside the way to the marker's, CIELAB units: a grey wall seen
-        through a hole in red trousers is as far from red as green is, in nearly that direction.
-    axis_ratio : float
-        Of its short over its long axis, at least 0: a disc is likeliest.
-    log_separation : float
-        Of the logarithm of its contrast in standard deviations of the surround.
-    log_contrast : float
-        Of the logarithm of its contrast, CIELAB units.
-    middle : float
-        Of how much of its contrast the nine pixels in its middle have: noise is no disc.
-    against : float
-        Of the root of how far its ring goes the other way, as a share of its contrast: dots that
-        the camera's mosaic makes of a seam have the opposite colour beside them.
-    constant : float
-    """
-
-    unexplained: float = 8.883
-    aside: float = -0.358
-    axis_ratio: float = 7.62
-    log_separation: float = 0.253
-    log_contrast: float = 2.759
-    middle: float = 4.033
-    against: float = -4.484
-    constant: float = -18.049
-
-    def __post_init__(self) -> None:
-        if self.axis_ratio < 0.0:
-            raise ValueError("a disc is the likeliest form: axis_ratio must be 0 or more")
+LEAST_SHARE = 0.01
+MOST_LOG_SEPARATION = 4.0
+"""A surround without any noise makes a spot no clearer than the clearest that was learned from."""
+MIDDLE_RANGE = -1.0, 2.5
+"""Of `Looks.middle`: beyond is noise, and tells nothing more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,16 +34,17 @@ class FaintParams:
 
     Attributes
     ----------
+    blur_px : float
+        Standard deviation, pixels, by which the picture is blurred before spots are looked for: the
+        camera's mosaic gives the middle of a small sticker one false colour and its border another,
+        and only their mean is the sticker's.
     spot_px : int
-        What is narrower is a spot. Odd, in pixels of a 1280 wide image.
+        What is narrower is a spot. Odd.
     least_rise_share, least_rise : float
-        By how much a pixel is nearer to the model than the closing of the spot, as a share of that
-        and in CIELAB units.
-    greatest_nearness : float
-        A pixel of it is nearer to the model than this share of what it is compared with: noise that
-        is not is left out before it is measured.
-    threshold_factor : float
-        No pixel farther from the model than this times its threshold takes part.
+        By how much the middle of a spot is nearer to the model than what is on all sides of it, as
+        a share of that and in CIELAB units: 5 in one picture, where less is noise.
+    group_share : float
+        Pixels about it that have this share of its rise belong to it.
     blobs : BlobParams
         Its form.
     least_direction : float
@@ -90,106 +55,65 @@ class FaintParams:
         How far it is beside that way, CIELAB units: stickers may be of several colours.
     odds : SpotOdds
     least_log_odds : float
-        Below, it is no marker: 1.5 in one picture.
+        Below, it is no marker: 0.5 in one picture.
     light_range : float
         By how much the light may change (L + 16, a, b) of the marker's colour.
     """
 
+    blur_px: float = 0.7
     spot_px: int = 11
-    least_rise_share: float = 0.2
-    least_rise: float = 6.0
-    greatest_nearness: float = 0.7
-    threshold_factor: float = 6.0
+    least_rise_share: float = 0.1
+    least_rise: float = 5.0
+    group_share: float = 0.5
     blobs: BlobParams = field(
         default_factory=lambda: BlobParams(
-            least_axis_ratio=0.4, least_prominence=0.08, least_separation=1.0
+            least_diameter_m=0.003,
+            least_area_px=0.8,
+            least_axis_ratio=0.2,
+            least_separation=0.3,
+            least_prominence=0.01,
+            least_filling=0.05,
+            least_unexplained=0.0,
+            least_pixels=1,
         )
     )
-    least_direction: float = 0.88
-    least_share: float = 0.1
+    least_direction: float = 0.8
+    least_share: float = 0.02
     greatest_aside: float = 12.0
     odds: SpotOdds = field(default_factory=SpotOdds)
-    least_log_odds: float = 1.5
+    least_log_odds: float = 0.5
     light_range: float = 1.5
 
 
-def closed_distance(distance: Float32Array, image_width: int, params: FaintParams) -> Float32Array:
-    """Return the (H, W) distance with every spot filled that is narrower than a square.
+def blurred(color_rgb: UInt8Array, params: FaintParams) -> UInt8Array:
+    """Return the (H, W, 3) picture in which spots are looked for."""
+    return np.asarray(cv2.GaussianBlur(color_rgb, (3, 3), params.blur_px), np.uint8)
+
+
+def find_spots(distance: Float32Array, free: BoolArray, params: FaintParams) -> Groups:
+    """Return the pixels of every spot that is nearer to the model than what is on all sides of it.
 
     Also where a border or a shadow passes, and the mean of the surroundings says nothing of either
-    side.
+    side: every spot that is narrower than a square is filled (closing), and what that changes is
+    where the spots are.
 
     Parameters
     ----------
     distance : (H, W) array
-        To the model.
-    image_width : int
-        Of the whole image, pixels.
+        Of the blurred picture to the model.
+    free : (H, W) bool array
+        Where spots may be.
 
     Notes
     -----
     Source: Meyer, Contrast feature extraction, in Quantitative Analysis of Microstructures in
     Material Sciences, Biology and Medicine, 1978 (top-hat transformation).
     """
-    spot_px = max(LEAST_SPOT_PX, round(params.spot_px * image_width / 1280) | 1)
-    square = np.ones((spot_px, spot_px), np.uint8)
-    return np.asarray(cv2.morphologyEx(distance, cv2.MORPH_CLOSE, square), np.float32)
-
-
-def spot_seeds(
-    distance: Float32Array, closed: Float32Array, threshold: float, params: FaintParams
-) -> BoolArray:
-    """Return the pixels that are nearer to the model than what is on all sides of them.
-
-    Parameters
-    ----------
-    distance, closed : (H, W) arrays
-        To the model, and with the spots filled.
-    threshold : float
-        Of the model.
-    """
-    rise = closed - distance
-    seeds: BoolArray = (
-        (distance < params.threshold_factor * threshold)
-        & (rise > params.least_rise_share * closed)
-        & (rise > params.least_rise)
-    )
-    return seeds
-
-
-def clear_groups(
-    groups: Groups,
-    distance: Float32Array,
-    reference: Float32Array,
-    greatest_px: int,
-    params: FaintParams,
-) -> Groups:
-    """Return the groups of pixels that come near the model and are worth to be measured.
-
-    Those that are too small, or as wide as their surroundings, are not: with what is wider a pixel
-    was compared with itself.
-
-    Parameters
-    ----------
-    groups : tuple
-        From `connected_groups`.
-    distance, reference : (H, W) arrays
-        To the model; of every pixel and of what it is compared with.
-    greatest_px : int
-        Width of the surroundings.
-    """
-    rows, columns, starts = groups
-    if len(rows) == 0:
-        return groups
-    begins = starts[:-1]
-    nearness = np.minimum.reduceat(distance[rows, columns] / reference[rows, columns], begins)
-    is_clear = (np.diff(starts) >= params.blobs.least_pixels) & (
-        nearness < params.greatest_nearness
-    )
-    for places in (rows, columns):
-        extent_px = np.maximum.reduceat(places, begins) - np.minimum.reduceat(places, begins)
-        is_clear &= extent_px < greatest_px
-    return chosen_groups(groups, is_clear)
+    square = np.ones((params.spot_px, params.spot_px), np.uint8)
+    closed = np.asarray(cv2.morphologyEx(distance, cv2.MORPH_CLOSE, square), np.float32)
+    least_rise = np.maximum(params.least_rise_share * closed, np.float32(params.least_rise))
+    reach = params.spot_px // 2
+    return grow_spots(closed - distance, least_rise, free, params.group_share, reach)
 
 
 def in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArray:
@@ -207,7 +131,7 @@ def likely_groups(
     lightness_weight: float,
     params: FaintParams,
 ) -> tuple[Groups, FloatArray]:
-    """Return the groups that are as likely a marker as is asked for if they are discs.
+    """Return the groups that are as likely a marker as is asked for if their form is right.
 
     Parameters
     ----------
@@ -223,23 +147,17 @@ def likely_groups(
     Returns
     -------
     tuple
-        The groups, and the log odds of each as a disc; see `log_odds_in_form`.
+        The groups, and the (N, 7) features of each, see `look_features`.
     """
     way = ways_to_marker(looks, colors_lab, lightness_weight)
-    features = spot_features(looks, way, np.ones(len(way.contrast)))
-    log_odds = features @ np.array(astuple(params.odds)[:-1]) + params.odds.constant
+    features = look_features(looks, way)
     is_likely = (
         (way.direction >= params.least_direction)
         & (way.aside <= params.greatest_aside)
         & (way.share >= params.least_share)
-        & (log_odds >= params.least_log_odds)
+        & (params.odds.in_best_form(features) >= params.least_log_odds)
     )
-    return chosen_groups(groups, is_likely), log_odds[is_likely]
-
-
-def log_odds_in_form(log_odds: float, axis_ratio: float, odds: SpotOdds) -> float:
-    """Return the log odds of a spot that is no disc: from those as a disc, and its axis ratio."""
-    return log_odds - odds.axis_ratio * (1.0 - axis_ratio)
+    return chosen_groups(groups, is_likely), features[is_likely]
 
 
 class Ways(NamedTuple):
@@ -281,25 +199,23 @@ def ways_to_marker(looks: Looks, colors_lab: FloatArray, lightness_weight: float
     return Ways(direction, share, contrasts, asides)
 
 
-def spot_features(looks: Looks, way: Ways, axis_ratios: FloatArray) -> FloatArray:
-    """Return the (N, 7) features that the odds go by, in the order of `SpotOdds`.
+def look_features(looks: Looks, way: Ways) -> FloatArray:
+    """Return the (N, 7) features of spots but their form, in the order of `FEATURES`.
 
     Parameters
     ----------
     looks : Looks
     way : Ways
         From `ways_to_marker`.
-    axis_ratios : (N,) array
-        Short over long axis.
     """
     return np.column_stack(
         [
             looks.unexplained,
             way.aside,
-            axis_ratios,
-            np.log(looks.separation),
+            np.minimum(np.log(looks.separation), MOST_LOG_SEPARATION),
             np.log(np.maximum(way.contrast, 1e-9)),
-            looks.middle,
+            np.clip(looks.middle, *MIDDLE_RANGE),
             np.sqrt(looks.against),
+            np.log(np.maximum(way.share, LEAST_SHARE)),
         ]
     )

@@ -63,8 +63,8 @@ class PostureParams:
 
     Attributes
     ----------
-    least_log_odds_of_mean : float
-        Of a faint spot in the mean picture, where it is no noise: 1, and 1.5 in each frame.
+    least_rise_of_mean, least_log_odds_of_mean : float
+        Of a faint spot in the mean picture, where it is no noise.
     least_pixel_share : float
         A depth pixel takes part if this share of the burst's frames measured it: 0.3.
     greatest_scatter_per_m : float
@@ -81,7 +81,8 @@ class PostureParams:
     """
 
     detection: DetectionParams = field(default_factory=DetectionParams)
-    least_log_odds_of_mean: float = 1.0
+    least_rise_of_mean: float = 1.5
+    least_log_odds_of_mean: float = 0.0
     burst: BurstParams = field(default_factory=BurstParams)
     position: PositionParams = field(default_factory=PositionParams)
     least_pixel_share: float = 0.3
@@ -228,10 +229,13 @@ class _Burst:
         """
         if isinstance(self._target, LedParams):
             return ()
-        least = self._params.least_log_odds_of_mean
-        detection = self._params.detection
-        faint = replace(detection.faint, least_log_odds=least, greatest_nearness=1.0)
-        params = replace(self._params, detection=replace(detection, faint=faint))
+        params, detection = self._params, self._params.detection
+        faint = replace(
+            detection.faint,
+            least_rise=params.least_rise_of_mean,
+            least_log_odds=params.least_log_odds_of_mean,
+        )
+        params = replace(params, detection=replace(detection, faint=faint))
         mean_rgb = self._mean.result()
         return find_markers(mean_rgb, sight, self._calibration, self._target, params).blobs
 
