@@ -36,6 +36,8 @@ SEEDS = (3, 4)
 """Of the scenes; the benchmarks have others."""
 N_FRAMES, ALONE = 12, (0, 2)
 """Frames of a burst; those that are looked at one by one, beside the mean of all."""
+LEAST_RISE_IN_FRAME = 5.0
+"""CIELAB units: some that are not looked for there, to save time, are learned from."""
 N_PROCESSES = 2
 RIDGE = 1.0
 N_STEPS = 2000
@@ -113,8 +115,8 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     mean = MeanPicture()
     for frame in frames:
         mean.add(frame.color_rgb)
-    in_frame, in_mean = FaintParams().least_rise, PostureParams().least_rise_of_mean
-    rows = [row for index in ALONE for row in spots(frames[index].color_rgb, in_frame)]
+    in_mean = PostureParams().least_rise_of_mean
+    rows = [row for index in ALONE for row in spots(frames[index].color_rgb, LEAST_RISE_IN_FRAME)]
     rows += spots(mean.result(), in_mean)
     features = np.array([row[0] for row in rows], float).reshape(-1, len(FEATURES))
     return features, np.array([row[1] for row in rows], bool)

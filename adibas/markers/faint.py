@@ -42,7 +42,7 @@ class FaintParams:
         What is narrower is a spot. Odd.
     least_rise_share, least_rise : float
         By how much the middle of a spot is nearer to the model than what is on all sides of it, as
-        a share of that and in CIELAB units: 5 in one picture, where less is noise.
+        a share of that and in CIELAB units: 7 in one picture, where less is noise.
     group_share : float
         Pixels about it that have this share of its rise belong to it.
     blobs : BlobParams
@@ -63,7 +63,7 @@ class FaintParams:
     blur_px: float = 0.7
     spot_px: int = 11
     least_rise_share: float = 0.1
-    least_rise: float = 5.0
+    least_rise: float = 7.0
     group_share: float = 0.5
     blobs: BlobParams = field(
         default_factory=lambda: BlobParams(
