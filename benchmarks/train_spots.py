@@ -1,7 +1,7 @@
 """Learn the odds that a faint spot is a marker: python -m benchmarks.train_spots.
 
-Prints the weights of `adibas.markers.spot_odds.SpotOdds`. What lies
-on a hidden marker is neither a marker nor none. No scene is one of a benchmark's.
+Prints the weights of `adibas.markers.spot_odds.SpotOdds`. What lies on a hidden marker is neither a
+marker nor none. No scene is one of a benchmark's.
 """
 
 import math
@@ -41,7 +41,7 @@ LEAST_RISE_IN_FRAME = 5.0
 N_PROCESSES = 2
 RIDGE = 1.0
 N_STEPS = 2000
-NONE = FaintParams(least_log_odds=math.inf)
+NO_SPOTS = FaintParams(least_log_odds=math.inf)
 SMALL_M, LARGE_M = 0.008, 0.012
 FAR_APART = 60.0
 """Two colours, in the plane of CIELAB's a and b."""
@@ -107,7 +107,7 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     def spots(picture_rgb: UInt8Array, least_rise: float) -> Iterator[tuple[FloatArray, bool]]:
         faint = FaintParams(least_rise=least_rise, least_log_odds=-math.inf)
         params, at = DetectionParams(faint=faint), (picture_rgb, outline, depth_m, focal_px)
-        full = find_color_markers(*at, model, replace(params, faint=NONE)).blobs
+        full = find_color_markers(*at, model, replace(params, faint=NO_SPOTS)).blobs
         yield from _judged(spots_with_features(*at, model, params), full, truth)
         for _, features in spots_with_features(*at, stranger, params):
             yield features, False
@@ -115,9 +115,8 @@ def spots_of(settings: SceneSettings) -> tuple[FloatArray, BoolArray]:
     mean = MeanPicture()
     for frame in frames:
         mean.add(frame.color_rgb)
-    in_mean = PostureParams().least_rise_of_mean
     rows = [row for index in ALONE for row in spots(frames[index].color_rgb, LEAST_RISE_IN_FRAME)]
-    rows += spots(mean.result(), in_mean)
+    rows += spots(mean.result(), PostureParams().least_rise_of_mean)
     features = np.array([row[0] for row in rows], float).reshape(-1, len(FEATURES))
     return features, np.array([row[1] for row in rows], bool)
 
