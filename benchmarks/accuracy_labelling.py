@@ -11,6 +11,7 @@ need ADIBAS_REAL_DATA.
 """
 
 import math
+import operator
 import os
 import time
 from collections.abc import Iterable, Iterator
@@ -60,6 +61,13 @@ class Count:
         pairs = [(a, b) for a, b in zip(names, truth, strict=True) if a is not None and a != b]
         self.wrong += bool(pairs)
         self.swapped += any(b is not None and other_side(b) == a for a, b in pairs)
+
+    def __add__(self, other: "Count") -> "Count":
+        """Return what became of both."""
+        own, more = (
+            (one.n, one.right, one.wrong, one.swapped, one.seconds) for one in (self, other)
+        )
+        return Count(*map(operator.add, own, more))
 
 
 def rows(*, quick: bool) -> Iterable[Row]:
@@ -163,12 +171,15 @@ def facing(shapes_m: FloatArray) -> FloatArray:
 
 
 def _real_rows(folder: Path, share: int) -> Iterator[Row]:
+    alone = Count()
     for name in ("Static_trial", "RoboStatic", "Movement_trial"):
         path = folder / "markers_c3d" / f"{name}.c3d"
         joints_m = read_c3d_joints(path)
         whole = joints_m[~np.isnan(joints_m).any(axis=(1, 2))]
         few = facing(whole[:: STEP_MARKERS * share])
-        yield from _rows(f"{name}.c3d", label_all(few, len(few), "told"), 97.0)
+        count = label_all(few, len(few), "told")
+        alone += count
+        yield from _rows(f"{name}.c3d", count, 97.0)
         yield from _rows(f"{name}.c3d, view not told", label_all(few, len(few), ""), None)
         changed = label_all(few, len(few), "told", n_changed=1)
         yield from _rows(f"{name}.c3d, 1 missing and 1 spurious", changed, None)
@@ -178,9 +189,11 @@ def _real_rows(folder: Path, share: int) -> Iterator[Row]:
         movements = [read_mocap_joints(files[0].parent / f"{subject}.asf", one) for one in files]
         frames = np.concatenate([one[:: STEP_MOCAP * share] for one in movements])
         count = label_all(facing(frames), len(frames), "told")
+        alone += count
         yield from _rows(f"mocap {subject}, each frame alone, view told", count, 97.0)
         followed = _followed(movements[::share], MOCAP_HZ)
         yield from _rows(f"mocap {subject}, followed", followed, 97.0)
+    yield from _rows("all frames of files and mocap, each alone, view told", alone, 97.0)
     yield from _kinect_rows(folder, share)
 
 
