@@ -272,7 +272,7 @@ def _refusal_of_size(blob: Blob, diameter_m: float, params: BlobParams) -> str |
 
 def _refusal_of_form(blob: Blob, params: BlobParams) -> str | None:
     if blob.n_pixels < params.least_pixels:
-        return TOO_SMALL
+        return TOO_WEAK
     if blob.prominence < params.least_prominence or blob.filling < params.least_filling:
         return NOT_ALONE
     if blob.n_pixels < LEAST_TOLD_PX and blob.unexplained < params.least_unexplained:

@@ -10,6 +10,7 @@ Source: thesis, section 6.1.1 (distance to the centroids, morphology, blob centr
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -17,6 +18,8 @@ import numpy as np
 from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array, check_shape
 from adibas.data.markers import RejectedBlob
 from adibas.markers.blobs import (
+    TOO_LARGE,
+    TOO_LONG,
     Blob,
     BlobParams,
     Groups,
@@ -41,6 +44,13 @@ from adibas.markers.likeness_kernels import unlikeness
 
 MARGIN_PX = 24
 """About the body: what a marker on the outline is compared with."""
+
+LEAST_PIXELS = 10
+"""Of a marker that is told by its own colour: fewer may as well be of a border or a seam, and what
+they are is left to the odds of faint spots."""
+
+OF_FORM = TOO_LARGE, TOO_LONG
+"""What is the marker's colour and was refused for these reasons holds no faint marker."""
 
 BESIDE_PX = 3
 """About the pixels of a marker: its rim is no spot of its own."""
@@ -79,7 +89,7 @@ class DetectionParams:
         Widths of the surroundings, smallest first: for stickers of some pixels, and for large
         ones. Odd, in pixels of a 1280 wide image.
     seeds, blobs : SeedParams, BlobParams
-        Pixels and blobs of markers that reach their own colour somewhere.
+        Pixels and blobs of markers that reach their own colour, 10 pixels of them.
     faint : FaintParams
         Those that do not; they are looked for last, beside the others.
     """
@@ -88,7 +98,7 @@ class DetectionParams:
     light_range: float = 1.15
     surround_px: tuple[int, ...] = (31, 121)
     seeds: SeedParams = field(default_factory=SeedParams)
-    blobs: BlobParams = field(default_factory=BlobParams)
+    blobs: BlobParams = field(default_factory=lambda: BlobParams(least_pixels=LEAST_PIXELS))
     faint: FaintParams = field(default_factory=FaintParams)
 
 
@@ -136,10 +146,11 @@ def find_color_markers(
     if search is None:
         return Detections((), (), 0.0)
     rejected = tuple(search.rejected)  # of faint spots nobody asks why they are none
-    groups, blobs, features = search.spots()
-    is_likely = params.faint.odds.of(features) >= params.faint.least_log_odds
-    likely = [blob if is_one else None for blob, is_one in zip(blobs, is_likely, strict=True)]
-    search.judge(groups, likely, params.faint.blobs)
+    spots, odds = search.spots(), params.faint.odds
+    log_odds = odds.among(odds.alone(spots.features), spots.n_crowd)
+    is_likely = log_odds >= params.faint.least_log_odds
+    likely = [blob if is_one else None for blob, is_one in zip(spots.blobs, is_likely, strict=True)]
+    search.judge(spots.groups, likely, params.faint.blobs)
     matched = search.matched_share(model.threshold)
     return Detections(tuple(search.found), without_found(rejected, search.found), matched)
 
@@ -151,19 +162,19 @@ def spots_with_features(
     focal_px: float,
     model: ColorModel,
     params: DetectionParams,
-) -> tuple[tuple[Blob, FloatArray], ...]:
+) -> tuple[tuple[Blob | None, FloatArray], ...]:
     """Return what faint markers are chosen from, each with the (8,) features its odds go by.
 
-    For those who learn the odds; see `find_color_markers`.
+    For those who learn the odds; see `find_color_markers`. None: it has not the form of a marker,
+    and is only one of the picture's crowd.
     """
     search = _begun(color_rgb, body, depth_m, focal_px, model, params)
     if search is None:
         return ()
-    _, blobs, features = search.spots()
-    judged = [search.judged(blob, params.faint.blobs) for blob in blobs]
-    return tuple(
-        (blob, row) for blob, row in zip(judged, features, strict=True) if isinstance(blob, Blob)
-    )
+    spots = search.spots()
+    judged = [search.judged(blob, params.faint.blobs) for blob in spots.blobs]
+    found = [blob if isinstance(blob, Blob) else None for blob in judged]
+    return tuple(zip(found, spots.features, strict=True))
 
 
 def _begun(
@@ -191,6 +202,15 @@ def _begun(
     return search
 
 
+class _Spots(NamedTuple):
+    """N spots: pixels of each, their blobs, the (N, 8) features, and the size of the crowd."""
+
+    groups: Groups
+    blobs: tuple[Blob, ...]
+    features: FloatArray
+    n_crowd: int
+
+
 class _Search:
     """One window of a picture, what was found in it so far, and which pixels that has taken."""
 
@@ -206,6 +226,7 @@ class _Search:
         self._centroids_lab, self._params = centroids_lab, params
         self._lab, self.distance = self._compared(color_rgb)
         self._taken = np.zeros(inside.shape, np.bool_)
+        self._refused = np.zeros(inside.shape, np.bool_)
         self.found: list[Blob] = []
         self.rejected: list[RejectedBlob] = []
 
@@ -236,8 +257,8 @@ class _Search:
         weight = self._params.lightness_weight
         return measure_blobs(self._lab, self.distance, groups, weight)
 
-    def spots(self) -> tuple[Groups, tuple[Blob, ...], FloatArray]:
-        """Return the spots that can be faint markers, and the (N, 8) features of each.
+    def spots(self) -> "_Spots":
+        """Return the spots that can be faint markers.
 
         They are looked for in the blurred picture, and measured in the sharp one.
         """
@@ -246,14 +267,16 @@ class _Search:
         groups = find_spots(distance, self._free(), faint)
         looks = look_at(lab, distance, groups, weight)
         colors_lab = in_other_light(self._centroids_lab, faint.light_range)
-        groups, of_looks = likely_groups(groups, looks, colors_lab, weight, faint)
-        blobs = self.measured(groups)
-        return groups, blobs, np.column_stack([of_looks, [blob.axis_ratio for blob in blobs]])
+        likely = likely_groups(groups, looks, colors_lab, weight, faint)
+        blobs = self.measured(likely.groups)
+        features = np.column_stack([likely.looks, [blob.axis_ratio for blob in blobs]])
+        return _Spots(likely.groups, blobs, features, likely.n_crowd)
 
     def _free(self) -> BoolArray:
-        """Return the pixels of the body that are not near to what was found."""
+        """Return the pixels of the body that are not near to what was found or has no such form."""
         near = np.ones((2 * BESIDE_PX + 1, 2 * BESIDE_PX + 1), np.uint8)
-        free: BoolArray = self._inside & (cv2.dilate(self._taken.astype(np.uint8), near) == 0)
+        told = (self._taken | self._refused).astype(np.uint8)
+        free: BoolArray = self._inside & (cv2.dilate(told, near) == 0)
         return free
 
     def judge(self, groups: Groups, blobs: Sequence[Blob | None], params: BlobParams) -> None:
@@ -265,6 +288,8 @@ class _Search:
                 self._taken[pixels_of(groups, index)] = True
             elif found is not None:
                 self.rejected.append(found)
+                if found.reason in OF_FORM:
+                    self._refused[pixels_of(groups, index)] = True
 
     def judged(self, blob: Blob, params: BlobParams) -> Blob | RejectedBlob | None:
         """Return the blob in pixels of the picture if it can be a marker; see `judge`."""

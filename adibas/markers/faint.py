@@ -16,7 +16,7 @@ import numpy as np
 from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.markers.blobs import BlobParams, Groups, Looks, chosen_groups
 from adibas.markers.faint_kernels import grow_spots
-from adibas.markers.spot_odds import SpotOdds
+from adibas.markers.spot_odds import SpotOdds, crowd_size
 
 N_LIGHTS = 9
 LIGHTNESS_OFFSET = np.array([16.0, 0.0, 0.0])
@@ -124,14 +124,32 @@ def in_other_light(centroids_lab: Float32Array, light_range: float) -> FloatArra
     return colors_lab
 
 
+class Likely(NamedTuple):
+    """Spots that can be markers.
+
+    Attributes
+    ----------
+    groups : tuple
+        Their pixels, as `connected_groups` has them.
+    looks : (N, 7) array
+        Features of each but its form, see `look_features`.
+    n_crowd : int
+        How many spots of the picture look a little like a marker.
+    """
+
+    groups: Groups
+    looks: FloatArray
+    n_crowd: int
+
+
 def likely_groups(
     groups: Groups,
     looks: Looks,
     colors_lab: FloatArray,
     lightness_weight: float,
     params: FaintParams,
-) -> tuple[Groups, FloatArray]:
-    """Return the groups that are as likely a marker as is asked for if their form is right.
+) -> Likely:
+    """Choose the groups that are as likely a marker as is asked for if their form is right.
 
     Parameters
     ----------
@@ -143,21 +161,18 @@ def likely_groups(
         The marker's colours in every light: from `in_other_light`.
     lightness_weight : float
         Of a squared difference in L against one in a and b.
-
-    Returns
-    -------
-    tuple
-        The groups, and the (N, 7) features of each, see `look_features`.
     """
     way = ways_to_marker(looks, colors_lab, lightness_weight)
-    features = look_features(looks, way)
-    is_likely = (
+    features, odds = look_features(looks, way), params.odds
+    is_on_way = (
         (way.direction >= params.least_direction)
         & (way.aside <= params.greatest_aside)
         & (way.share >= params.least_share)
-        & (params.odds.in_best_form(features) >= params.least_log_odds)
     )
-    return chosen_groups(groups, is_likely), features[is_likely]
+    in_best_form = odds.alone_in_best_form(features)
+    n_crowd = crowd_size(in_best_form[is_on_way])
+    is_likely = is_on_way & (odds.among(in_best_form, n_crowd) >= params.least_log_odds)
+    return Likely(chosen_groups(groups, is_likely), features[is_likely], n_crowd)
 
 
 class Ways(NamedTuple):

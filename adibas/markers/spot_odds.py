@@ -1,10 +1,12 @@
-"""How likely a faint spot is a marker: log odds, quadratic in what the spot looks like."""
+"""How likely a faint spot is a marker: by what it looks like, and by how many look nearly so."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from adibas.arrays import FloatArray, check_shape
+from adibas.markers.spot_odds_learned import CROWD, OFFSET, UNITS
 
 FEATURES = (
     "unexplained",
@@ -26,65 +28,61 @@ of a seam have the opposite colour beside them); the logarithm of how far its co
 to the marker's (what is wide and full is the marker itself, or none); short over long axis.
 """
 
-LEARNED = (
-    (-3.4291, -7.1638, 0.016095, 2.8011, -2.8604, 4.2237, -2.7819, 3.7074, 0.72992),
-    (-1.0197, -0.71789, -1.3323, 6.5008, -4.9201, -10.236, -4.0047, 14.066),
-    (0.017803, -0.00020486, 0.10406, -0.038634, 0.27687, 0.21718, -0.80859),
-    (-0.28182, 0.00030522, 0.15958, -0.39611, 0.16091, -1.0186),
-    (-0.65801, 0.027007, 0.54005, -0.27327, 6.2168),
-    (-1.3517, 0.11787, -0.59683, 3.5007),
-    (0.26428, -0.2718, 1.8306),
-    (0.092648, -1.0367),
-    (-13.876,),
-)
-"""Of 1 and the features: what each product counts, from the diagonal on.
-
-Learned by logistic regression from 383,795 spots in 408 simulated scenes, of which 2,783 were
-markers (`python -m benchmarks.train_spots`).
-"""
+FORMS = np.linspace(0.2, 1.0, 9)
+"""Short over long axis of what may be a marker."""
+CROWD_ODDS = -8.0, -2.0
+"""Log odds of what looks a little like a marker and is none: the crowd of a picture."""
+LARGEST_CROWD = 100
+"""Of a picture that is learned from; more count as many."""
 
 
 @dataclass(frozen=True, slots=True)
 class SpotOdds:
-    """Log odds that a spot is a marker: x'Wx, where x is 1 and its features.
+    """Log odds that a spot is a marker.
+
+    By its look alone they are what a network of one layer says, offset + sum of v tanh(b + w'x).
+    Where much in a picture looks a little like markers, more is likely to look much like one by
+    chance: with m = log(1 + size of that crowd) and k the crowd's weights, the odds become
+    k0 + k1 odds + k2 m + k3 odds m.
 
     Attributes
     ----------
-    weights : tuple of tuple of float
-        The upper triangle of W, row by row.
+    units : tuple of tuple of float
+        Of each unit v, b, and w by feature.
+    offset : float
+    crowd : tuple of float
     """
 
-    weights: tuple[tuple[float, ...], ...] = LEARNED
+    units: tuple[tuple[float, ...], ...] = UNITS
+    offset: float = OFFSET
+    crowd: tuple[float, float, float, float] = CROWD
 
     def __post_init__(self) -> None:
-        n_terms = 1 + len(FEATURES)
-        if tuple(len(row) for row in self.weights) != tuple(range(n_terms, 0, -1)):
-            raise ValueError(f"weights must be the upper triangle of {n_terms} rows")
+        if not self.units or any(len(unit) != 2 + len(FEATURES) for unit in self.units):
+            raise ValueError(f"a unit must be its weight, its bias and {len(FEATURES)} weights")
 
-    @property
-    def matrix(self) -> FloatArray:
-        """Return W, zero below its diagonal."""
-        n_terms = len(self.weights)
-        matrix = np.zeros((n_terms, n_terms))
-        for index, row in enumerate(self.weights):
-            matrix[index, index:] = row
-        return matrix
-
-    def of(self, features: FloatArray) -> FloatArray:
-        """Return the (N,) log odds of (N, 8) features."""
+    def alone(self, features: FloatArray) -> FloatArray:
+        """Return the (N,) log odds of (N, 8) features by themselves."""
         check_shape("features", features, (len(features), len(FEATURES)))
-        terms = np.column_stack([np.ones(len(features)), features])
-        odds: FloatArray = np.einsum("ni,ij,nj->n", terms, self.matrix, terms)
+        units = np.array(self.units)
+        hidden: FloatArray = np.tanh(features @ units[:, 2:].T + units[:, 1])
+        odds: FloatArray = hidden @ units[:, 0] + self.offset
         return odds
 
-    def in_best_form(self, looks: FloatArray) -> FloatArray:
-        """Return the (N,) log odds of (N, 7) features if the form is the likeliest there is."""
-        rest = np.column_stack([looks, np.zeros(len(looks))])
-        terms = np.column_stack([np.ones(len(looks)), looks])
-        slope, bend = terms @ self.matrix[:-1, -1], self.matrix[-1, -1]
-        forms = np.zeros((2, len(looks)))
-        forms[1] = 1.0
-        if bend < 0.0:
-            forms[0] = np.clip(-0.5 * slope / bend, 0.0, 1.0)
-        odds: FloatArray = self.of(rest) + (forms * slope + bend * forms**2).max(axis=0)
-        return odds
+    def alone_in_best_form(self, looks: FloatArray) -> FloatArray:
+        """Return the (N,) log odds of (N, 7) features if the form is the likeliest of `FORMS`."""
+        of_forms = [self.alone(np.column_stack([looks, np.full(len(looks), a)])) for a in FORMS]
+        best: FloatArray = np.max(of_forms, axis=0)
+        return best
+
+    def among(self, alone: FloatArray, n_crowd: int) -> FloatArray:
+        """Return the (N,) log odds in a picture with such a crowd; see `crowd_size`."""
+        much = math.log1p(min(n_crowd, LARGEST_CROWD))
+        base, slope, of_crowd, of_both = self.crowd
+        return base + of_crowd * much + (slope + of_both * much) * alone
+
+
+def crowd_size(in_best_form: FloatArray) -> int:
+    """Return how many spots of a picture look a little like a marker."""
+    least, most = CROWD_ODDS
+    return int(((in_best_form > least) & (in_best_form < most)).sum())

@@ -5,6 +5,7 @@ is a mixture once the lens and the mosaic of the colour filter have been there.
 """
 
 import itertools
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -23,6 +24,7 @@ from adibas.markers.faint import (
     ways_to_marker,
 )
 from adibas.markers.lab import rgb_to_lab
+from adibas.markers.spot_odds import crowd_size
 
 SIZE = (120, 160)
 SKIN, DARK_SKIN = np.array([200.0, 150, 125]), np.array([85.0, 50, 35])
@@ -175,9 +177,9 @@ def on_the_way(picture, params=None):
     groups, distance, _ = measured(picture, PLACES[:1])
     colors_lab = in_other_light(MODEL.centroids_lab, params.light_range)
     looks = look_at(rgb_to_lab(picture), distance, groups, 0.15)
-    likely, features = likely_groups(groups, looks, colors_lab, 0.15, params)
-    assert len(features) == len(likely[2]) - 1
-    return len(features) > 0
+    likely = likely_groups(groups, looks, colors_lab, 0.15, params)
+    assert len(likely.looks) == len(likely.groups[2]) - 1
+    return len(likely.looks) > 0
 
 
 @pytest.mark.parametrize(
@@ -237,19 +239,26 @@ def test_a_middle_that_is_nothing_but_noise_counts_no_more_than_a_clear_one():
     np.testing.assert_array_equal(rows[2], rows[3])
 
 
-def test_faint_markers_are_the_likely_ones_of_the_spots_that_are_learned_from():
-    picture = on(SKIN, 1.1)
-    every = DetectionParams(faint=FaintParams(least_log_odds=-np.inf))
-    none = DetectionParams(faint=FaintParams(least_log_odds=np.inf))
+@pytest.mark.parametrize("noise", [2.0, 8.0])
+def test_faint_markers_are_the_likely_ones_of_the_spots_that_are_learned_from(noise):
+    share = discs(1.1)
+    picture = seen(share * GREEN + (1 - share) * SKIN, noise=noise)
+    faint = FaintParams(least_rise=1.5)
+    every = DetectionParams(faint=replace(faint, least_log_odds=-np.inf))
+    none = DetectionParams(faint=replace(faint, least_log_odds=np.inf))
     spots = spots_with_features(picture, BODY, DEPTH_M, FOCAL_PX, MODEL, every)
-    odds = FaintParams().odds.of(np.array([row for _, row in spots]))
-    likely = odds >= FaintParams().least_log_odds
-    found, full = ({(one.u, one.v) for one in find(picture, by).blobs} for by in (None, none))
-    assert {
-        (blob.u, blob.v) for (blob, _), is_one in zip(spots, likely, strict=True) if is_one
-    } == found - full
-    assert len(found - full) >= 3
-    assert all(row[-1] == blob.axis_ratio for blob, row in spots)
+    odds, rows = faint.odds, np.array([row for _, row in spots])
+    n_crowd = crowd_size(odds.alone_in_best_form(rows[:, :-1]))
+    assert (n_crowd > 0) == (noise > 2.0)
+    likely = odds.among(odds.alone(rows), n_crowd) >= faint.least_log_odds
+    chosen = [blob for (blob, _), is_one in zip(spots, likely, strict=True) if is_one]
+    found = find(picture, DetectionParams(faint=faint)).blobs
+    assert find(picture, none).blobs == ()
+    assert {(blob.u, blob.v) for blob in chosen if blob is not None} == {
+        (one.u, one.v) for one in found
+    }
+    assert len(found) >= 3
+    assert all(row[-1] == blob.axis_ratio for blob, row in spots if blob is not None)
 
 
 def test_where_nobody_is_there_is_no_spot():
