@@ -6,15 +6,8 @@ import numpy as np
 import pytest
 
 from adibas.markers.spot_odds import FEATURES, FORMS, LARGEST_CROWD, SpotOdds, crowd_size
-from benchmarks.train_spots import (
-    FRINGES_PX,
-    IS_MARKER,
-    IS_NONE,
-    Spots,
-    learn_crowd,
-    learn_look,
-    with_fringes,
-)
+from benchmarks.spot_learning import IS_MARKER, IS_NONE, Spots, joined, learn_crowd, learn_look
+from benchmarks.train_spots import FRINGES_PX, with_fringes
 
 RNG = np.random.default_rng(4)
 ROWS = RNG.normal(size=(30, len(FEATURES)))
@@ -93,6 +86,15 @@ def test_what_was_drawn_from_odds_is_learned_again():
 def _loss(odds, is_marker):
     """Return minus the mean log likelihood."""
     return np.logaddexp(0.0, np.where(is_marker, -odds, odds)).mean()
+
+
+def test_joined_scenes_keep_their_pictures_apart():
+    kind = np.full(4, IS_NONE)
+    scenes = [Spots(ROWS[:4], kind, np.array(at)) for at in ([0, 0, 1, 2], [0, 1, 1, 1])]
+    empty = Spots(ROWS[:0], kind[:0], np.empty(0, int))
+    found = joined([scenes[0], empty, scenes[1]])
+    np.testing.assert_array_equal(found.picture, [0, 0, 1, 2, 3, 4, 4, 4])
+    np.testing.assert_array_equal(found.features, np.vstack([ROWS[:4], ROWS[:4]]))
 
 
 def test_what_a_crowd_makes_of_odds_is_learned_again():
