@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, IntArray
-from adibas.markers.spot_odds import LARGEST_CROWD, SpotOdds, crowd_size
+from adibas.markers.spot_odds import SpotOdds, crowd_size, log_crowd
 
 N_UNITS, RIDGE, N_STEPS = 24, 5.0, 600
 UNIT_SEED = 0
@@ -130,27 +130,33 @@ class _Network:
         units = np.tanh(self._inputs @ weights.T + biases)
         log_odds = (units @ values).astype(float) + offset
         ridge = RIDGE * np.append(vector[:-1], 0.0)
-        value = np.logaddexp(0.0, log_odds).sum() - log_odds[self._is_marker].sum()
-        error = (expit(log_odds) - self._is_marker).astype(np.float32)
+        value, slope_of_odds = _unlikelihood(log_odds, self._is_marker)
+        error = slope_of_odds.astype(np.float32)
         through = error[:, None] * values * (1.0 - units**2)
         slopes = (units.T @ error, through.sum(axis=0), (through.T @ self._inputs).ravel())
         slope = np.concatenate([*slopes, [error.sum()]]).astype(float) + ridge
-        return float(value + 0.5 * ridge @ vector), slope
+        return value + 0.5 * float(ridge @ vector), slope
 
 
 def learn_crowd(rows: FloatArray, is_marker: BoolArray) -> tuple[float, float, float, float]:
     """Return the weights of 1, log odds, crowd and both, of (N, 2) log odds alone and crowds."""
-    alone, much = rows[:, 0], np.log1p(np.minimum(rows[:, 1], LARGEST_CROWD))
+    alone, much = rows[:, 0], log_crowd(rows[:, 1])
     terms = np.column_stack([np.ones(len(rows)), alone, much, alone * much])
 
     def loss(weights: FloatArray) -> tuple[float, FloatArray]:
         log_odds = terms @ weights
-        value = np.logaddexp(0.0, log_odds).sum() - log_odds[is_marker].sum()
-        return float(value), terms.T @ (expit(log_odds) - is_marker)
+        value, error = _unlikelihood(log_odds, is_marker)
+        return value, terms.T @ error
 
     found = minimize(loss, np.array(NO_CROWD), jac=True).x
     base, slope, of_crowd, of_both = (_rounded(value) for value in found)
     return base, slope, of_crowd, of_both
+
+
+def _unlikelihood(log_odds: FloatArray, is_marker: BoolArray) -> tuple[float, FloatArray]:
+    """Return minus the log likelihood of what is a marker, and its (N,) slope by log odds."""
+    value = np.logaddexp(0.0, log_odds).sum() - log_odds[is_marker].sum()
+    return float(value), np.asarray(expit(log_odds) - is_marker)
 
 
 def _rounded(value: float) -> float:

@@ -176,10 +176,13 @@ def _judged(
     """
     taken = {_marker_at(one, truth) for one in full}
     for blob, features in spots:
-        index = None if blob is None else _marker_at(blob, truth)
-        is_marker = index is not None and index not in taken
-        is_open = blob is None or (is_marker and not truth.markers[index or 0].is_visible)
-        yield features, IS_OPEN if is_open else IS_MARKER if is_marker else IS_NONE
+        yield features, IS_OPEN if blob is None else _kind_of(_marker_at(blob, truth), taken, truth)
+
+
+def _kind_of(marker: int | None, taken: set[int | None], truth: FrameTruth) -> int:
+    if marker is None or marker in taken:
+        return IS_NONE
+    return IS_MARKER if truth.markers[marker].is_visible else IS_OPEN
 
 
 def _marker_at(blob: Blob, truth: FrameTruth) -> int | None:

@@ -49,7 +49,7 @@ LEAST_PIXELS = 10
 """Of a marker that is told by its own colour: fewer may as well be of a border or a seam, and what
 they are is left to the odds of faint spots."""
 
-OF_FORM = TOO_LARGE, TOO_LONG
+REASONS_OF_FORM = TOO_LARGE, TOO_LONG
 """What is the marker's colour and was refused for these reasons holds no faint marker."""
 
 BESIDE_PX = 3
@@ -288,7 +288,7 @@ class _Search:
                 self._taken[pixels_of(groups, index)] = True
             elif found is not None:
                 self.rejected.append(found)
-                if found.reason in OF_FORM:
+                if found.reason in REASONS_OF_FORM:
                     self._refused[pixels_of(groups, index)] = True
 
     def judged(self, blob: Blob, params: BlobParams) -> Blob | RejectedBlob | None:

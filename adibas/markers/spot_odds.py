@@ -1,6 +1,5 @@
 """How likely a faint spot is a marker: by what it looks like, and by how many look nearly so."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,21 +64,30 @@ class SpotOdds:
         """Return the (N,) log odds of (N, 8) features by themselves."""
         check_shape("features", features, (len(features), len(FEATURES)))
         units = np.array(self.units)
-        hidden: FloatArray = np.tanh(features @ units[:, 2:].T + units[:, 1])
-        odds: FloatArray = hidden @ units[:, 0] + self.offset
-        return odds
+        return self._out_of(features @ units[:, 2:].T + units[:, 1], units)
 
     def alone_in_best_form(self, looks: FloatArray) -> FloatArray:
         """Return the (N,) log odds of (N, 7) features if the form is the likeliest of `FORMS`."""
-        of_forms = [self.alone(np.column_stack([looks, np.full(len(looks), a)])) for a in FORMS]
+        units = np.array(self.units)
+        of_looks = looks @ units[:, 2:-1].T + units[:, 1]
+        of_forms = [self._out_of(of_looks + form * units[:, -1], units) for form in FORMS]
         best: FloatArray = np.max(of_forms, axis=0)
         return best
 
+    def _out_of(self, sums: FloatArray, units: FloatArray) -> FloatArray:
+        odds: FloatArray = np.tanh(sums) @ units[:, 0] + self.offset
+        return odds
+
     def among(self, alone: FloatArray, n_crowd: int) -> FloatArray:
         """Return the (N,) log odds in a picture with such a crowd; see `crowd_size`."""
-        much = math.log1p(min(n_crowd, LARGEST_CROWD))
+        much = float(log_crowd(n_crowd))
         base, slope, of_crowd, of_both = self.crowd
         return base + of_crowd * much + (slope + of_both * much) * alone
+
+
+def log_crowd(n_crowd: FloatArray | int) -> FloatArray:
+    """Return log(1 + n), of `LARGEST_CROWD` where there are more."""
+    return np.asarray(np.log1p(np.minimum(n_crowd, LARGEST_CROWD)))
 
 
 def crowd_size(in_best_form: FloatArray) -> int:

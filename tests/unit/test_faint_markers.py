@@ -261,6 +261,16 @@ def test_faint_markers_are_the_likely_ones_of_the_spots_that_are_learned_from(no
     assert all(row[-1] == blob.axis_ratio for blob, row in spots if blob is not None)
 
 
+def test_a_marker_of_few_pixels_is_told_by_the_odds_alone():
+    """Nine pixels of its colour may as well be of a seam; the odds see what is about them."""
+    no_spots = DetectionParams(faint=FaintParams(least_log_odds=np.inf))
+    picture = np.broadcast_to(SKIN, (*SIZE, 3)).astype(np.uint8).copy()
+    picture[40:43, 40:43] = picture[80:84, 80:84] = GREEN
+    (large,) = find(picture, no_spots).blobs
+    assert (large.u, large.v) == pytest.approx((81.5, 81.5), abs=0.3)
+    assert n_right(find(picture).blobs, [(41.0, 41.0), (81.5, 81.5)]) == 2
+
+
 def test_where_nobody_is_there_is_no_spot():
     every = DetectionParams(faint=FaintParams(least_log_odds=-np.inf))
     assert spots_with_features(on(SKIN, 1.1), ~BODY, DEPTH_M, FOCAL_PX, MODEL, every) == ()
