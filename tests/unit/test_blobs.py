@@ -227,6 +227,19 @@ def test_a_speck_that_colours_beside_it_explain_is_no_marker_and_told_to_nobody(
     assert is_marker or judged is None
 
 
+def test_a_blob_of_too_few_pixels_is_too_faint_and_not_too_small():
+    """Of a disc that is wide enough little may have the full colour: its size is not the reason."""
+    depth_m = np.full((SIZE, SIZE), 2.0, np.float32)
+    (blob,) = measured(*disc_picture(22.0, 22.0, 1.8))
+    params = BlobParams(least_pixels=LEAST_TOLD_PX + 2)
+    judged = [
+        judge(replace(blob, n_pixels=n_pixels), np.zeros(2), depth_m, 1050.0, params)
+        for n_pixels in (LEAST_TOLD_PX + 1, LEAST_TOLD_PX + 2)
+    ]
+    assert judged[0].reason == "too faint against its surroundings"
+    assert isinstance(judged[1], Blob)
+
+
 def test_depth_near_a_marker_is_the_median_of_what_is_known():
     depth_m = np.full((20, 20), np.nan, np.float32)
     assert depth_near(depth_m, 9.0, 9.0, 3.0) is None

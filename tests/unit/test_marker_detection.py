@@ -10,7 +10,8 @@ import pytest
 from adibas.markers.blobs import Blob
 from adibas.markers.burst import BurstParams, BurstTracker
 from adibas.markers.color_model import ColorModel
-from adibas.markers.detection import DetectionParams, find_color_markers
+from adibas.markers.detection import DetectionParams, find_color_markers, spots_with_features
+from adibas.markers.faint import FaintParams
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.led import LedParams, find_led_markers
 
@@ -124,6 +125,17 @@ def test_large_and_small_markers_are_found_side_by_side():
     assert sorted(round(blob.u) for blob in found) == [60, 140]
     large = max(found, key=lambda blob: blob.radius_px)
     assert large.radius_px == pytest.approx(14.0, rel=0.1)
+
+
+def test_what_has_a_form_that_no_marker_has_holds_no_faint_marker():
+    """However little is asked of the odds."""
+    every = DetectionParams(faint=FaintParams(least_rise=1.5, least_log_odds=-np.inf))
+    depth_m = np.full(SIZE, 1.2, np.float32)
+    picture = painted([disc(100, 80, 24.0, ratio=0.12), disc(40, 80, 1.2)], noise=2.0)
+    spots = spots_with_features(picture, BODY, depth_m, FOCAL_PX, MODEL, every)
+    places = [(blob.u, blob.v) for blob, _ in spots if blob is not None]
+    assert not any(abs(u - 100) < 3.0 and abs(v - 80) < 24.0 for u, v in places)
+    assert any(np.hypot(u - 40, v - 80) < 1.0 for u, v in places)
 
 
 @pytest.mark.parametrize(
