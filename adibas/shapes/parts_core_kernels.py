@@ -10,7 +10,8 @@ from adibas.shapes.labelling_kernels import LOG_2PI, factor
 from adibas.shapes.parts_types import Core, Odds
 
 NEVER = -1e30
-LEAST_CORE = 3
+LEAST_CORE = 2
+"""Points that tell how a core is turned: both hips of a patient of whom nothing above is seen."""
 
 
 @compiled

@@ -33,6 +33,8 @@ MOST_WAYS = 3000
 MOST_NATS = 500.0
 SETTLED = 0.99
 """Share of all names from which on the quick search is believed."""
+HIPS_FACTOR, STEEPEST = 2.0, 0.5
+"""How much nearer or farther apart than the usual ones hips may be, and how far out of level."""
 MOST_POINTS = 40
 """Of a set that is searched by parts; more take seconds, and are no markers of one person."""
 
@@ -111,6 +113,7 @@ def find_by_parts(
     expected = expected_odds(model, len(points), view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
+    laid = np.concatenate([laid, _by_hips(points, model)])
     laid = np.concatenate([laid, _forced(laid, known.given, model.core.labels)])
     pool = _searched(model, points, np.concatenate([starts, laid]), expected, known.given)
     if not len(pool.energies):
@@ -134,6 +137,20 @@ def _by_neighbours(
         points / radius_m, shifts, tree.edges, tree.log_lengths, prepared.wide_sds,
         tree.directions, log_room, 2.0 * expected.lone,
     )  # fmt: skip
+
+
+def _by_hips(points: FloatArray, model: PartsModel) -> IntArray:
+    """Return cores of two points that may be both hips: of some patients nothing above is seen."""
+    hips = model.limbs.roots[LEGS]
+    first_m, second_m = model.core.mean[hips]
+    usual_m = np.linalg.norm(second_m - first_m)
+    ways_m = points[None] - points[:, None]
+    aparts_m = np.linalg.norm(ways_m, axis=2)
+    may_be = (aparts_m > usual_m / HIPS_FACTOR) & (aparts_m < usual_m * HIPS_FACTOR)
+    pairs = np.argwhere(may_be & (np.abs(ways_m[..., 1]) < STEEPEST * aparts_m))
+    cores = np.full((len(pairs), len(model.core.labels)), -1)
+    cores[:, hips] = pairs
+    return cores
 
 
 def _forced(cores: IntArray, given: IntArray, labels: IntArray) -> IntArray:

@@ -167,6 +167,29 @@ def test_a_band_of_neighbouring_markers_gets_its_names_where_the_rest_is_out_of_
     assert found.names == BAND
 
 
+LEGS = ("left_hip", "right_hip", "left_knee", "right_knee", "left_foot", "right_foot")
+HANDS = ("left_hand", "right_hand")
+ARMS = ("left_elbow", "right_elbow", *HANDS)
+
+
+@pytest.mark.parametrize(
+    ("names", "top_m", "bottom_m"),
+    [
+        (LEGS, 0.0, 1.0),
+        ((*LEGS, *HANDS), 0.0, 1.0),
+        ((*LEGS[:4], *HANDS), 0.0, 0.68),
+        ((*LEGS[:2], *ARMS), -0.14, 0.3),
+        (("torso", *LEGS[:4], *ARMS), -0.27, 0.68),
+    ],
+)
+def test_the_hips_are_enough_of_the_trunk_to_name_what_hangs_on_it(names, top_m, bottom_m):
+    """Hands and elbows beside them are no shoulders, though these would be more of a trunk."""
+    points = np.array([PERSON_M[name] for name in names]) + np.array([0.0, 0.0, 1.2])
+    between = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]), np.array([top_m, -bottom_m])
+    found = shipped_namer().label(points, "anterior", seen=SeenSpace(*between))
+    assert found.names == names
+
+
 def test_a_space_is_the_same_with_another_origin_and_in_other_axes():
     rng = np.random.default_rng(8)
     space = SeenSpace(*random_planes(rng, 4))
