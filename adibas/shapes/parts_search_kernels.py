@@ -1,10 +1,8 @@
 """The search for the core of a body among points, and all that they could be.
 
 Cores come from messages on the tree of neighbours and from laying the mean core upon single points;
-each is improved by giving every label the point that suits all others best. Where much of the body
-may be out of sight, points of limbs are easily taken for such of the core: each core is then tried
-without the points that suit it least, too. The most likely ones get their limbs; of the best, the
-cores that differ by one point or by an exchange are judged, too.
+each is improved by giving every label the point that suits all others best. The most likely ones
+get their limbs; of the best, the cores that differ by one point or by an exchange are judged, too.
 """
 
 import math
@@ -27,14 +25,11 @@ from adibas.shapes.parts_core_kernels import (
 )
 from adibas.shapes.parts_types import Anchors, Core, Limbs, Odds, Pool
 
-MOST_CORES = 2000
-"""A list that is full loses what is found later: the thorough search finds some 300, and as many
-again with fewer points."""
+MOST_CORES = 600
+"""A list that is full loses what is found later: the thorough search finds some 300."""
 LEAST_JUDGED = 2
 N_IMPROVEMENTS = 4
 VARIED_GAP = 6.0
-THINNED_GAP = 20.0
-"""A core that is less likely than the best one by so many nats is not tried with fewer points."""
 ALONE_SLACK = 3.0
 """More than a label without a point costs: while a core is improved, better a doubtful point."""
 SLACK, EXCHANGE_SLACK = 6.0, 14.0
@@ -188,31 +183,6 @@ def _improved(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfac
 
 
 @compiled
-def _thinned(
-    points: FloatArray, core: Core, odds: Odds, cores: IntArray, hopes: FloatArray, n_cores: int
-) -> int:
-    """Add each core without the point that suits the others least, these without one more, too."""
-    c = 0
-    while c < n_cores:
-        own = cores[c].copy()
-        if count_named(own) > odds.n_thinned and hopes[c] < hopes[:n_cores].min() + THINNED_GAP:
-            own[_worst(_costs(points, own, core, odds, 0.0, 1.0), own)] = -1
-            n_cores = _add(points, own, core, odds, cores, hopes, n_cores)
-        c += 1
-    return n_cores
-
-
-@compiled
-def _worst(costs: FloatArray, own: IntArray) -> int:
-    """Return which label's point costs most."""
-    worst = -1
-    for i in range(len(own)):
-        if own[i] >= 0 and (worst < 0 or costs[i, own[i]] > costs[worst, own[worst]]):
-            worst = i
-    return worst
-
-
-@compiled
 def _gathered(
     points: FloatArray,
     starts: IntArray,
@@ -226,7 +196,6 @@ def _gathered(
     for s in range(len(starts)):
         if not _is_known(starts, s, starts[s]):
             n_cores = _improved(points, starts[s].copy(), core, odds, cores, hopes, n_cores)
-    n_cores = _thinned(points, core, odds, cores, hopes, n_cores)
     if math.isnan(odds.heading_rad):
         for c in range(n_cores):
             n_cores = _add(points, cores[c][core.mirror], core, odds, cores, hopes, n_cores)

@@ -135,8 +135,6 @@ class Odds(NamedTuple):
         Cores that get limbs, and of these, cores whose neighbours get limbs.
     too_unlikely : float
         A core that is less likely than the best one by so many nats is not judged.
-    n_thinned : int
-        Cores are tried without the points that suit them least, too, down to so many.
     """
 
     n_kinds: int
@@ -152,7 +150,6 @@ class Odds(NamedTuple):
     n_judged: int
     n_varied: int
     too_unlikely: float
-    n_thinned: int
 
 
 class Pool(NamedTuple):

@@ -18,11 +18,10 @@ class Effort:
     n_judged: int
     n_varied: int
     too_unlikely: float
-    n_thinned: int
 
 
-QUICK = Effort(5, 3, 20.0, 7)
-THOROUGH = Effort(100, 5, 60.0, 2)
+QUICK = Effort(5, 3, 20.0)
+THOROUGH = Effort(100, 5, 60.0)
 """Where the quick search leaves a doubt, or points are missing or too many."""
 
 
@@ -126,7 +125,6 @@ def expected_odds(
         n_judged=effort.n_judged,
         n_varied=effort.n_varied,
         too_unlikely=effort.too_unlikely,
-        n_thinned=effort.n_thinned,
     )
 
 

@@ -171,7 +171,7 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     person = people(1, seed=12)[0]
     person = np.ascontiguousarray(person - person.mean(axis=0))
     counts, mixed = np.arange(16.0), np.array([0.1, 0.1, 0.0, 0.0])
-    odds = Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, 6, 1, 15.0, 7)
+    odds = Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, 6, 1, 15.0)
     pool = Pool(np.empty(500), np.empty(500), np.empty((500, 15), np.int64), np.zeros(1, np.int64))
     own = np.where(np.array(CORE_NAMES) == hidden, -1, core.labels)
     lowest = judge_core(person, own, core, limbs, odds, np.inf, pool)
