@@ -114,8 +114,9 @@ def find_by_parts(
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
     laid = np.concatenate([laid, _by_hips(points, model)])
-    laid = np.concatenate([laid, _forced(laid, known.given, model.core.labels)])
-    pool = _searched(model, points, np.concatenate([starts, laid]), expected, known.given)
+    forced = _forced(laid, known.given, model.core.labels)
+    starts = np.concatenate([starts, laid, forced])
+    pool = _searched(model, points, starts, expected, known.given)
     if not len(pool.energies):
         return None
     return _weighed(model, points, known, pool, expected, odds)
@@ -140,7 +141,10 @@ def _by_neighbours(
 
 
 def _by_hips(points: FloatArray, model: PartsModel) -> IntArray:
-    """Return cores of two points that may be both hips: of some patients nothing above is seen."""
+    """Return (S, C) cores of two points that may be both hips.
+
+    Of some patients nothing of the trunk above them is seen.
+    """
     hips = model.limbs.roots[LEGS]
     first_m, second_m = model.core.mean[hips]
     usual_m = np.linalg.norm(second_m - first_m)

@@ -10,6 +10,7 @@ from scipy.stats import multivariate_normal
 
 from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.shapes import parts_core_kernels as cores
+from adibas.shapes import parts_search_kernels as search
 from adibas.shapes.parts_bone_kernels import MOST_ALIKE
 from adibas.shapes.parts_choice_kernels import judge_core
 from adibas.shapes.parts_limb_kernels import place_limb
@@ -107,6 +108,25 @@ def test_a_person_who_is_unlikely_for_one_is_searched_thoroughly(parts, model, m
     strange = label_parts(parts, prepared, person, "anterior", odds=hardly_ever)
     assert len(searches) == 3
     assert strange.names == JOINT_NAMES
+
+
+def test_no_core_is_lost_however_many_points_there_are(model, monkeypatch):
+    """Mirror images come last: a list that is full would leave out one of both ways to face."""
+    n_found = []
+
+    def counted(parts, points, starts, expected, given):
+        listed = np.empty((search.MOST_CORES, len(parts.core.labels)), np.int64)
+        hopes = np.empty(len(listed))
+        n_found.append(search._gathered(points, starts, parts.core, expected, listed, hopes))
+        return searched(parts, points, starts, expected, given)
+
+    searched = naming._searched
+    monkeypatch.setattr(naming, "_searched", counted)
+    rng = np.random.default_rng(3)
+    n_chance = naming.MOST_POINTS - len(JOINT_NAMES)
+    chance = rng.uniform([-0.8, -1.9, -0.5], [0.8, 0.2, 0.5], (n_chance, 3))
+    Namer(model).label(np.concatenate([people(1, seed=9)[0], chance]))
+    assert 0 < n_found[-1] < search.MOST_CORES
 
 
 def test_points_anywhere_are_no_person_even_if_fifteen(model):
