@@ -5,12 +5,14 @@ one matching window anyway. So the colour camera gives the direction, and the sk
 25 mm of the marker, as the depth camera sees it, the distance.
 """
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from adibas.arrays import FloatArray
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.markers import Marker
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import undistort_pixels
 from adibas.markers.position_kernels import (
@@ -21,6 +23,7 @@ from adibas.markers.position_kernels import (
     Patch,
     fit_skin,
     follow,
+    pixel_of,
     point_on,
 )
 from adibas.markers.shared_errors import SharedErrors
@@ -176,6 +179,43 @@ class PositionFinder:
         ray = self._ray(pixel_uv)
         fit = self._fitted(ray)
         return None if fit is None else self._position(ray, fit, covariance_px2)
+
+    def placed(self, marker: Marker) -> Marker:
+        """Return the marker, whose centre and its covariance stand, with where it lies in space."""
+        pixel_uv = np.array([marker.u, marker.v])
+        found = self.locate(pixel_uv, marker.covariance_px2)
+        if found is None:
+            return replace(
+                marker,
+                position_m=None,
+                covariance_m2=None,
+                shared_m=None,
+                between_surfaces=self._is_between_surfaces(pixel_uv),
+            )
+        return replace(
+            marker,
+            position_m=found.position_m,
+            covariance_m2=found.covariance_m2,
+            shared_m=found.shared_m,
+            between_surfaces=False,
+        )
+
+    def _is_between_surfaces(self, pixel_uv: FloatArray) -> bool:
+        """Say whether the depth about the place where the ray ends is of more than one surface.
+
+        Skin at 45 degrees is as deep as the patch is wide; what is deeper by a step is two.
+        """
+        line, mean_per_m = self._line(self._ray(pixel_uv)), self._burst.mean_per_m
+        start_per_m = follow(mean_per_m, line, self._lens, self._patch)
+        if start_per_m == NOTHING:
+            return False
+        u, v = pixel_of(line, start_per_m, self._lens)
+        reach = 1 + math.ceil(self._params.patch_radius_m * self._lens.fx * start_per_m)
+        rows, columns = (slice(max(round(at) - reach, 0), round(at) + reach + 1) for at in (v, u))
+        seen_per_m = mean_per_m[rows, columns]
+        seen_m = 1.0 / seen_per_m[seen_per_m > 0.0]
+        deepest_m = 2.0 * self._params.patch_radius_m + self._params.step_m
+        return bool(np.ptp(seen_m) > deepest_m)
 
     def _ray(self, pixel_uv: FloatArray) -> FloatArray:
         """Return the (3,) ray of a colour pixel, colour axes; NaN where the lens has none."""

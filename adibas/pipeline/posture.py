@@ -345,17 +345,7 @@ def cameras_of(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraC
 
 
 def _measured(found: BurstMarker, finder: PositionFinder) -> Marker:
-    position = finder.locate(np.array([found.u, found.v]), found.covariance_px2)
-    return Marker(
-        label="m",
-        u=found.u,
-        v=found.v,
-        radius_px=found.radius_px,
-        covariance_px2=found.covariance_px2,
-        position_m=None if position is None else position.position_m,
-        covariance_m2=None if position is None else position.covariance_m2,
-        shared_m=None if position is None else position.shared_m,
-    )
+    return finder.placed(Marker("m", found.u, found.v, found.radius_px, found.covariance_px2))
 
 
 def doubts_about(found: MarkerFindings) -> tuple[Message, ...]:

@@ -1,7 +1,7 @@
 """Reviewing a saved capture: markers set by hand get positions, and every measure anew."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -87,15 +87,7 @@ class CaptureSurface:
         plain = Marker(label, u, v, radius_px, np.array(covariance_px2, float))
         if self._finder is None or not self._is_in_picture(u, v):
             return plain
-        place = self._finder.locate(np.array([u, v]), plain.covariance_px2)
-        if place is None:
-            return plain
-        return replace(
-            plain,
-            position_m=place.position_m,
-            covariance_m2=place.covariance_m2,
-            shared_m=place.shared_m,
-        )
+        return self._finder.placed(plain)
 
     def snapped(
         self,

@@ -43,7 +43,8 @@ def with_names(
         See `adibas.pipeline.namers.namer_of`.
     markers : tuple of Marker
         Those without a position, because the depth image does not reach them, are named as if they
-        were as far away as the others; they get no name that another marker has.
+        were as far away as the others; they get no name that another marker has. Those between
+        surfaces get none.
     view : str
         As declared; empty: left and right only where the shape tells them.
     named_by_hand : frozenset of str
@@ -67,7 +68,8 @@ def with_names(
     in_color, in_both = (space.turned(turn) for space in seen_spaces(calibration))
     alone = _labelled(namer, positions_m @ turn.T, view, diameters_m, given, in_both)
     found, sure = alone.names, alone.confidences
-    flat, flat_m = _as_far_away(markers, positions_m, calibration)
+    unplaced = tuple(one for one in markers if _is_named_by_pixel(one, named_by_hand))
+    flat, flat_m = _as_far_away(unplaced, positions_m, calibration)
     if flat:
         known_m = np.append(diameters_m, np.full(len(flat), np.nan))
         given += [_given(one, named_by_hand) for one in flat]
@@ -162,15 +164,24 @@ def diameters_of(placed: Sequence[Marker], calibration: RgbdCalibration) -> Floa
     return np.asarray(2.0 * radii_px * depths_m / calibration.color.intrinsics.fx)
 
 
+def _is_named_by_pixel(marker: Marker, named_by_hand: frozenset[str]) -> bool:
+    """Say whether a marker has no position, but a place among the others.
+
+    What lies between surfaces may be a gap between fingers as well as a marker at an outline: one
+    would take the name of the hand whose marker is hidden. A person knows which it is.
+    """
+    is_known = not marker.between_surfaces or marker.label in named_by_hand
+    return marker.position_m is None and is_known
+
+
 def _as_far_away(
-    markers: Sequence[Marker], positions_m: FloatArray, calibration: RgbdCalibration
+    flat: tuple[Marker, ...], positions_m: FloatArray, calibration: RgbdCalibration
 ) -> tuple[tuple[Marker, ...], FloatArray]:
     """Return the markers without a position, and (N, 3) places by their pixels alone.
 
     They are taken to be as far away as the others; those at pixels that the camera's model of
     distortion does not reach are left out.
     """
-    flat = tuple(marker for marker in markers if marker.position_m is None)
     if not flat or calibration.color is None:
         return (), np.empty((0, 3))
     camera = calibration.color

@@ -131,6 +131,7 @@ def _marker_to(marker: Marker) -> dict[str, object]:
         "covariance_m2": _list(marker.covariance_m2),
         "shared_m": _list(marker.shared_m),
         **_named_by_to(marker.named_by),
+        **({"between_surfaces": True} if marker.between_surfaces else {}),
     }
 
 
@@ -145,6 +146,7 @@ def _marker_from(part: Mapping[str, Any]) -> Marker:
         covariance_m2=_array(part["covariance_m2"]),
         shared_m=_array(part.get("shared_m")),
         named_by=_named_by_from(part.get("named_by")),
+        between_surfaces=part.get("between_surfaces", False),
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from adibas.data.calibration import CameraCalibration, DepthBias, RgbdCalibration
+from adibas.data.markers import Marker
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.pinhole import Intrinsics
@@ -113,6 +114,34 @@ def test_no_position_is_better_than_a_wrong_one(spoil):
     point_m = point_of_pixel(depth_m, 150, 110)
     spoil(depth_m)
     assert locate(depth_m, point_m)[0] is None
+
+
+@pytest.mark.parametrize(
+    ("spoil", "is_between"),
+    [
+        (lambda depth_m: depth_m[:, 151:].fill(2.5), True),
+        (lambda depth_m: depth_m[:, 151:].fill(1.65), True),
+        (lambda depth_m: depth_m[:, 151:].fill(np.nan), False),
+        (lambda depth_m: depth_m[90:131, 130:171].fill(np.nan), False),
+        (lambda depth_m: depth_m.fill(np.nan), False),
+    ],
+)
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.5, 0.5, 0.7)])
+def test_what_has_no_position_tells_whether_two_surfaces_are_the_reason(spoil, is_between, normal):
+    depth_m = plane_depth_m(normal, 1.5 * normal[2])
+    point_m = CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, 150, 110))
+    spoil(depth_m)
+    burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=NO_NOISE))
+    u, v = project_distorted(point_m, CALIBRATION.color.intrinsics, CALIBRATION.color.distortion)
+    seen = finder.placed(Marker("m01", float(u), float(v), 2.0, PIXEL_SD2))
+    assert seen.position_m is None
+    assert seen.between_surfaces == is_between
+
+
+def test_a_marker_with_a_position_does_not_lie_between_surfaces():
+    with pytest.raises(ValueError, match="no position"):
+        Marker("m01", 0.0, 0.0, 2.0, np.eye(2), np.zeros(3), np.eye(3), between_surfaces=True)
 
 
 def test_a_marker_outside_the_depth_camera_s_picture_has_no_position():

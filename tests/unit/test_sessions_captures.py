@@ -20,7 +20,7 @@ from adibas.data.corrections import (
     MarkerCorrection,
     MeasureCorrection,
 )
-from adibas.data.markers import AutomaticName
+from adibas.data.markers import AutomaticName, Marker
 from adibas.errors import StoreError
 from adibas.recordings import open_recording
 from adibas.sessions import images
@@ -100,6 +100,14 @@ def test_a_capture_keeps_who_named_a_marker_and_old_texts_stay_the_same():
     text = markers_to_json((plain, named))
     assert text.count("named_by") == 1
     assert [one.named_by for one in markers_from_json(text)] == [None, by_model]
+
+
+def test_a_capture_keeps_which_markers_lie_between_surfaces_and_old_texts_stay_the_same():
+    plain = marker("m01")
+    gap = Marker("m02", 4.0, 5.0, 2.0, np.eye(2), between_surfaces=True)
+    text = markers_to_json((plain, gap))
+    assert text.count("between_surfaces") == 1
+    assert [one.between_surfaces for one in markers_from_json(text)] == [False, True]
 
 
 def test_a_capture_may_have_no_surface(store):

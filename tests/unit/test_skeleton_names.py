@@ -155,6 +155,22 @@ def test_markers_below_the_depth_image_are_named_by_their_pixels(seen_flat):
     assert [marker.position_m is None for marker in named].count(True) == 3
 
 
+def test_a_spot_between_surfaces_has_the_name_that_a_hand_gave_or_none(seen_flat):
+    markers, calibration = seen_flat("left_foot", "right_foot", "right_hand")
+    index = JOINT_NAMES.index("right_hand")
+    gap = replace(markers[index], between_surfaces=True)
+    spots = (*markers[:index], gap, *markers[index + 1 :])
+    named = with_names(shipped_namer(), spots, "anterior", calibration)
+    assert named[index] == gap
+    assert [one.label for one in named if one is not gap] == [
+        name for name in JOINT_NAMES if name != "right_hand"
+    ]
+    told = replace(gap, label="right_hand")
+    spots = (*markers[:index], told, *markers[index + 1 :])
+    named = with_names(shipped_namer(), spots, "anterior", calibration, frozenset(["right_hand"]))
+    assert tuple(one.label for one in named) == JOINT_NAMES
+
+
 def test_a_name_by_hand_is_not_given_to_a_marker_without_a_position(seen_flat):
     markers, calibration = seen_flat("left_foot")
     last = replace(markers[0], label="left_foot")
