@@ -74,9 +74,9 @@ class Marker:
         nothing is known of it.
     named_by : AutomaticName or None
         None where a hand gave the name, where it has none yet, and where nobody kept it.
-    between_surfaces : bool
-        It has no position because the depth there is of several surfaces: at an outline, or in a
-        gap between fingers.
+    rough_depth_m : float or None
+        About how far away it is along the colour camera's axis, where the depth about it is too
+        little for a position. None with a position, and where no depth is near.
     """
 
     label: str
@@ -88,15 +88,15 @@ class Marker:
     covariance_m2: FloatArray | None = None
     shared_m: FloatArray | None = None
     named_by: AutomaticName | None = None
-    between_surfaces: bool = False
+    rough_depth_m: float | None = None
 
     def __post_init__(self) -> None:
         check_shape("covariance_px2", self.covariance_px2, (2, 2))
         read_only(self.covariance_px2)
         if (self.position_m is None) != (self.covariance_m2 is None):
             raise ValueError("position_m and covariance_m2 stand or lack together")
-        if self.between_surfaces and self.position_m is not None:
-            raise ValueError("what lies between surfaces has no position")
+        if self.rough_depth_m is not None and self.position_m is not None:
+            raise ValueError("what has a position has no rough depth")
         if self.position_m is not None and self.covariance_m2 is not None:
             check_shape("position_m", self.position_m, (3,))
             check_shape("covariance_m2", self.covariance_m2, (3, 3))

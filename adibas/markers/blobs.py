@@ -100,6 +100,8 @@ class Blob:
         See `Looks`.
     surround, core : (C,) arrays
         Colour about it, and of the third of its pixels that is nearest to the model.
+    is_faint : bool
+        It does not reach the model's colour, and was chosen by odds.
     """
 
     u: float
@@ -116,6 +118,7 @@ class Blob:
     against: float
     surround: FloatArray
     core: FloatArray
+    is_faint: bool = False
 
 
 class Looks(NamedTuple):

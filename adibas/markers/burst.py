@@ -67,6 +67,8 @@ class BurstMarker:
         Of (u, v).
     n_sightings : int
         Frames that show it; all of them where their mean does.
+    is_faint : bool
+        In most of its sightings: see `Blob`.
     """
 
     u: float
@@ -75,6 +77,7 @@ class BurstMarker:
     axis_ratio: float
     covariance_px2: FloatArray
     n_sightings: int
+    is_faint: bool
 
 
 class BurstTracker:
@@ -140,6 +143,7 @@ def _fused(track: Sequence[Blob], params: BurstParams) -> BurstMarker:
         axis_ratio=float(np.median([blob.axis_ratio for blob in track])),
         covariance_px2=mean_covariance / n_samples + _lasting(radius_px, params),
         n_sightings=len(track),
+        is_faint=2 * sum(blob.is_faint for blob in track) > len(track),
     )
 
 
@@ -152,6 +156,7 @@ def _still(blob: Blob, n_frames: int, params: BurstParams) -> BurstMarker:
         axis_ratio=blob.axis_ratio,
         covariance_px2=blob.covariance_px2 + _lasting(blob.radius_px, params),
         n_sightings=n_frames,
+        is_faint=blob.is_faint,
     )
 
 

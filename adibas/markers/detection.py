@@ -9,7 +9,7 @@ Source: thesis, section 6.1.1 (distance to the centroids, morphology, blob centr
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import cv2
@@ -149,7 +149,10 @@ def find_color_markers(
     spots, odds = search.spots(), params.faint.odds
     log_odds = odds.among(odds.alone(spots.features), spots.n_crowd)
     is_likely = log_odds >= params.faint.least_log_odds
-    likely = [blob if is_one else None for blob, is_one in zip(spots.blobs, is_likely, strict=True)]
+    likely = [
+        replace(blob, is_faint=True) if is_one else None
+        for blob, is_one in zip(spots.blobs, is_likely, strict=True)
+    ]
     search.judge(spots.groups, likely, params.faint.blobs)
     matched = search.matched_share(model.threshold)
     return Detections(tuple(search.found), without_found(rejected, search.found), matched)

@@ -190,29 +190,29 @@ class PositionFinder:
                 position_m=None,
                 covariance_m2=None,
                 shared_m=None,
-                between_surfaces=self._is_between_surfaces(pixel_uv),
+                rough_depth_m=self._rough_depth_m(pixel_uv),
             )
         return replace(
             marker,
             position_m=found.position_m,
             covariance_m2=found.covariance_m2,
             shared_m=found.shared_m,
-            between_surfaces=False,
+            rough_depth_m=None,
         )
 
-    def _is_between_surfaces(self, pixel_uv: FloatArray) -> bool:
-        """Say whether the depth about the place where the ray ends is of more than one surface.
+    def is_between_surfaces(self, pixel_uv: FloatArray) -> bool:
+        """Say whether the depth about the place where a ray ends is of more than one surface.
 
         Skin at 45 degrees is as deep as the patch is wide; what is deeper by a step is two.
         """
-        line, mean_per_m = self._line(self._ray(pixel_uv)), self._burst.mean_per_m
-        start_per_m = follow(mean_per_m, line, self._lens, self._patch)
-        if start_per_m == NOTHING:
+        line = self._line(self._ray(pixel_uv))
+        start_per_m = self._met_per_m(line)
+        if start_per_m is None:
             return False
         u, v = pixel_of(line, start_per_m, self._lens)
         reach = 1 + math.ceil(self._params.patch_radius_m * self._lens.fx * start_per_m)
         rows, columns = (slice(max(round(at) - reach, 0), round(at) + reach + 1) for at in (v, u))
-        seen_per_m = mean_per_m[rows, columns]
+        seen_per_m = self._burst.mean_per_m[rows, columns]
         seen_m = 1.0 / seen_per_m[seen_per_m > 0.0]
         deepest_m = 2.0 * self._params.patch_radius_m + self._params.step_m
         return bool(np.ptp(seen_m) > deepest_m)
@@ -229,15 +229,27 @@ class PositionFinder:
             np.ascontiguousarray(self._depth_from_color.rotation @ ray),
         )
 
+    def _met_per_m(self, line: Line) -> float | None:
+        """Return the disparity of the first surface on a line; None where the depth has none."""
+        start_per_m = follow(self._burst.mean_per_m, line, self._lens, self._patch)
+        return None if start_per_m == NOTHING else start_per_m
+
+    def _rough_depth_m(self, pixel_uv: FloatArray) -> float | None:
+        """Return where a colour pixel's ray meets the first surface, along the camera's axis."""
+        line = self._line(self._ray(pixel_uv))
+        start_per_m = self._met_per_m(line)
+        if start_per_m is None:
+            return None
+        met_m = self._color_from_depth.apply(np.array(point_on(line, start_per_m)))
+        return float(met_m[2])
+
     def _fitted(self, ray: FloatArray) -> Fit | None:
         """Return the skin that a colour ray meets; None where there is none that is sure enough."""
-        if not np.isfinite(ray).all():
+        line = self._line(ray)
+        start_per_m = self._met_per_m(line)
+        if start_per_m is None:
             return None
-        line, mean_per_m = self._line(ray), self._burst.mean_per_m
-        start_per_m = follow(mean_per_m, line, self._lens, self._patch)
-        if start_per_m == NOTHING:
-            return None
-        readings = self._burst.n_readings
+        mean_per_m, readings = self._burst.mean_per_m, self._burst.n_readings
         fit = fit_skin(mean_per_m, readings, line, start_per_m, self._lens, self._patch)
         is_sure = fit.disparity > 0 and _sd_m(fit) <= self._params.greatest_sd_m
         return fit if is_sure else None

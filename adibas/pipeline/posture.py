@@ -34,7 +34,12 @@ from adibas.markers.position import PositionFinder, PositionParams
 from adibas.measures.sight_plane import up_of_picture, up_without_floor
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.outline import body_in_color
-from adibas.pipeline.posture_checks import apart_from_merged, count_people, refuse_beside
+from adibas.pipeline.posture_checks import (
+    apart_from_others,
+    are_gaps,
+    count_people,
+    refuse_beside,
+)
 from adibas.texts import Message, message
 
 MarkerTarget: TypeAlias = ColorModel | LedParams
@@ -214,12 +219,13 @@ class _Burst:
         finder = PositionFinder(disparity, calibration, params.position, pixels_uv(found))
         measured = tuple(_measured(one, finder) for one in found)
         focal_px = cameras_of(calibration)[0].intrinsics.fx
-        single, merged = apart_from_merged(found, measured, focal_px)
+        is_gap = are_gaps(found, measured, finder)
+        single, others = apart_from_others(found, measured, is_gap, focal_px)
         markers = tuple(replace(one, label=f"m{i:02d}") for i, one in enumerate(single, 1))
         n_people, beside = _look_about(
             color_rgb, sight, calibration, self._target, params, measured
         )
-        refused = (*without_found(detections.rejected, found), *merged, *beside)
+        refused = (*without_found(detections.rejected, found), *others, *beside)
         return MarkerFindings(markers, refused, disparity, n_people)
 
     def _markers_of_mean(self, sight: Sight) -> tuple[Blob, ...]:

@@ -15,9 +15,11 @@ from adibas.geometry.planes import Plane
 from adibas.markers.burst import BurstMarker
 from adibas.markers.detection import Detections
 from adibas.markers.merged import MERGED, MergedParams, are_merged
+from adibas.markers.position import PositionFinder
 from adibas.texts import message
 
 BESIDE = message("not on the patient")
+GAP = message("faint, and between two surfaces, as a gap between fingers is")
 NOT_COUNTED = message("Not counted as a marker ({n}): {reason}.")
 OWN_SHARE = 0.5
 """Of a piece's pixels that the body has, too: from there on it is no other person."""
@@ -93,15 +95,43 @@ def are_two_in_one(
     return are_merged(radii_m, np.array([one.axis_ratio for one in spots]), params)
 
 
-def apart_from_merged(
-    found: tuple[BurstMarker, ...], markers: tuple[Marker, ...], focal_px: float
-) -> tuple[tuple[Marker, ...], tuple[RejectedBlob, ...]]:
-    """Return the markers that are one each, and what is two in one.
+def are_gaps(
+    found: Sequence[BurstMarker], markers: Sequence[Marker], finder: PositionFinder
+) -> BoolArray:
+    """Say of each spot whether it is more likely a gap between fingers than a marker at an outline.
+
+    A marker lies on skin: what is too faint to have the marker's colour, and has no skin of its
+    own but several surfaces about it, has nothing that speaks for it.
 
     Parameters
     ----------
-    found, markers : tuple
+    found, markers : sequence
         The same ones: as they look, and where they are.
+    finder : PositionFinder
+        That measured them.
+    """
+    return np.array(
+        [
+            look.is_faint
+            and marker.position_m is None
+            and finder.is_between_surfaces(np.array([look.u, look.v]))
+            for look, marker in zip(found, markers, strict=True)
+        ],
+        np.bool_,
+    )
+
+
+def apart_from_others(
+    found: Sequence[BurstMarker], markers: Sequence[Marker], is_gap: BoolArray, focal_px: float
+) -> tuple[tuple[Marker, ...], tuple[RejectedBlob, ...]]:
+    """Return the markers that are one each, and what is two in one or a gap.
+
+    Parameters
+    ----------
+    found, markers : sequence
+        The same ones: as they look, and where they are.
+    is_gap : (N,) bool array
+        See `are_gaps`.
     focal_px : float
         Of the colour camera.
     """
@@ -109,6 +139,10 @@ def apart_from_merged(
         [np.nan if one.position_m is None else one.position_m[2] for one in markers]
     )
     is_merged = are_two_in_one(found, depths_m, focal_px)
-    kept = tuple(one for one, out in zip(markers, is_merged, strict=True) if not out)
-    refused = (one for one, out in zip(markers, is_merged, strict=True) if out)
-    return kept, tuple(RejectedBlob(one.u, one.v, MERGED) for one in refused)
+    kept = tuple(one for one, out in zip(markers, is_merged | is_gap, strict=True) if not out)
+    refused = tuple(
+        RejectedBlob(one.u, one.v, GAP if gap else MERGED)
+        for one, gap, merged in zip(markers, is_gap, is_merged, strict=True)
+        if gap or merged
+    )
+    return kept, refused

@@ -42,9 +42,9 @@ def with_names(
     namer : Namer
         See `adibas.pipeline.namers.namer_of`.
     markers : tuple of Marker
-        Those without a position, because the depth image does not reach them, are named as if they
-        were as far away as the others; they get no name that another marker has. Those between
-        surfaces get none.
+        Those without a position are named as if they were where the depth about them says roughly,
+        or as far away as the others where it says nothing; they get no name that another marker
+        has.
     view : str
         As declared; empty: left and right only where the shape tells them.
     named_by_hand : frozenset of str
@@ -68,8 +68,7 @@ def with_names(
     in_color, in_both = (space.turned(turn) for space in seen_spaces(calibration))
     alone = _labelled(namer, positions_m @ turn.T, view, diameters_m, given, in_both)
     found, sure = alone.names, alone.confidences
-    unplaced = tuple(one for one in markers if _is_named_by_pixel(one, named_by_hand))
-    flat, flat_m = _as_far_away(unplaced, positions_m, calibration)
+    flat, flat_m = _roughly_placed(markers, positions_m, calibration)
     if flat:
         known_m = np.append(diameters_m, np.full(len(flat), np.nan))
         given += [_given(one, named_by_hand) for one in flat]
@@ -164,30 +163,23 @@ def diameters_of(placed: Sequence[Marker], calibration: RgbdCalibration) -> Floa
     return np.asarray(2.0 * radii_px * depths_m / calibration.color.intrinsics.fx)
 
 
-def _is_named_by_pixel(marker: Marker, named_by_hand: frozenset[str]) -> bool:
-    """Say whether a marker has no position, but a place among the others.
-
-    What lies between surfaces may be a gap between fingers as well as a marker at an outline: one
-    would take the name of the hand whose marker is hidden. A person knows which it is.
-    """
-    is_known = not marker.between_surfaces or marker.label in named_by_hand
-    return marker.position_m is None and is_known
-
-
-def _as_far_away(
-    flat: tuple[Marker, ...], positions_m: FloatArray, calibration: RgbdCalibration
+def _roughly_placed(
+    markers: Sequence[Marker], positions_m: FloatArray, calibration: RgbdCalibration
 ) -> tuple[tuple[Marker, ...], FloatArray]:
-    """Return the markers without a position, and (N, 3) places by their pixels alone.
+    """Return the markers without a position, and rough (N, 3) places by their pixels.
 
-    They are taken to be as far away as the others; those at pixels that the camera's model of
-    distortion does not reach are left out.
+    Those whose depth is not known roughly are taken to be as far away as the others; those at
+    pixels that the camera's model of distortion does not reach are left out.
     """
+    flat = tuple(marker for marker in markers if marker.position_m is None)
     if not flat or calibration.color is None:
         return (), np.empty((0, 3))
     camera = calibration.color
     rays = undistort_pixels(pixels_uv(flat), camera.intrinsics, camera.distortion)
     is_known = np.asarray(np.isfinite(rays).all(axis=1))
-    places_m = float(np.median(positions_m[:, 2])) * np.column_stack([rays, np.ones(len(rays))])
+    usual_m = float(np.median(positions_m[:, 2]))
+    depths_m = [usual_m if one.rough_depth_m is None else one.rough_depth_m for one in flat]
+    places_m = np.array(depths_m)[:, None] * np.column_stack([rays, np.ones(len(rays))])
     return tuple(one for one, known in zip(flat, is_known, strict=True) if known), places_m[
         is_known
     ]

@@ -131,7 +131,7 @@ def _marker_to(marker: Marker) -> dict[str, object]:
         "covariance_m2": _list(marker.covariance_m2),
         "shared_m": _list(marker.shared_m),
         **_named_by_to(marker.named_by),
-        **({"between_surfaces": True} if marker.between_surfaces else {}),
+        **_rough_depth_to(marker.rough_depth_m),
     }
 
 
@@ -146,7 +146,7 @@ def _marker_from(part: Mapping[str, Any]) -> Marker:
         covariance_m2=_array(part["covariance_m2"]),
         shared_m=_array(part.get("shared_m")),
         named_by=_named_by_from(part.get("named_by")),
-        between_surfaces=part.get("between_surfaces", False),
+        rough_depth_m=part.get("rough_depth_m"),
     )
 
 
@@ -159,6 +159,11 @@ def _named_by_to(name: AutomaticName | None) -> dict[str, object]:
 
 def _named_by_from(part: Mapping[str, Any] | None) -> AutomaticName | None:
     return None if part is None else AutomaticName(part["model"], part["confidence"])
+
+
+def _rough_depth_to(depth_m: float | None) -> dict[str, object]:
+    """Return nothing where there is none: as with names."""
+    return {} if depth_m is None else {"rough_depth_m": depth_m}
 
 
 def _list(array: FloatArray | None) -> object:

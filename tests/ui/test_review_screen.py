@@ -568,22 +568,6 @@ def test_the_list_says_which_names_the_program_gave_and_how_sure_it_was(theme, q
     qtmodeltester.check(model)
 
 
-def test_a_marker_in_no_measure_says_whether_depth_is_missing_or_of_several_surfaces(theme):
-    first, second, third = (
-        replace(one, position_m=None, covariance_m2=None, shared_m=None) for one in detected()
-    )
-    gap = replace(second, between_surfaces=True)
-    by_hand = replace(third, label="head", between_surfaces=True)
-    points = Points(markers=(first, gap, by_hand), by_hand=frozenset({"head"}))
-    model = MarkersModel(theme)
-    model.show_points(points)
-    between = "between surfaces, no depth of its own"
-    assert [remark for _name, remark in model.texts()] == ["no depth here", between, between]
-    told = [one.tooltip for one in overlays_of(points) if isinstance(one, Dot)]
-    assert told[0] == "No depth here: it is in no measure."
-    assert told[1:] == ["The depth here is of several surfaces: it is in no measure."] * 2
-
-
 def test_thousands_of_measures_are_sorted_by_what_is_seen(qtmodeltester):
     rows = [
         MeasureRow(("a", "b"), 12.0, (10.0, 14.0)),

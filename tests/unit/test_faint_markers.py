@@ -258,6 +258,7 @@ def test_faint_markers_are_the_likely_ones_of_the_spots_that_are_learned_from(no
         (one.u, one.v) for one in found
     }
     assert len(found) >= 3
+    assert all(one.is_faint for one in found)
     assert all(row[-1] == blob.axis_ratio for blob, row in spots if blob is not None)
 
 
@@ -267,6 +268,7 @@ def test_a_marker_of_few_pixels_is_told_by_the_odds_alone():
     picture = np.broadcast_to(SKIN, (*SIZE, 3)).astype(np.uint8).copy()
     picture[40:43, 40:43] = picture[80:84, 80:84] = GREEN
     (large,) = find(picture, no_spots).blobs
+    assert not large.is_faint
     assert (large.u, large.v) == pytest.approx((81.5, 81.5), abs=0.3)
     assert n_right(find(picture).blobs, [(41.0, 41.0), (81.5, 81.5)]) == 2
 

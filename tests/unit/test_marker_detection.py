@@ -3,6 +3,8 @@
 Pictures are painted here with discs of known place (16 x 16 samples a pixel) on plain skin.
 """
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -257,6 +259,15 @@ def test_a_burst_keeps_what_half_of_its_frames_show():
     (marker,) = tracker.markers()
     assert marker.u == pytest.approx(60.45)
     assert marker.n_sightings == 10
+
+
+@pytest.mark.parametrize(("n_faint", "is_faint"), [(0, False), (5, False), (6, True), (10, True)])
+def test_a_burst_marker_is_faint_where_most_of_its_sightings_are(n_faint, is_faint):
+    tracker, seen = BurstTracker(BurstParams()), sighting(60.0, 70.0)
+    for index in range(10):
+        tracker.add([replace(seen, is_faint=index < n_faint)])
+    of_mean = replace(sighting(90.0, 70.0), is_faint=is_faint)
+    assert [one.is_faint for one in tracker.markers([of_mean])] == [is_faint] * 2
 
 
 def test_two_markers_that_sway_are_not_mixed_up():

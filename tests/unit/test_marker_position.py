@@ -116,32 +116,51 @@ def test_no_position_is_better_than_a_wrong_one(spoil):
     assert locate(depth_m, point_m)[0] is None
 
 
+def placed(depth_m, point_m):
+    """Return the marker that is seen where a point of the depth camera is, and the true point."""
+    truth_m = CALIBRATION.color_from_depth.apply(point_m)
+    u, v = project_distorted(truth_m, CALIBRATION.color.intrinsics, CALIBRATION.color.distortion)
+    burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=NO_NOISE))
+    marker = finder.placed(Marker("m01", float(u), float(v), 2.0, PIXEL_SD2))
+    return marker, truth_m, finder.is_between_surfaces(np.array([u, v]))
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.5, 0.5, 0.7)])
 @pytest.mark.parametrize(
     ("spoil", "is_between"),
     [
         (lambda depth_m: depth_m[:, 151:].fill(2.5), True),
         (lambda depth_m: depth_m[:, 151:].fill(1.65), True),
         (lambda depth_m: depth_m[:, 151:].fill(np.nan), False),
-        (lambda depth_m: depth_m[90:131, 130:171].fill(np.nan), False),
-        (lambda depth_m: depth_m.fill(np.nan), False),
     ],
 )
-@pytest.mark.parametrize("normal", [(0, 0, 1), (0.5, 0.5, 0.7)])
-def test_what_has_no_position_tells_whether_two_surfaces_are_the_reason(spoil, is_between, normal):
+def test_at_an_outline_the_depth_is_rough_and_may_be_of_two_surfaces(spoil, is_between, normal):
     depth_m = plane_depth_m(normal, 1.5 * normal[2])
-    point_m = CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, 150, 110))
+    point_m = point_of_pixel(depth_m, 150, 110)
     spoil(depth_m)
-    burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
-    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=NO_NOISE))
-    u, v = project_distorted(point_m, CALIBRATION.color.intrinsics, CALIBRATION.color.distortion)
-    seen = finder.placed(Marker("m01", float(u), float(v), 2.0, PIXEL_SD2))
-    assert seen.position_m is None
-    assert seen.between_surfaces == is_between
+    marker, truth_m, between = placed(depth_m, point_m)
+    assert marker.position_m is None
+    assert marker.rough_depth_m == pytest.approx(truth_m[2], abs=0.02)
+    assert between == is_between
 
 
-def test_a_marker_with_a_position_does_not_lie_between_surfaces():
-    with pytest.raises(ValueError, match="no position"):
-        Marker("m01", 0.0, 0.0, 2.0, np.eye(2), np.zeros(3), np.eye(3), between_surfaces=True)
+def test_a_marker_with_a_position_has_no_rough_depth_and_far_from_all_depth_there_is_none():
+    depth_m = plane_depth_m((0.5, 0.5, 0.7), 1.0)
+    point_m = point_of_pixel(depth_m, 150, 110)
+    marker, truth_m, is_between = placed(depth_m, point_m)
+    np.testing.assert_allclose(marker.position_m, truth_m, atol=1e-5)
+    assert marker.rough_depth_m is None
+    assert not is_between
+    depth_m[70:151, 110:191] = np.nan
+    marker, _truth_m, is_between = placed(depth_m, point_m)
+    assert marker.rough_depth_m is None
+    assert not is_between
+
+
+def test_a_rough_depth_beside_a_position_is_refused():
+    with pytest.raises(ValueError, match="rough"):
+        Marker("m01", 0.0, 0.0, 2.0, np.eye(2), np.zeros(3), np.eye(3), rough_depth_m=2.0)
 
 
 def test_a_marker_outside_the_depth_camera_s_picture_has_no_position():

@@ -8,7 +8,12 @@ from adibas.markers.blobs import Blob
 from adibas.markers.burst import BurstMarker
 from adibas.markers.detection import Detections
 from adibas.markers.merged import MergedParams, are_merged
-from adibas.pipeline.posture_checks import MOST_BESIDE, apart_from_merged, refuse_beside
+from adibas.pipeline.posture_checks import (
+    MOST_BESIDE,
+    apart_from_others,
+    are_gaps,
+    refuse_beside,
+)
 
 
 def blob(u, v, separation=10.0):
@@ -49,22 +54,48 @@ def test_three_markers_have_no_usual_length():
     assert judged(seen(0), seen(0), (0.01, 0.5)) == [False] * 3
 
 
-def found(radius_px, ratio, depth_m):
+def found(radius_px, ratio, depth_m, *, u=100.0, is_faint=False):
     """Return one marker as it looks, and where it is."""
-    looks = BurstMarker(100.0, 50.0, radius_px, ratio, np.eye(2), 30)
+    looks = BurstMarker(u, 50.0, radius_px, ratio, np.eye(2), 30, is_faint)
     if depth_m is None:
-        return looks, Marker("m", 100.0, 50.0, radius_px, np.eye(2))
+        return looks, Marker("m", u, 50.0, radius_px, np.eye(2))
     place_m = np.array([0.0, 0.0, depth_m])
-    return looks, Marker("m", 100.0, 50.0, radius_px, np.eye(2), place_m, np.eye(3))
+    return looks, Marker("m", u, 50.0, radius_px, np.eye(2), place_m, np.eye(3))
 
 
 def test_a_near_marker_is_not_two_far_ones_and_one_without_a_place_is_kept():
     spots = [found(5, 0.7, 2.0), found(5, 0.7, 2.0), found(5, 0.7, 2.0), found(10, 0.7, 1.0)]
     spots += [found(30, 0.4, None), found(9, 0.6, 2.0)]
     looks, markers = zip(*spots, strict=True)
-    kept, refused = apart_from_merged(looks, markers, 1000.0)
+    nowhere = np.zeros(len(markers), bool)
+    kept, refused = apart_from_others(looks, markers, nowhere, 1000.0)
     assert kept == markers[:5]
     assert [one.reason for one in refused] == ["as long as two markers side by side"]
+
+
+class Outlines:
+    """A finder whose depth has an outline at column 300."""
+
+    def is_between_surfaces(self, pixel_uv):
+        return pixel_uv[0] == 300.0
+
+
+def test_what_is_faint_and_has_several_surfaces_but_no_skin_is_a_gap():
+    at, beside = {"u": 300.0}, {"u": 200.0}
+    spots = [
+        found(5, 1.0, None, **at, is_faint=True),
+        found(5, 1.0, None, **at),
+        found(5, 1.0, 2.0, **at, is_faint=True),
+        found(5, 1.0, None, **beside, is_faint=True),
+    ]
+    looks, markers = zip(*spots, strict=True)
+    is_gap = are_gaps(looks, markers, Outlines())
+    assert is_gap.tolist() == [True, False, False, False]
+    kept, refused = apart_from_others(looks, markers, is_gap, 1000.0)
+    assert kept == markers[1:]
+    assert [(one.u, one.reason) for one in refused] == [
+        (300.0, "faint, and between two surfaces, as a gap between fingers is")
+    ]
 
 
 def test_the_rim_of_a_marker_is_no_spot_beside_the_patient_and_a_full_wall_is_not_told():

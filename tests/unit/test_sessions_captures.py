@@ -102,12 +102,12 @@ def test_a_capture_keeps_who_named_a_marker_and_old_texts_stay_the_same():
     assert [one.named_by for one in markers_from_json(text)] == [None, by_model]
 
 
-def test_a_capture_keeps_which_markers_lie_between_surfaces_and_old_texts_stay_the_same():
+def test_a_capture_keeps_rough_depths_and_old_texts_stay_the_same():
     plain = marker("m01")
-    gap = Marker("m02", 4.0, 5.0, 2.0, np.eye(2), between_surfaces=True)
-    text = markers_to_json((plain, gap))
-    assert text.count("between_surfaces") == 1
-    assert [one.between_surfaces for one in markers_from_json(text)] == [False, True]
+    rough = Marker("m02", 4.0, 5.0, 2.0, np.eye(2), rough_depth_m=1.875)
+    text = markers_to_json((plain, rough))
+    assert text.count("rough_depth_m") == 1
+    assert [one.rough_depth_m for one in markers_from_json(text)] == [None, 1.875]
 
 
 def test_a_capture_may_have_no_surface(store):

@@ -132,13 +132,13 @@ def seen_flat(joints_m):
     """The joints, of which those that are asked for are seen by the colour camera alone."""
     lens = (0.05, -0.1, 0.0, 0.0)
     camera = CameraCalibration(1280, 1024, Intrinsics(1050.0, 1050.0, 639.5, 511.5), lens)
-    pixels = project_distorted(joints_m, camera.intrinsics, camera.distortion)
     calibration = RgbdCalibration(color=camera)
 
-    def see(*names):
+    def see(*names, places_m=joints_m):
+        pixels = project_distorted(places_m, camera.intrinsics, camera.distortion)
         markers = [
             replace(marker, u=float(u), v=float(v))
-            for marker, (u, v) in zip(markers_at(joints_m), pixels, strict=True)
+            for marker, (u, v) in zip(markers_at(places_m), pixels, strict=True)
         ]
         for name in names:
             index = JOINT_NAMES.index(name)
@@ -155,20 +155,24 @@ def test_markers_below_the_depth_image_are_named_by_their_pixels(seen_flat):
     assert [marker.position_m is None for marker in named].count(True) == 3
 
 
-def test_a_spot_between_surfaces_has_the_name_that_a_hand_gave_or_none(seen_flat):
-    markers, calibration = seen_flat("left_foot", "right_foot", "right_hand")
-    index = JOINT_NAMES.index("right_hand")
-    gap = replace(markers[index], between_surfaces=True)
-    spots = (*markers[:index], gap, *markers[index + 1 :])
-    named = with_names(shipped_namer(), spots, "anterior", calibration)
-    assert named[index] == gap
-    assert [one.label for one in named if one is not gap] == [
-        name for name in JOINT_NAMES if name != "right_hand"
-    ]
-    told = replace(gap, label="right_hand")
-    spots = (*markers[:index], told, *markers[index + 1 :])
-    named = with_names(shipped_namer(), spots, "anterior", calibration, frozenset(["right_hand"]))
-    assert tuple(one.label for one in named) == JOINT_NAMES
+def test_markers_without_a_position_are_named_by_their_rough_depth(joints_m, seen_flat):
+    """An arm that reaches for the camera: in the picture, hand and elbow are not as they are."""
+    places_m = joints_m.copy()
+    arm = [JOINT_NAMES.index(f"right_{joint}") for joint in ("shoulder", "elbow", "hand")]
+    shoulder_m, elbow_m, hand_m = joints_m[arm]
+    upper_m, lower_m = np.linalg.norm(elbow_m - shoulder_m), np.linalg.norm(hand_m - elbow_m)
+    places_m[arm[1]] = shoulder_m + upper_m * np.array([0.0, 0.5, -np.sqrt(0.75)])
+    places_m[arm[2]] = places_m[arm[1]] + lower_m * np.array([0.0, -0.3, -np.sqrt(0.91)])
+    names = [JOINT_NAMES[index] for index in arm]
+    markers, calibration = seen_flat(*names, places_m=places_m)
+    rough = tuple(
+        replace(marker, rough_depth_m=place_m[2] + 0.03) if name in names else marker
+        for name, place_m, marker in zip(JOINT_NAMES, places_m, markers, strict=True)
+    )
+    named = with_names(shipped_namer(), rough, "anterior", calibration)
+    assert tuple(marker.label for marker in named) == JOINT_NAMES
+    unknown = with_names(shipped_namer(), markers, "anterior", calibration)
+    assert tuple(marker.label for marker in unknown) != JOINT_NAMES
 
 
 def test_a_name_by_hand_is_not_given_to_a_marker_without_a_position(seen_flat):

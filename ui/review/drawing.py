@@ -61,16 +61,10 @@ def _dot(marker: Marker, points: Points) -> Dot:
         landmark_text(marker.label),
         role,
         is_movable=can_move,
-        tooltip=_why_unmeasured(marker),
+        tooltip=_("No depth here: it is in no measure.") if marker.position_m is None else "",
         is_pickable=not can_move,
         key=marker.label,
     )
-
-
-def _why_unmeasured(marker: Marker) -> str:
-    if marker.between_surfaces:
-        return _("The depth here is of several surfaces: it is in no measure.")
-    return _("No depth here: it is in no measure.") if marker.position_m is None else ""
 
 
 def _picked(points: Points, places: dict[str, Pixel]) -> list[Overlay]:

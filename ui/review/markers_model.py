@@ -122,8 +122,6 @@ class MarkersModel(QAbstractTableModel):
 
     def _remark(self, marker: Marker) -> str:
         is_placed = marker.label in self._points.by_hand
-        if marker.between_surfaces:
-            return _("between surfaces, no depth of its own")
         if marker.position_m is None:
             return _("corrected by hand; no depth here") if is_placed else _("no depth here")
         named = marker.named_by
