@@ -1,8 +1,8 @@
 """A marker's place in space, from the surface around it.
 
 The marker itself may have no depth (LEDs and glossy stickers leave holes), and its few pixels share
-one matching window anyway. So the colour camera gives the direction, and the skin within some
-25 mm of the marker, as the depth camera sees it, the distance.
+one matching window anyway. So the colour camera gives the direction, and the skin about the
+marker, as the depth camera sees it, the distance.
 """
 
 import math
@@ -25,6 +25,7 @@ from adibas.markers.position_kernels import (
     follow,
     pixel_of,
     point_on,
+    radius_at_m,
 )
 from adibas.markers.shared_errors import SharedErrors
 
@@ -70,8 +71,13 @@ class PositionParams:
 
     Attributes
     ----------
-    patch_radius_m : float
-        Skin that takes part: 25 mm; a limb's curvature is still a quadratic there.
+    patch_radius_rad, greatest_radius_m : float
+        Skin that takes part, as seen from the depth camera: 0.02, so that it has as many pixels
+        wherever it is; but no more than 60 mm.
+    relief_m, relief_length_m : float
+        What skin is beyond a quadratic: Matern's process of order 3/2, with a standard deviation
+        of 2 mm and a length of 20 mm. The likeliest of fifteen each of three such processes for
+        the skin about 254 simulated markers on three bodies that no benchmark measures.
     least_pixels : int
         Depth pixels that must take part.
     least_share : float
@@ -89,7 +95,10 @@ class PositionParams:
         Of the depth sensor.
     """
 
-    patch_radius_m: float = 0.025
+    patch_radius_rad: float = 0.02
+    greatest_radius_m: float = 0.06
+    relief_m: float = 0.002
+    relief_length_m: float = 0.02
     least_pixels: int = 25
     least_share: float = 0.3
     greatest_gap_rad: float = np.deg2rad(170.0)
@@ -116,13 +125,16 @@ class PositionFinder:
     """Measures the markers of one burst.
 
     The skin is fitted by a quadratic in disparity: robust (Tukey's biweight), then by generalised
-    least squares with the covariance of neighbouring pixels, so that its variance is honest.
+    least squares with the covariance of neighbouring pixels and of what skin is beyond a quadratic
+    (universal kriging), so that near markers are not smoothed over, and the variance is honest.
 
     The noise model is that of all sensors of the kind; how much this one has is told by how far
     the depth lies off the fitted skin about all markers together.
 
     Source: Aitken 1935 (generalised least squares); Beaton & Tukey 1974 (biweight); Mikhail &
-    Ackermann 1976 (a posteriori reference variance).
+    Ackermann 1976 (a posteriori reference variance); Cressie, Statistics for Spatial Data, 1993,
+    section 3.4 (universal kriging); Rasmussen & Williams, Gaussian Processes for Machine Learning,
+    2006, equation 4.17 (Matern).
 
     Parameters
     ----------
@@ -210,11 +222,12 @@ class PositionFinder:
         if start_per_m is None:
             return False
         u, v = pixel_of(line, start_per_m, self._lens)
-        reach = 1 + math.ceil(self._params.patch_radius_m * self._lens.fx * start_per_m)
+        radius_m = radius_at_m(start_per_m, self._patch)
+        reach = 1 + math.ceil(radius_m * self._lens.fx * start_per_m)
         rows, columns = (slice(max(round(at) - reach, 0), round(at) + reach + 1) for at in (v, u))
         seen_per_m = self._burst.mean_per_m[rows, columns]
         seen_m = 1.0 / seen_per_m[seen_per_m > 0.0]
-        deepest_m = 2.0 * self._params.patch_radius_m + self._params.step_m
+        deepest_m = 2.0 * radius_m + self._params.step_m
         return bool(np.ptp(seen_m) > deepest_m)
 
     def _ray(self, pixel_uv: FloatArray) -> FloatArray:
@@ -299,7 +312,8 @@ def _lens(camera: CameraCalibration) -> Lens:
 def _patch(params: PositionParams) -> Patch:
     noise = params.noise
     return Patch(
-        radius_m=float(params.patch_radius_m),
+        radius_rad=float(params.patch_radius_rad),
+        greatest_radius_m=float(params.greatest_radius_m),
         least_pixels=int(params.least_pixels),
         least_share=float(params.least_share),
         greatest_gap_rad=float(params.greatest_gap_rad),
@@ -312,4 +326,6 @@ def _patch(params: PositionParams) -> Patch:
         across_px=float(noise.window_px[0]),
         down_px=float(noise.window_px[1]),
         frames_per_sample=float(noise.frames_per_sample),
+        relief_m=float(params.relief_m),
+        relief_length_m=float(params.relief_length_m),
     )

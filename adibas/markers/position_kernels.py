@@ -48,7 +48,8 @@ class Line(NamedTuple):
 class Patch(NamedTuple):
     """`PositionParams` and its noise, for the kernels."""
 
-    radius_m: float
+    radius_rad: float
+    greatest_radius_m: float
     least_pixels: int
     least_share: float
     greatest_gap_rad: float
@@ -61,6 +62,8 @@ class Patch(NamedTuple):
     across_px: float
     down_px: float
     frames_per_sample: float
+    relief_m: float
+    relief_length_m: float
 
 
 class Fit(NamedTuple):
@@ -96,6 +99,12 @@ def pixel_of(line: Line, disparity: float, lens: Lens) -> tuple[float, float]:
 
 
 @compiled
+def radius_at_m(disparity: float, patch: Patch) -> float:
+    """Return how large the patch is at depth 1/disparity."""
+    return min(patch.radius_rad / disparity, patch.greatest_radius_m)
+
+
+@compiled
 def _nearby(mean_per_m: Float32Array, u: float, v: float, reach: int) -> float:
     """Return the median disparity of the square about (u, v), `NOTHING` of fewer than 3."""
     height, width = mean_per_m.shape
@@ -124,7 +133,7 @@ def _seen_at(
     seen = _nearby(mean_per_m, u, v, 1)
     if seen != NOTHING:
         return seen
-    reach = int(0.5 * patch.radius_m * lens.fx * disparity)
+    reach = int(0.5 * radius_at_m(disparity, patch) * lens.fx * disparity)
     return _nearby(mean_per_m, u, v, min(max(reach, 2), GREATEST_REACH_PX))
 
 
@@ -171,7 +180,8 @@ def _is_near(
         return False
     along_m = 1.0 / expected - 1.0 / middle
     across_m = math.hypot(du / lens.fx, dv / lens.fy) / expected
-    return across_m * across_m + along_m * along_m <= patch.radius_m * patch.radius_m
+    radius_m = radius_at_m(middle, patch)
+    return across_m * across_m + along_m * along_m <= radius_m * radius_m
 
 
 @compiled
@@ -197,7 +207,7 @@ def _gather(
     own reading lies on that surface. Beside them the pixels (N, 2) themselves. Nothing (N = 0)
     where they are too few or leave too wide a gap.
     """
-    radius_px = patch.radius_m * lens.fx * before.disparity
+    radius_px = radius_at_m(before.disparity, patch) * lens.fx * before.disparity
     reach = int(radius_px) + 1
     rows = np.empty(((2 * reach + 3) ** 2, N_TERMS + 1))
     pixels = np.empty((rows.shape[0], 2))
@@ -307,11 +317,45 @@ def _noise(pixels: FloatArray, readings: FloatArray, patch: Patch) -> FloatArray
 
 
 @compiled
+def _alike(apart: float) -> float:
+    """Return the correlation of Matern's process of order 3/2, `apart` in lengths by root 3.
+
+    Source: Rasmussen & Williams 2006, equation 4.17.
+    """
+    return (1.0 + apart) * math.exp(-apart)
+
+
+@compiled
+def _add_relief(covariance: FloatArray, rows: FloatArray, disparity: float, patch: Patch) -> None:
+    """Add to the (N, N) covariance what skin is beyond its quadratic.
+
+    It is Matern's process, less its value in the middle: what is asked for is the skin there, and
+    not a smoothed one. A depth that is off by d moves 1/z by d / z^2.
+    """
+    n = rows.shape[0]
+    power = (patch.relief_m * disparity**2) ** 2
+    per = math.sqrt(3.0) * radius_at_m(disparity, patch) / patch.relief_length_m
+    middle = np.empty(n)
+    for i in range(n):
+        middle[i] = _alike(per * math.hypot(rows[i, 1], rows[i, 2]))
+    for i in range(n):
+        for j in range(i + 1):
+            apart = per * math.hypot(rows[i, 1] - rows[j, 1], rows[i, 2] - rows[j, 2])
+            covariance[i, j] += power * (1.0 + _alike(apart) - middle[i] - middle[j])
+
+
+@compiled
 def _generalised(
-    rows: FloatArray, pixels: FloatArray, readings: FloatArray, radius_px: float, patch: Patch
+    rows: FloatArray,
+    pixels: FloatArray,
+    readings: FloatArray,
+    disparity: float,
+    radius_px: float,
+    patch: Patch,
 ) -> Fit:
-    """Fit with the noise's own covariance, so that the variance is honest."""
+    """Fit with the covariance of noise and relief, so that the variance is honest."""
     factor = _noise(pixels, readings, patch)
+    _add_relief(factor, rows, disparity, patch)
     solution = np.empty((N_TERMS, N_TERMS + 1))
     if rows.shape[0] < 2 * N_TERMS or not factorise(factor):
         return Fit(NOTHING, 0.0, 0.0, 0.0, 0.0, 0)
@@ -358,7 +402,7 @@ def fit_skin(
         rows, pixels = _gather(mean_per_m, u, v, fit, lens, patch)
         if rows.shape[0] < 2 * N_TERMS:
             return nothing
-        radius_px = patch.radius_m * lens.fx * fit.disparity
+        radius_px = radius_at_m(fit.disparity, patch) * lens.fx * fit.disparity
         kept = np.empty(rows.shape[0], np.bool_)
         coefficients = _robust(rows, patch.frame_sd_per_m / 2.0, kept)
         if kept.sum() < 2 * N_TERMS or not coefficients[0] > 0.0:
@@ -372,5 +416,5 @@ def fit_skin(
         for i in range(chosen.shape[0]):
             column, row = pixels[chosen[i]]
             readings[i] = n_readings[int(row), int(column)]
-        fit = _generalised(rows[chosen], pixels[chosen], readings, radius_px, patch)
+        fit = _generalised(rows[chosen], pixels[chosen], readings, fit.disparity, radius_px, patch)
     return fit

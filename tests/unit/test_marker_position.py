@@ -18,7 +18,9 @@ from adibas.markers.position import (
     DisparityNoise,
     PositionFinder,
     PositionParams,
+    _patch,
 )
+from adibas.markers.position_kernels import radius_at_m
 
 HEIGHT, WIDTH = 240, 320
 TURN = cv2.Rodrigues(np.array([0.004, -0.003, 0.005]))[0]
@@ -126,7 +128,7 @@ def placed(depth_m, point_m):
     return marker, truth_m, finder.is_between_surfaces(np.array([u, v]))
 
 
-@pytest.mark.parametrize("normal", [(0, 0, 1), (0.5, 0.5, 0.7)])
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0, 0.4, 0.9)])
 @pytest.mark.parametrize(
     ("spoil", "is_between"),
     [
@@ -245,6 +247,44 @@ def test_a_sensor_of_other_noise_than_assumed_still_gets_intervals_that_hold(fac
     assert 0.92 < np.mean(np.abs(errors) <= 1.96) < 0.98
 
 
+def relief_m(rng, width_px, per_px_m, sd_m, length_m):
+    """Draw a square of Matern's process of order 3/2 (Rasmussen & Williams 2006, eq. 4.17)."""
+    v, u = np.mgrid[:width_px, :width_px] * per_px_m
+    apart = np.sqrt(3) * np.hypot(u.ravel()[:, None] - u.ravel(), v.ravel()[:, None] - v.ravel())
+    covariance = sd_m**2 * (1 + apart / length_m) * np.exp(-apart / length_m)
+    root = np.linalg.cholesky(covariance + 1e-12 * np.eye(len(covariance)))
+    return (root @ rng.standard_normal((len(root), 150))).T.reshape(-1, width_px, width_px)
+
+
+def test_skin_that_is_no_quadratic_is_measured_as_well_as_stated_and_better_than_by_one():
+    rng, distance_m, half = np.random.default_rng(3), 1.2, 13
+    plane_m = plane_depth_m((0, 0, 1), distance_m)
+    reliefs_m = relief_m(rng, 2 * half + 1, distance_m / 580.0, 0.002, 0.02)
+    errors_m, deviations, smooth_errors_m, smooth = [], [], [], []
+    for relief in reliefs_m:
+        depth_m = plane_m.copy()
+        depth_m[110 - half : 111 + half, 150 - half : 151 + half] += relief
+        point_m = point_of_pixel(depth_m, 150, 110)
+        depth_m[106:115, 146:155] = np.nan  # as where an LED shines
+        found, truth_m = locate(depth_m, point_m)
+        errors_m.append(found.position_m[2] - truth_m[2])
+        deviations.append(errors_m[-1] / np.sqrt(found.covariance_m2[2, 2]))
+        flat, _ = locate(depth_m, point_m, relief_m=0.0)
+        smooth_errors_m.append(flat.position_m[2] - truth_m[2])
+        smooth.append(smooth_errors_m[-1] / np.sqrt(flat.covariance_m2[2, 2]))
+    assert 0.92 < np.mean(np.abs(deviations) < 1.96) < 0.985
+    assert np.mean(np.abs(smooth) < 1.96) < 0.5
+    assert np.std(errors_m) < 0.8 * np.std(smooth_errors_m)
+
+
+def test_the_patch_has_as_many_pixels_wherever_it_is_until_it_is_as_large_as_limbs_are_thick():
+    params = PositionParams()
+    patch = _patch(params)
+    assert 580.0 / 0.8 * radius_at_m(1 / 0.8, patch) == pytest.approx(580.0 * 0.02)
+    assert 580.0 / 2.9 * radius_at_m(1 / 2.9, patch) == pytest.approx(580.0 * 0.02)
+    assert radius_at_m(1 / 4.5, patch) == params.greatest_radius_m
+
+
 def test_a_depth_without_any_noise_is_not_believed_to_have_none():
     depth_m = plane_depth_m((0, 0, 1), 1.5)
     burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
@@ -263,7 +303,7 @@ def test_an_unsure_pixel_is_unsure_within_the_skin_not_across_it():
     normal = np.array([0.6, 0.0, 0.8])
     depth_m = plane_depth_m(normal, 1.4)
     burst = fuse_depth([depth_m.astype(np.float32)], DepthBias())
-    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=NO_NOISE))
+    finder = PositionFinder(burst, CALIBRATION, PositionParams(noise=NO_NOISE, relief_m=0.0))
     truth_m = CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, 150, 110))
     color = CALIBRATION.color
     pixel = project_distorted(truth_m, color.intrinsics, color.distortion)
