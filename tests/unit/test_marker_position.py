@@ -236,7 +236,7 @@ def test_a_sensor_of_other_noise_than_assumed_still_gets_intervals_that_hold(fac
     errors, shares = [], []
     for _ in range(12):
         burst = fuse_depth(noisy_frames(depth_m, rng, 4, real), DepthBias())
-        params = PositionParams(noise=assumed)
+        params = PositionParams(noise=assumed, relief_m=0.0)  # a plane has none
         finder = PositionFinder(burst, CALIBRATION, params, seen_px[::5])
         shares.append(finder.noise_share)
         for pixel, truth_m in zip(seen_px, truths_m, strict=True):
@@ -283,6 +283,29 @@ def test_the_patch_has_as_many_pixels_wherever_it_is_until_it_is_as_large_as_lim
     assert 580.0 / 0.8 * radius_at_m(1 / 0.8, patch) == pytest.approx(580.0 * 0.02)
     assert 580.0 / 2.9 * radius_at_m(1 / 2.9, patch) == pytest.approx(580.0 * 0.02)
     assert radius_at_m(1 / 4.5, patch) == params.greatest_radius_m
+
+
+def test_a_fold_about_one_marker_does_not_make_the_sensor_s_noise_larger():
+    rng = np.random.default_rng(8)
+    depth_m = plane_depth_m((0, 0, 1), 1.5)
+    folded_m = depth_m.copy()
+    folded_m[95:125, 100:130] += 0.01 * np.sin(np.arange(30))
+    seen_px = [
+        project_distorted(
+            CALIBRATION.color_from_depth.apply(point_of_pixel(depth_m, u, 110)),
+            CALIBRATION.color.intrinsics,
+            CALIBRATION.color.distortion,
+        )
+        for u in (55, 115, 175, 235, 285)
+    ]
+    noises = [list(noisy_frames(one, rng, 4)) for one in (depth_m, folded_m)]
+    shares = [
+        PositionFinder(
+            fuse_depth(frames, DepthBias()), CALIBRATION, PositionParams(), np.array(seen_px)
+        ).noise_share
+        for frames in noises
+    ]
+    assert shares[1] == pytest.approx(shares[0], rel=0.15)
 
 
 def test_a_depth_without_any_noise_is_not_believed_to_have_none():
