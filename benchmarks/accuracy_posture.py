@@ -6,9 +6,9 @@ seventh analysis again with each of the variants. With ADIBAS_BENCHMARK_RESULTS=
 is kept in that file as it is done, and one that stands there is not done again.
 
 "Against what it states": the root mean square error by the root mean square of the standard errors
-that the program gives, which follow from its noise model by generalised least squares. For normal
-noise no unbiased estimate from the same pixels has a smaller variance (Cramer-Rao), so that 1 is
-the bound of the model, and more is what the model does not know.
+that the program gives, which follow from its model of noise and skin by generalised least squares.
+For normal noise no unbiased estimate from the same pixels has a smaller variance (Cramer-Rao), so
+that 1 is the bound of the model, and more is what the model does not know.
 """
 
 import math

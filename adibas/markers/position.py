@@ -25,7 +25,6 @@ from adibas.markers.position_kernels import (
     follow,
     pixel_of,
     point_on,
-    radius_at_m,
 )
 from adibas.markers.shared_errors import SharedErrors
 
@@ -76,12 +75,14 @@ class PositionParams:
         wherever it is; but no more than 60 mm.
     relief_m, relief_length_m : float
         What skin is beyond a quadratic: Matern's process of order 3/2, with a standard deviation
-        of 2 mm and a length of 20 mm. The likeliest of fifteen each of three such processes for
-        the skin about 254 simulated markers on three bodies that no benchmark measures.
+        of 2 mm and a length of 20 mm. The likeliest of 75 processes for the skin about 254
+        simulated markers on three bodies that no benchmark measures (docs/skeleton.md).
+    close_m : float
+        So close to the marker the depth must be known, by the three conditions that follow: 25 mm.
     least_pixels : int
         Depth pixels that must take part.
     least_share : float
-        Of the pixels that the patch would have without holes.
+        Of the pixels that there would be without holes.
     greatest_gap_rad : float
         Greatest angle, seen from the marker, in which no depth was measured: 170 degrees. With
         more the fit would extrapolate.
@@ -97,6 +98,7 @@ class PositionParams:
 
     patch_radius_rad: float = 0.02
     greatest_radius_m: float = 0.06
+    close_m: float = 0.025
     relief_m: float = 0.002
     relief_length_m: float = 0.02
     least_pixels: int = 25
@@ -215,19 +217,18 @@ class PositionFinder:
     def is_between_surfaces(self, pixel_uv: FloatArray) -> bool:
         """Say whether the depth about the place where a ray ends is of more than one surface.
 
-        Skin at 45 degrees is as deep as the patch is wide; what is deeper by a step is two.
+        Skin at 45 degrees is as deep as it is wide; what is deeper by a step is two.
         """
         line = self._line(self._ray(pixel_uv))
         start_per_m = self._met_per_m(line)
         if start_per_m is None:
             return False
         u, v = pixel_of(line, start_per_m, self._lens)
-        radius_m = radius_at_m(start_per_m, self._patch)
-        reach = 1 + math.ceil(radius_m * self._lens.fx * start_per_m)
+        reach = 1 + math.ceil(self._params.close_m * self._lens.fx * start_per_m)
         rows, columns = (slice(max(round(at) - reach, 0), round(at) + reach + 1) for at in (v, u))
         seen_per_m = self._burst.mean_per_m[rows, columns]
         seen_m = 1.0 / seen_per_m[seen_per_m > 0.0]
-        deepest_m = 2.0 * radius_m + self._params.step_m
+        deepest_m = 2.0 * self._params.close_m + self._params.step_m
         return bool(np.ptp(seen_m) > deepest_m)
 
     def _ray(self, pixel_uv: FloatArray) -> FloatArray:
@@ -317,6 +318,7 @@ def _patch(params: PositionParams) -> Patch:
     return Patch(
         radius_rad=float(params.patch_radius_rad),
         greatest_radius_m=float(params.greatest_radius_m),
+        close_m=float(params.close_m),
         least_pixels=int(params.least_pixels),
         least_share=float(params.least_share),
         greatest_gap_rad=float(params.greatest_gap_rad),

@@ -50,6 +50,7 @@ class Patch(NamedTuple):
 
     radius_rad: float
     greatest_radius_m: float
+    close_m: float
     least_pixels: int
     least_share: float
     greatest_gap_rad: float
@@ -133,7 +134,7 @@ def _seen_at(
     seen = _nearby(mean_per_m, u, v, 1)
     if seen != NOTHING:
         return seen
-    reach = int(0.5 * radius_at_m(disparity, patch) * lens.fx * disparity)
+    reach = int(0.5 * patch.close_m * lens.fx * disparity)
     return _nearby(mean_per_m, u, v, min(max(reach, 2), GREATEST_REACH_PX))
 
 
@@ -172,16 +173,12 @@ def follow(mean_per_m: Float32Array, line: Line, lens: Lens, patch: Patch) -> fl
 
 
 @compiled
-def _is_near(
-    du: float, dv: float, expected: float, middle: float, lens: Lens, patch: Patch
-) -> bool:
-    """Say whether the surface passes an offset within the patch radius of the middle, in space."""
+def _apart_m(du: float, dv: float, expected: float, middle: float, lens: Lens) -> float:
+    """Return how far in space the surface at a pixel's offset is from the middle."""
     if expected <= 0.0:
-        return False
+        return math.inf
     along_m = 1.0 / expected - 1.0 / middle
-    across_m = math.hypot(du / lens.fx, dv / lens.fy) / expected
-    radius_m = radius_at_m(middle, patch)
-    return across_m * across_m + along_m * along_m <= radius_m * radius_m
+    return math.hypot(math.hypot(du / lens.fx, dv / lens.fy) / expected, along_m)
 
 
 @compiled
@@ -205,35 +202,41 @@ def _gather(
 
     A pixel takes part if the surface fitted before passes it within the radius in space, and its
     own reading lies on that surface. Beside them the pixels (N, 2) themselves. Nothing (N = 0)
-    where they are too few or leave too wide a gap.
+    where those close to the middle are too few or leave too wide a gap.
     """
-    radius_px = radius_at_m(before.disparity, patch) * lens.fx * before.disparity
+    radius_m = radius_at_m(before.disparity, patch)
+    radius_px = radius_m * lens.fx * before.disparity
     reach = int(radius_px) + 1
     rows = np.empty(((2 * reach + 3) ** 2, N_TERMS + 1))
     pixels = np.empty((rows.shape[0], 2))
-    sectors = np.zeros(N_SECTORS, np.bool_)
-    n_near, n_taken = 0, 0
+    sectors = np.zeros(N_SECTORS, np.int64)
+    n_close, n_taken = 0, 0
     for row in range(int(v0) - reach, int(v0) + reach + 2):
         for column in range(int(u0) - reach, int(u0) + reach + 2):
             du, dv = column - u0, row - v0
             expected = before.disparity + before.slope_u * du + before.slope_v * dv
-            if not _is_near(du, dv, expected, before.disparity, lens, patch):
+            apart_m = _apart_m(du, dv, expected, before.disparity, lens)
+            if apart_m > radius_m:
                 continue
-            n_near += 1
+            n_close += apart_m <= patch.close_m
             value = _reading(mean_per_m, row, column, expected, patch.step_m)
             if value == NOTHING:
                 continue
-            sectors[int((math.atan2(dv, du) / (2.0 * math.pi) + 0.5) * N_SECTORS) % N_SECTORS] = (
-                True
-            )
+            sectors[_sector(du, dv)] += apart_m <= patch.close_m
             x, y = du / radius_px, dv / radius_px
             rows[n_taken] = np.array((1.0, x, y, x * x, x * y, y * y, value))
             pixels[n_taken, 0], pixels[n_taken, 1] = column, row
             n_taken += 1
-    is_enough = n_taken >= max(patch.least_pixels, patch.least_share * n_near)
-    if not is_enough or _greatest_gap_rad(sectors) > patch.greatest_gap_rad:
+    is_enough = sectors.sum() >= max(patch.least_pixels, patch.least_share * n_close)
+    if not is_enough or _greatest_gap_rad(sectors > 0) > patch.greatest_gap_rad:
         n_taken = 0
     return rows[:n_taken], pixels[:n_taken]
+
+
+@compiled
+def _sector(du: float, dv: float) -> int:
+    """Return in which of the sectors about the middle an offset is."""
+    return int((math.atan2(dv, du) / (2.0 * math.pi) + 0.5) * N_SECTORS) % N_SECTORS
 
 
 @compiled
