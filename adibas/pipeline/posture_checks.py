@@ -21,6 +21,8 @@ from adibas.texts import message
 BESIDE = message("not on the patient")
 GAP = message("faint, and between two surfaces, as a gap between fingers is")
 NOT_COUNTED = message("Not counted as a marker ({n}): {reason}.")
+SMALL = 0.85
+"""Of the median size: eleven of twelve true stickers measure more (see `skeleton.sizes`)."""
 OWN_SHARE = 0.5
 """Of a piece's pixels that the body has, too: from there on it is no other person."""
 MOST_BESIDE = 10
@@ -100,8 +102,9 @@ def are_gaps(
 ) -> BoolArray:
     """Say of each spot whether it is more likely a gap between fingers than a marker at an outline.
 
-    A marker lies on skin: what is too faint to have the marker's colour, and has no skin of its
-    own but several surfaces about it, has nothing that speaks for it.
+    A marker lies on skin: what is too faint to have the marker's colour, and smaller than the
+    others, and has no skin of its own but several surfaces about it, has nothing that speaks for
+    it.
 
     Parameters
     ----------
@@ -110,15 +113,32 @@ def are_gaps(
     finder : PositionFinder
         That measured them.
     """
+    is_small = _are_small(markers)
     return np.array(
         [
             look.is_faint
+            and small
             and marker.position_m is None
             and finder.is_between_surfaces(np.array([look.u, look.v]))
-            for look, marker in zip(found, markers, strict=True)
+            for look, marker, small in zip(found, markers, is_small, strict=True)
         ],
         np.bool_,
     )
+
+
+def _are_small(markers: Sequence[Marker]) -> BoolArray:
+    """Say of each marker whether it is smaller than most; False where its distance is not known."""
+    depths_m = [
+        np.nan if depth_m is None else depth_m
+        for depth_m in (
+            one.rough_depth_m if one.position_m is None else one.position_m[2] for one in markers
+        )
+    ]
+    sizes = np.array([one.radius_px for one in markers]) * depths_m
+    known = sizes[np.isfinite(sizes)]
+    if not len(known):
+        return np.zeros(len(markers), np.bool_)
+    return np.asarray(sizes < SMALL * np.median(known), np.bool_)
 
 
 def apart_from_others(

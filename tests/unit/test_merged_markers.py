@@ -54,11 +54,11 @@ def test_three_markers_have_no_usual_length():
     assert judged(seen(0), seen(0), (0.01, 0.5)) == [False] * 3
 
 
-def found(radius_px, ratio, depth_m, *, u=100.0, is_faint=False):
+def found(radius_px, ratio, depth_m, *, u=100.0, is_faint=False, rough_depth_m=None):
     """Return one marker as it looks, and where it is."""
     looks = BurstMarker(u, 50.0, radius_px, ratio, np.eye(2), 30, is_faint)
     if depth_m is None:
-        return looks, Marker("m", u, 50.0, radius_px, np.eye(2))
+        return looks, Marker("m", u, 50.0, radius_px, np.eye(2), rough_depth_m=rough_depth_m)
     place_m = np.array([0.0, 0.0, depth_m])
     return looks, Marker("m", u, 50.0, radius_px, np.eye(2), place_m, np.eye(3))
 
@@ -80,22 +80,26 @@ class Outlines:
         return pixel_uv[0] == 300.0
 
 
-def test_what_is_faint_and_has_several_surfaces_but_no_skin_is_a_gap():
-    at, beside = {"u": 300.0}, {"u": 200.0}
+def test_what_is_faint_and_small_and_has_several_surfaces_but_no_skin_is_a_gap():
+    at = {"u": 300.0, "is_faint": True}
     spots = [
-        found(5, 1.0, None, **at, is_faint=True),
-        found(5, 1.0, None, **at),
-        found(5, 1.0, 2.0, **at, is_faint=True),
-        found(5, 1.0, None, **beside, is_faint=True),
+        found(4, 1.0, None, **at, rough_depth_m=2.0),
+        found(4, 1.0, None, u=300.0, rough_depth_m=2.0),
+        found(4, 1.0, 2.0, **at),
+        found(4, 1.0, None, u=200.0, is_faint=True, rough_depth_m=2.0),
+        found(4, 1.0, None, **at, rough_depth_m=2.3),
+        found(4, 1.0, None, **at),
+        *[found(5, 1.0, 2.0)] * 7,
     ]
     looks, markers = zip(*spots, strict=True)
     is_gap = are_gaps(looks, markers, Outlines())
-    assert is_gap.tolist() == [True, False, False, False]
+    assert is_gap.tolist() == [True, *[False] * 12]
     kept, refused = apart_from_others(looks, markers, is_gap, 1000.0)
     assert kept == markers[1:]
     assert [(one.u, one.reason) for one in refused] == [
         (300.0, "faint, and between two surfaces, as a gap between fingers is")
     ]
+    assert not are_gaps(looks[5:6], markers[5:6], Outlines()).any()
 
 
 def test_the_rim_of_a_marker_is_no_spot_beside_the_patient_and_a_full_wall_is_not_told():
