@@ -195,23 +195,16 @@ class PositionFinder:
         return None if fit is None else self._position(ray, fit, covariance_px2)
 
     def placed(self, marker: Marker) -> Marker:
-        """Return the marker, whose centre and its covariance stand, with where it lies in space."""
+        """Return a marker that is known in the picture alone with where it lies in space."""
         pixel_uv = np.array([marker.u, marker.v])
         found = self.locate(pixel_uv, marker.covariance_px2)
         if found is None:
-            return replace(
-                marker,
-                position_m=None,
-                covariance_m2=None,
-                shared_m=None,
-                rough_depth_m=self._rough_depth_m(pixel_uv),
-            )
+            return replace(marker, rough_depth_m=self._rough_depth_m(pixel_uv))
         return replace(
             marker,
             position_m=found.position_m,
             covariance_m2=found.covariance_m2,
             shared_m=found.shared_m,
-            rough_depth_m=None,
         )
 
     def is_between_surfaces(self, pixel_uv: FloatArray) -> bool:
@@ -254,8 +247,8 @@ class PositionFinder:
         start_per_m = self._met_per_m(line)
         if start_per_m is None:
             return None
-        met_m = self._color_from_depth.apply(np.array(point_on(line, start_per_m)))
-        return float(met_m[2])
+        in_color_m = self._color_from_depth.apply(np.array(point_on(line, start_per_m)))
+        return float(in_color_m[2])
 
     def _fitted(self, ray: FloatArray) -> Fit | None:
         """Return the skin that a colour ray meets; None where there is none that is sure enough."""

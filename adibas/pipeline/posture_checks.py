@@ -128,17 +128,18 @@ def are_gaps(
 
 def _are_small(markers: Sequence[Marker]) -> BoolArray:
     """Say of each marker whether it is smaller than most; False where its distance is not known."""
-    depths_m = [
-        np.nan if depth_m is None else depth_m
-        for depth_m in (
-            one.rough_depth_m if one.position_m is None else one.position_m[2] for one in markers
-        )
-    ]
-    sizes = np.array([one.radius_px for one in markers]) * depths_m
+    depths_m = _depths_m(markers)
+    rough_m = np.array([one.rough_depth_m for one in markers], float)  # None becomes NaN
+    sizes = np.array([one.radius_px for one in markers]) * np.fmax(depths_m, rough_m)
     known = sizes[np.isfinite(sizes)]
     if not len(known):
         return np.zeros(len(markers), np.bool_)
     return np.asarray(sizes < SMALL * np.median(known), np.bool_)
+
+
+def _depths_m(markers: Sequence[Marker]) -> FloatArray:
+    """Return the (N,) depths of markers, colour camera; NaN of those without a position."""
+    return np.array([np.nan if one.position_m is None else one.position_m[2] for one in markers])
 
 
 def apart_from_others(
@@ -155,10 +156,7 @@ def apart_from_others(
     focal_px : float
         Of the colour camera.
     """
-    depths_m = np.array(
-        [np.nan if one.position_m is None else one.position_m[2] for one in markers]
-    )
-    is_merged = are_two_in_one(found, depths_m, focal_px)
+    is_merged = are_two_in_one(found, _depths_m(markers), focal_px)
     kept = tuple(one for one, out in zip(markers, is_merged | is_gap, strict=True) if not out)
     refused = tuple(
         RejectedBlob(one.u, one.v, GAP if gap else MERGED)

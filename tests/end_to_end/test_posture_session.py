@@ -21,6 +21,7 @@ from adibas.recordings import create_recording, open_recording
 from adibas.simulation.scenes import open_scene
 
 SHEETS = ["Summary", "Markers", "Distances", "Angles", "Provenance"]
+TRUTH_TOLERANCE_M = 0.004
 RMS_TOLERANCE_M = 0.0035
 """Three frames at 2 m: the depth of a marker is sure to 2.5 to 3 mm."""
 ONCE_IN = 1e-3
@@ -141,6 +142,17 @@ def test_the_markers_lie_where_the_simulator_put_them_as_surely_as_is_stated(dem
             deviations.append(error_m @ np.linalg.solve(marker["covariance_m2"], error_m))
     assert np.sqrt(np.mean(np.sum(np.square(errors_m), axis=1))) < RMS_TOLERANCE_M
     assert max(deviations) < chi2.isf(ONCE_IN, df=3)
+
+
+def test_each_marker_of_the_demo_as_it_is_run_lies_where_the_simulator_put_it(tmp_path):
+    found = demo_session.run_demo(tmp_path, lambda _done, _all: None).analysis.markers
+    scene = open_scene(demo_session.SCENE, seed=demo_session.SEED)
+    truth = scene.frame(demo_session.N_FRAMES // 2).truth.markers
+    true_m = np.array([marker.position_m for marker in truth])
+    placed_m = [marker.position_m for marker in found if marker.position_m is not None]
+    assert len(placed_m) >= 10
+    for place_m in placed_m:
+        assert np.linalg.norm(true_m - place_m, axis=1).min() < TRUTH_TOLERANCE_M
 
 
 def test_the_same_recording_gives_the_same_numbers(demo, posture, tmp_path):
