@@ -1,16 +1,13 @@
 """Names of unordered markers: simulated people whom the training did not see, and real ones.
 
-Sets are shuffled and turned to one of the four views, within 20 degrees. "Entirely right": every
-point has its name, surely, and points that are none have none. Spurious points lie anywhere in the
-box about the person, 0.3 m wider; where sizes are measured, they have any from 4 to 60 mm, as the
-search for markers lets pass, and markers 9 mm with the spread of simulated stickers. Real: markers
-of Plug-in-Gait files, and joints of motion capture (CMU subject 02; 01 was looked at while
+Sets are shuffled and turned to one of the four views, within 20 degrees (`marker_sets`). "Entirely
+right": every point has its name, surely, and points that are none have none. Real: markers of
+Plug-in-Gait files, and joints of motion capture (CMU subject 02; 01 was looked at while
 developing), and skeletons as the software of a first Kinect saw people, whose bones are nowhere
 equally long (settings were chosen on UTD-MHAD and MSR-Action3D; UTKinect was looked at). These
 need ADIBAS_REAL_DATA.
 """
 
-import math
 import operator
 import os
 import time
@@ -25,9 +22,10 @@ from adibas.arrays import FloatArray
 from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
-from adibas.skeleton.starts import HEADINGS_RAD, turn_back
+from adibas.skeleton.starts import turn_back
 from adibas.skeleton.tracking import name_movement
 from benchmarks.labelling_bands import band_rows
+from benchmarks.labelling_sets import marker_sets
 from benchmarks.mocap_files import c3d_rate_hz, read_c3d_joints, read_mocap_joints
 from benchmarks.skeleton_sets import msr_action3d, utd_mhad, utkinect
 from benchmarks.table import Row
@@ -35,10 +33,6 @@ from benchmarks.table import Row
 SEED = 1000 + int(os.environ.get("ADIBAS_BENCHMARK_SEED", "0"))
 N_BODIES, N_POSES = 40, 40
 N_SWAP_SETS = 10_000
-VIEW_OFF_RAD = 0.35
-MARKER_SD_M = 0.005
-DIAMETER_M, DIAMETER_LOG_SD = 0.009, 0.10
-SPURIOUS_DIAMETERS_M = (0.004, 0.060)
 STEP_MOCAP, STEP_MARKERS = 24, 10
 MOCAP_HZ, TRACKED_HZ = 120.0, 30.0
 N_KINECT = 400
@@ -54,10 +48,10 @@ class Count:
     swapped: int = 0
     seconds: float = 0.0
 
-    def add(self, names: tuple[str | None, ...], truth: list[str | None]) -> None:
+    def add(self, names: tuple[str | None, ...], truth: tuple[str | None, ...]) -> None:
         """Count one set."""
         self.n += 1
-        self.right += list(names) == truth
+        self.right += names == truth
         pairs = [(a, b) for a, b in zip(names, truth, strict=True) if a is not None and a != b]
         self.wrong += bool(pairs)
         self.swapped += any(b is not None and other_side(b) == a for a, b in pairs)
@@ -109,42 +103,20 @@ def label_all(
     has_sizes: bool = False,
     seed: int = SEED,
 ) -> Count:
-    """Name shapes that face the camera, each turned to a view; `view`: told or empty."""
-    rng = np.random.default_rng(seed)
-    of_sizes = np.random.default_rng([seed, 1])
+    """Name sets of shapes that face the camera; `view`: told or empty. See `marker_sets`."""
     count = Count()
-    views = list(HEADINGS_RAD)
-    for number in range(n_sets):
-        shown = views[number % len(views)]
-        heading_rad = HEADINGS_RAD[shown] + rng.uniform(-VIEW_OFF_RAD, VIEW_OFF_RAD)
-        points_m = shapes_m[number % len(shapes_m)] @ turn_back(heading_rad)
-        points_m = points_m + rng.normal(scale=MARKER_SD_M, size=points_m.shape)
-        truth: list[str | None] = list(JOINT_NAMES)
-        low, high = points_m.min(axis=0) - 0.3, points_m.max(axis=0) + 0.3
-        kept = rng.permutation(len(points_m))[n_changed:]
-        spurious_m = rng.uniform(low, high, (n_changed, 3))
-        points_m = np.concatenate([points_m[kept], spurious_m])
-        truth = [*(truth[i] for i in kept), *[None] * n_changed]
-        order = rng.permutation(len(points_m))
-        sizes_m = _sizes_m(of_sizes, len(kept), n_changed)[order] if has_sizes else None
-        _label(count, points_m[order], [truth[i] for i in order], shown if view else "", sizes_m)
+    for one in marker_sets(shapes_m, n_sets, n_changed, seed):
+        sizes_m = one.sizes_m if has_sizes else None
+        _label(count, one.points_m, one.truth, one.view if view else "", sizes_m)
     return count
-
-
-def _sizes_m(rng: np.random.Generator, n_markers: int, n_spurious: int) -> FloatArray:
-    """Return diameters as they are measured."""
-    markers_m = DIAMETER_M * np.exp(rng.normal(scale=DIAMETER_LOG_SD, size=n_markers))
-    least_m, greatest_m = SPURIOUS_DIAMETERS_M
-    spurious_m = np.exp(rng.uniform(math.log(least_m), math.log(greatest_m), n_spurious))
-    return np.concatenate([markers_m, spurious_m])
 
 
 def _label(
     count: Count,
     points_m: FloatArray,
-    truth: list[str | None],
+    truth: tuple[str | None, ...],
     view: str,
-    sizes_m: FloatArray | None = None,
+    sizes_m: FloatArray | None,
 ) -> None:
     begin = time.thread_time()
     labelling = shipped_namer().label(points_m, view, sizes_m)
@@ -223,5 +195,5 @@ def _followed(movements: list[FloatArray], rate_hz: float) -> Count:
         tracked = list(name_movement(shipped_namer(), shuffled_m, times_s))
         count.seconds += time.thread_time() - begin
         for one, order in zip(tracked, orders, strict=True):
-            count.add(one.names, [JOINT_NAMES[i] for i in order])
+            count.add(one.names, tuple(JOINT_NAMES[i] for i in order))
     return count
