@@ -17,8 +17,8 @@ from benchmarks.labelling_judge import Judge, Ways, probabilities
 from benchmarks.labelling_sets import marker_sets
 from benchmarks.table import Row
 
-JUDGE_PEOPLE, JUDGE_POSES, JUDGE_SEED = 400, 40, 77_000
-N_COMPONENTS = 30
+JUDGE_PEOPLE, JUDGE_POSES, JUDGE_SEED = 240, 40, 77_000
+N_COMPONENTS = 6
 
 
 def rows(*, quick: bool) -> Iterable[Row]:
