@@ -41,7 +41,7 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     best : float
         Lowest energy that is known.
     """
-    moved, angle_rad = turned_to_mean(points, own, core.mean)
+    moved, angle_rad = turned_to_mean(points, own, core.mean, odds)
     rows, values = known_rows(moved, own)
     of_core = np.empty(odds.n_kinds)
     component = rate_core(rows, values, core, odds, of_core)

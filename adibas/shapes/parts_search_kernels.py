@@ -130,7 +130,7 @@ def _hope(points: FloatArray, own: IntArray, core: Core, odds: Odds) -> float:
     Each is worth then what a label without a point costs, so that a core does not gain by taking
     points that a limb could have.
     """
-    moved, angle_rad = turned_to_mean(points, own, core.mean)
+    moved, angle_rad = turned_to_mean(points, own, core.mean, odds)
     rows, values = known_rows(moved, own)
     by_kind = np.empty(odds.n_kinds)
     rate_core(rows, values, core, odds, by_kind)
@@ -157,7 +157,7 @@ def _costs(
     points: FloatArray, own: IntArray, core: Core, odds: Odds, alone: float, widening: float
 ) -> FloatArray:
     """Return (C, M) costs of each point for each label by all other points of the core."""
-    moved, _ = turned_to_mean(points, own, core.mean)
+    moved, _ = turned_to_mean(points, own, core.mean, odds)
     rows, values = known_rows(moved, own)
     component = rate_core(rows, values, core, odds, np.empty(odds.n_kinds))
     places, spreads = leave_one_out_core(rows, values, own, core, component)

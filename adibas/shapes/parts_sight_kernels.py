@@ -195,7 +195,7 @@ def _labels_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are i
     """Return the probability (N,) of each label that it is out of sight; 0 if it has a point."""
     shares = np.zeros(len(partners))
     own = partners[core.labels]
-    moved, angle_rad = turned_to_mean(points, own, core.mean)
+    moved, angle_rad = turned_to_mean(points, own, core.mean, odds)
     inward, edges = in_turned_axes(points, own, angle_rad, normals, offsets)
     rows, values = known_rows(moved, own)
     by_kind = np.empty(odds.n_kinds)

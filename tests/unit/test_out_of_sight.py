@@ -63,7 +63,9 @@ def test_planes_turn_with_the_points():
     points, mean = rng.normal(size=(9, 3)), rng.normal(size=(4, 3))
     own = np.array([3, -1, 0, 7])
     normals, offsets = random_planes(rng, 5)
-    moved, angle_rad = turned_to_mean(points, own, mean)
+    parts = shipped_namer()._model.parts
+    odds = expected_odds(parts, len(points), "", PartsOdds(), THOROUGH)
+    moved, angle_rad = turned_to_mean(points, own, mean, odds)
     turned, edges = sight.in_turned_axes(points, own, angle_rad, normals, offsets)
     np.testing.assert_allclose(moved @ turned.T - edges, points @ normals.T - offsets, atol=1e-12)
 

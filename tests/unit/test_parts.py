@@ -23,7 +23,7 @@ from adibas.skeleton.model_files import model_from_json, model_to_json, read_mod
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.parts import CORE_NAMES, LIMB_NAMES, has_parts
 from adibas.skeleton.parts_naming import label_parts
-from adibas.skeleton.parts_odds import PartsOdds
+from adibas.skeleton.parts_odds import THOROUGH, PartsOdds, expected_odds
 from adibas.skeleton.parts_training import PartsParams, learn_parts
 from adibas.skeleton.prepared import PoseSpread, prepare
 from adibas.skeleton.second_opinion import combined, is_in_doubt
@@ -158,13 +158,50 @@ def test_right_limbs_are_left_ones_mirrored(parts):
         np.testing.assert_array_equal(array[0], array[1])
 
 
+def odds_of(parts, view):
+    return expected_odds(parts, len(JOINT_NAMES), view, PartsOdds(), THOROUGH)
+
+
 def test_a_core_is_turned_onto_its_mean(parts):
     own = np.array([JOINT_NAMES.index(name) for name in CORE_NAMES])
     turned = FIGURE @ turn_back(0.7)
-    moved, angle_rad = cores.turned_to_mean(turned, own, parts.core.mean)
+    moved, angle_rad = cores.turned_to_mean(turned, own, parts.core.mean, odds_of(parts, ""))
     assert angle_rad == pytest.approx(-0.7, abs=0.05)
     back = moved[own] - moved[own].mean(axis=0)
     assert np.abs(back - parts.core.mean).max() < 0.08
+
+
+@pytest.mark.parametrize("view", ["", "anterior", "left_lateral", "posterior"])
+@pytest.mark.parametrize("hidden", [(), ("left_shoulder", "right_shoulder", "torso")])
+def test_a_core_is_turned_by_its_points_and_by_the_declared_view_as_sure_as_each_is(
+    parts, view, hidden
+):
+    odds, mean = odds_of(parts, view), parts.core.mean
+    own = np.where(np.isin(CORE_NAMES, hidden), -1, parts.core.labels)
+    person = people(1, seed=5, sd_m=0.06)[0] @ turn_back(odds.heading_rad if view else 0.4)
+
+    def minus_log_density(angle_rad):
+        turned = person[own[own >= 0]] @ turn_back(angle_rad)
+        off = turned - turned.mean(axis=0) - (mean[own >= 0] - mean[own >= 0].mean(axis=0))
+        by_points = 0.5 * (off**2).sum() / cores.LAID_SD_M**2
+        return by_points + cores.heading_energy(-angle_rad, odds)
+
+    angles_rad = np.linspace(-np.pi, np.pi, 20001)
+    likeliest_rad = angles_rad[np.argmin([minus_log_density(one) for one in angles_rad])]
+    _moved, angle_rad = cores.turned_to_mean(person, own, mean, odds)
+    assert np.cos(angle_rad - likeliest_rad) > np.cos(1e-3)
+
+
+def test_a_few_points_marked_behind_do_not_turn_round_a_patient_whose_view_is_declared(parts):
+    own = np.where(np.isin(CORE_NAMES, ("head", "torso")), parts.core.labels, -1)
+    person = FIGURE.copy()
+    person[JOINT_NAMES.index("head"), 2] += 0.12  # on the occiput, and on the sternum
+    person[JOINT_NAMES.index("torso"), 2] -= 0.12
+    _moved, angle_rad = cores.turned_to_mean(person, own, parts.core.mean, odds_of(parts, ""))
+    assert np.cos(angle_rad) < -0.9
+    declared = odds_of(parts, "anterior")
+    _moved, angle_rad = cores.turned_to_mean(person, own, parts.core.mean, declared)
+    assert np.cos(angle_rad) > 0.9
 
 
 def test_a_hidden_point_of_the_core_is_expected_where_the_normal_distribution_says(parts):
@@ -208,7 +245,7 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
 
 def log_odds_by_kind(person, own, core, limbs, odds):
     """Return the log odds of the right names for each kind of posture, by SciPy."""
-    moved, _ = cores.turned_to_mean(person, own, core.mean)
+    moved, _ = cores.turned_to_mean(person, own, core.mean, odds)
     rows, values = cores.known_rows(moved, own)
     logs = np.array([
         weight
