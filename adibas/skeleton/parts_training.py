@@ -1,7 +1,7 @@
 """Learning core and limbs from named shapes in space; see `adibas.shapes.parts_types`.
 
-Each shape is learned together with its mirror image. The core's components get shifts, small turns
-and a palpation's noise added to what was seen.
+Each shape is learned together with its mirror image. The core's components get shifts and small
+turns added to what was seen, those of limbs a palpation's noise.
 """
 
 import math
@@ -41,7 +41,8 @@ class PartsParams:
     n_numbers : int
         That limbs depend on: 6, of which the last moves the core's points by some millimetres.
     noise_m : float
-        Of a palpation and the skin: 20 mm.
+        Of a palpation and the skin, of limbs and where the search begins: 20 mm. A core is believed
+        as surely as it was learned.
     shift_m, turn_rad : float
         By which a core may be beside where it was laid: 0.5 m (the middle is of the points that
         are seen) and 0.08 rad.
@@ -171,11 +172,9 @@ def _core(  # noqa: PLR0913, PLR0917
     odds: Mapping[str, float],
     params: PartsParams,
 ) -> Core:
-    n = mean.size
     shifts = np.tile(np.eye(3), len(mean)) * params.shift_m
-    loose = shifts.T @ shifts + params.noise_m**2 * np.eye(n)
     means = np.concatenate([one.means.reshape(-1, *mean.shape) for one in mixtures])
-    covariances = np.concatenate([one.covariances for one in mixtures]) + loose
+    covariances = np.concatenate([one.covariances for one in mixtures]) + shifts.T @ shifts
     covariances += np.stack([_turn_covariance(one, params.turn_rad) for one in means])
     weights = np.concatenate([
         one.weights * share for one, share in zip(mixtures, odds.values(), strict=True)
