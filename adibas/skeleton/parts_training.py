@@ -1,7 +1,7 @@
 """Learning core and limbs from named shapes in space; see `adibas.shapes.parts_types`.
 
-Each shape is learned together with its mirror image. The core's components get shifts and small
-turns added to what was seen, those of limbs a palpation's noise.
+Each shape is learned together with its mirror image. The core's components get shifts, small turns
+and a palpation's noise added to what was seen.
 """
 
 import math
@@ -41,8 +41,9 @@ class PartsParams:
     n_numbers : int
         That limbs depend on: 6, of which the last moves the core's points by some millimetres.
     noise_m : float
-        Of a palpation and the skin, of limbs and where the search begins: 20 mm. A core is believed
-        as surely as it was learned.
+        Of a palpation and the skin, of limbs and where the search begins: 20 mm.
+    core_noise_m : float
+        The same of the core, whose points lie on bones: 15 mm.
     shift_m, turn_rad : float
         By which a core may be beside where it was laid: 0.5 m (the middle is of the points that
         are seen) and 0.08 rad.
@@ -65,6 +66,7 @@ class PartsParams:
     n_anchors: int = 4
     n_numbers: int = 6
     noise_m: float = 0.02
+    core_noise_m: float = 0.015
     shift_m: float = 0.5
     turn_rad: float = 0.08
     anchor_turn_rad: float = 0.15
@@ -173,8 +175,9 @@ def _core(  # noqa: PLR0913, PLR0917
     params: PartsParams,
 ) -> Core:
     shifts = np.tile(np.eye(3), len(mean)) * params.shift_m
+    loose = shifts.T @ shifts + params.core_noise_m**2 * np.eye(mean.size)
     means = np.concatenate([one.means.reshape(-1, *mean.shape) for one in mixtures])
-    covariances = np.concatenate([one.covariances for one in mixtures]) + shifts.T @ shifts
+    covariances = np.concatenate([one.covariances for one in mixtures]) + loose
     covariances += np.stack([_turn_covariance(one, params.turn_rad) for one in means])
     weights = np.concatenate([
         one.weights * share for one, share in zip(mixtures, odds.values(), strict=True)

@@ -144,7 +144,7 @@ def test_what_lies_below_the_picture_is_out_of_sight_and_what_lies_in_it_is_not(
     partners = np.arange(15)
     gone = [JOINT_NAMES.index(name) for name in ("left_knee", "left_foot", "right_foot", "neck")]
     partners[gone] = -1
-    above_knees = np.array([[0.0, -1.0, 0.0]]), np.array([-0.27])  # halfway down the thigh
+    above_knees = np.array([[0.0, -1.0, 0.0]]), np.array([-0.35])
     odds = expected_odds(parts, 11, "anterior", PartsOdds(), THOROUGH)
     shares = sight._labels_out_of_sight(
         points, partners, parts.core, parts.limbs, odds, *above_knees
