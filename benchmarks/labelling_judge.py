@@ -18,7 +18,8 @@ import numpy as np
 from adibas.arrays import FloatArray, IntArray
 from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.skeleton_simulator import simulate_shapes
-from adibas.shapes.gaussian_mixture import fit_mixture
+from adibas.shapes.gaussian_mixture import Mixture, fit_mixture
+from adibas.skeleton.parts_odds import PartsOdds
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
 from benchmarks.labelling_sets import (
     DIAMETER_LOG_SD,
@@ -33,8 +34,8 @@ NO_POINT = -1
 SHIFT_M = 0.5
 """By which a shape's middle may be beside that of the points that are seen."""
 FLOOR_M = 0.005
-COMPLETE = 0.8
-"""How often nothing is hidden, or spurious; of the rest, one more halves it (`PartsOdds`)."""
+COMPLETE = PartsOdds().complete
+"""How often nothing is hidden, or spurious; of the rest, one more halves it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,9 +87,8 @@ class Judge:
         rows = (turned - turned.mean(axis=1, keepdims=True)).reshape(len(turned), -1)
         mixture = fit_mixture(rows, n_components, np.full(rows.shape[1], FLOOR_M**2), rng)
         shifts = np.tile(np.eye(3), N_JOINTS) * SHIFT_M
-        self._log_weights = np.log(mixture.weights)
-        self._means = mixture.means
-        self._covariances = mixture.covariances + shifts.T @ shifts
+        covariances = mixture.covariances + shifts.T @ shifts
+        self._mixture = Mixture(mixture.weights, mixture.means, covariances)
 
     def weigh(self, one: MarkerSet) -> Ways:
         """Rate the right way to name the points, and those near to it."""
@@ -109,16 +109,11 @@ class Judge:
     def _log_densities(self, joints: tuple[int, ...], places_m: FloatArray) -> FloatArray:
         """Return the (W,) log densities of (W, J, 3) places of some of the joints."""
         at = (3 * np.array(joints)[:, None] + np.arange(3)).ravel()
+        whole = self._mixture
+        covariances = whole.covariances[:, at[:, None], at]
+        marginal = Mixture(whole.weights, whole.means[:, at], covariances)
         rows = places_m.reshape(len(places_m), -1)
-        parts = []
-        for log_weight, mean, covariance in zip(
-            self._log_weights, self._means, self._covariances, strict=True
-        ):
-            lower = np.linalg.cholesky(covariance[np.ix_(at, at)])
-            white = np.linalg.solve(lower, (rows - mean[at]).T)
-            constant = np.log(np.diagonal(lower)).sum() + 0.5 * len(at) * math.log(2 * math.pi)
-            parts.append(log_weight - 0.5 * (white**2).sum(axis=0) - constant)
-        return np.asarray(np.logaddexp.reduce(parts, axis=0))
+        return np.asarray(np.logaddexp.reduce(marginal.log_densities(rows), axis=1))
 
 
 def probabilities(log_odds: FloatArray) -> FloatArray:
@@ -133,10 +128,8 @@ def ways_near(right: IntArray, n_points: int) -> IntArray:
     A joint loses its point or takes a spurious one, two do, or one takes the point of another that
     gets a spurious one or none; two or three joints exchange their points.
     """
-    ways = {tuple(right.tolist())}
-    ways.update(_taking(right, np.setdiff1d(np.arange(n_points), right)))
-    ways.update(_exchanging(right))
-    ways.discard(tuple(right.tolist()))
+    spurious = np.setdiff1d(np.arange(n_points), right)
+    ways = {*_taking(right, spurious), *_exchanging(right)}
     return np.array([right.tolist(), *sorted(ways)])
 
 
