@@ -1,7 +1,9 @@
 """Names of unordered markers: simulated people whom the training did not see, and real ones.
 
 Sets are shuffled and turned to one of the four views, within 20 degrees (`marker_sets`). "Entirely
-right": every point has its name, surely, and points that are none have none. Real: markers of
+right": every point has its name, surely, and points that are none have none. "Capture": the namer
+is told that the patient holds still, as in every posture session; else it may be any frame of a
+movement. Real: markers of
 Plug-in-Gait files, and joints of motion capture (CMU subject 02; 01 was looked at while
 developing), and skeletons as the software of a first Kinect saw people, whose bones are nowhere
 equally long (settings were chosen on UTD-MHAD and MSR-Action3D; UTKinect was looked at). These
@@ -36,6 +38,17 @@ N_SWAP_SETS = 10_000
 STEP_MOCAP, STEP_MARKERS = 24, 10
 MOCAP_HZ, TRACKED_HZ = 120.0, 30.0
 N_KINECT = 400
+MOVING = "Movement_trial"
+"""Of the marker files the one of somebody who does not hold still."""
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What the namer is told of each set: the view, the sizes, that the patient holds still."""
+
+    view: bool = True
+    sizes: bool = False
+    still: bool = False
 
 
 @dataclass(slots=True)
@@ -71,21 +84,24 @@ def rows(*, quick: bool) -> Iterable[Row]:
     people = simulate_shapes(n_bodies, N_POSES, SEED, lambda _done, _all: None)
     kinds = np.array(people.kinds)
     told = f"{n_bodies} unseen people, seed {SEED}"
-    label_all(people.shapes_m[:1], 1, "told")
+    label_all(people.shapes_m[:1], 1, Told())
     for kind, goal in (("standing", 99.5), ("seated", 99.5), ("gesture", None), ("moving", None)):
         of_kind = people.shapes_m[kinds == kind]
-        yield from _rows(f"{kind}, all 15, {told}", label_all(of_kind, len(of_kind), "told"), goal)
+        how = "frame" if goal is None else "capture"
+        count = label_all(of_kind, len(of_kind), Told(still=goal is not None))
+        yield from _rows(f"{kind}, {how}, all 15, {told}", count, goal)
     standing = people.shapes_m[kinds == "standing"]
-    count = label_all(standing, len(standing), "told", n_changed=2)
-    yield from _rows(f"standing, 2 missing and 2 spurious, by places alone, {told}", count, 98.0)
-    count = label_all(standing, len(standing), "told", n_changed=2, has_sizes=True)
-    yield from _rows(f"standing, 2 missing and 2 spurious, sizes measured, {told}", count, 98.0)
-    count = label_all(standing, len(standing), "")
+    for how in ("capture", "frame"):
+        for sizes, known in ((False, "by places alone"), (True, "sizes measured")):
+            count = label_all(standing, len(standing), Told(sizes=sizes, still=how == "capture"), 2)
+            called = f"standing, {how}, 2 missing and 2 spurious, {known}, {told}"
+            yield from _rows(called, count, 98.0)
+    count = label_all(standing, len(standing), Told(view=False))
     yield from _rows(f"standing, all 15, view not told, {told}", count, None)
     for kind in ("standing", "gesture"):
         yield from band_rows(people.shapes_m[kinds == kind], f"{kind}, {told}", SEED, share)
     of_clinic = people.shapes_m[np.isin(kinds, ("standing", "seated"))]
-    count = label_all(of_clinic, N_SWAP_SETS // share, "told")
+    count = label_all(of_clinic, N_SWAP_SETS // share, Told(still=True))
     yield Row(f"silent left-right swaps in {count.n} sets", count.swapped, "sets", 0, "goal")
     bound = 100 * float(beta.ppf(0.95, count.swapped + 1, count.n - count.swapped))
     yield Row("share of silent swaps: upper 95 % bound", bound, "%")
@@ -95,33 +111,18 @@ def rows(*, quick: bool) -> Iterable[Row]:
 
 
 def label_all(
-    shapes_m: FloatArray,
-    n_sets: int,
-    view: str,
-    *,
-    n_changed: int = 0,
-    has_sizes: bool = False,
-    seed: int = SEED,
+    shapes_m: FloatArray, n_sets: int, told: Told, n_changed: int = 0, seed: int = SEED
 ) -> Count:
-    """Name sets of shapes that face the camera; `view`: told or empty. See `marker_sets`."""
+    """Name sets of shapes that face the camera; see `marker_sets`."""
     count = Count()
+    namer = shipped_namer().holding_still() if told.still else shipped_namer()
     for one in marker_sets(shapes_m, n_sets, n_changed, seed):
-        sizes_m = one.sizes_m if has_sizes else None
-        _label(count, one.points_m, one.truth, one.view if view else "", sizes_m)
+        sizes_m = one.sizes_m if told.sizes else None
+        begin = time.thread_time()
+        labelling = namer.label(one.points_m, one.view if told.view else "", sizes_m)
+        count.seconds += time.thread_time() - begin
+        count.add(labelling.names, one.truth)
     return count
-
-
-def _label(
-    count: Count,
-    points_m: FloatArray,
-    truth: tuple[str | None, ...],
-    view: str,
-    sizes_m: FloatArray | None,
-) -> None:
-    begin = time.thread_time()
-    labelling = shipped_namer().label(points_m, view, sizes_m)
-    count.seconds += time.thread_time() - begin
-    count.add(labelling.names, truth)
 
 
 def _rows(told: str, count: Count, goal: float | None) -> Iterator[Row]:
@@ -144,23 +145,30 @@ def facing(shapes_m: FloatArray) -> FloatArray:
 
 def _real_rows(folder: Path, share: int) -> Iterator[Row]:
     alone = Count()
-    for name in ("Static_trial", "RoboStatic", "Movement_trial"):
+    for name in ("Static_trial", "RoboStatic", MOVING):
         path = folder / "markers_c3d" / f"{name}.c3d"
         joints_m = read_c3d_joints(path)
         whole = joints_m[~np.isnan(joints_m).any(axis=(1, 2))]
         few = facing(whole[:: STEP_MARKERS * share])
-        count = label_all(few, len(few), "told")
+        count = label_all(few, len(few), Told())
         alone += count
         yield from _rows(f"{name}.c3d", count, 97.0)
-        yield from _rows(f"{name}.c3d, view not told", label_all(few, len(few), ""), None)
-        changed = label_all(few, len(few), "told", n_changed=1)
+        yield from _rows(
+            f"{name}.c3d, view not told", label_all(few, len(few), Told(view=False)), None
+        )
+        changed = label_all(few, len(few), Told(), 1)
         yield from _rows(f"{name}.c3d, 1 missing and 1 spurious", changed, None)
+        if name != MOVING:
+            held = label_all(few, len(few), Told(still=True))
+            yield from _rows(f"{name}.c3d, capture", held, 97.0)
+            changed = label_all(few, len(few), Told(still=True), 1)
+            yield from _rows(f"{name}.c3d, capture, 1 missing and 1 spurious", changed, None)
         yield from _rows(f"{name}.c3d, followed", _followed([whole], c3d_rate_hz(path)), 97.0)
     for subject in ("01", "02"):
         files = sorted((folder / "mocap" / subject).glob("*.amc"))
         movements = [read_mocap_joints(files[0].parent / f"{subject}.asf", one) for one in files]
         frames = np.concatenate([one[:: STEP_MOCAP * share] for one in movements])
-        count = label_all(facing(frames), len(frames), "told")
+        count = label_all(facing(frames), len(frames), Told())
         alone += count
         yield from _rows(f"mocap {subject}, each frame alone, view told", count, 97.0)
         followed = _followed(movements[::share], MOCAP_HZ)
@@ -178,7 +186,7 @@ def _kinect_rows(folder: Path, share: int) -> Iterator[Row]:
         whole = joints_m[~np.isnan(joints_m).any(axis=(1, 2))]
         chosen = facing(whole[rng.choice(len(whole), N_KINECT // share, replace=False)])
         for n_changed, told in ((0, "all 15"), (1, "1 missing and 1 spurious")):
-            count = label_all(chosen, len(chosen), "told", n_changed=n_changed)
+            count = label_all(chosen, len(chosen), Told(), n_changed)
             yield from _rows(f"{of_people.name}, {told}", count, None)
 
 

@@ -112,6 +112,11 @@ def _add_label(label: argparse.ArgumentParser) -> None:
         help=_("the shapes are frames of one movement, so many a second: names are followed"),
     )
     label.add_argument(
+        "--still",
+        action="store_true",
+        help=_("the people hold still, as in a capture: how they may stand is known better"),
+    )
+    label.add_argument(
         "--posture",
         action="store_true",
         help=_("say of each shape which posture of the training it looks like"),
@@ -206,8 +211,15 @@ def _label(arguments: argparse.Namespace, console: Console) -> int:
 
     if arguments.posture and arguments.movement:
         raise FileError("--posture is said of single shapes. Leave out --movement.")
+    if arguments.still and arguments.movement:
+        raise FileError("Somebody who moves does not hold still. Leave out --still or --movement.")
     request = LabelRequest(
-        arguments.points, arguments.model, arguments.view, arguments.movement, arguments.posture
+        arguments.points,
+        arguments.model,
+        arguments.view,
+        arguments.movement,
+        holds_still=arguments.still,
+        with_posture=arguments.posture,
     )
     with console.progress(_("Naming")) as progress:
         found = label_file(request, arguments.out, progress)

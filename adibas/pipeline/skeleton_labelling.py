@@ -65,6 +65,8 @@ class LabelRequest:
     frames_per_s : float or None
         The shapes are frames of one movement, in their order, so many a second; None: each stands
         for itself.
+    holds_still : bool
+        Whether the shapes are of people who hold still, as in a capture.
     with_posture : bool
         Whether each shape that stands for itself is told which posture it is nearest to.
     """
@@ -73,6 +75,7 @@ class LabelRequest:
     model: Path | None = None
     view: str = ""
     frames_per_s: float | None = None
+    holds_still: bool = False
     with_posture: bool = False
 
 
@@ -85,6 +88,8 @@ def label_file(request: LabelRequest, out: Path, progress: Progress) -> Labelled
         A file is missing or broken, or the model does not fit the points.
     """
     namer = shipped_namer() if request.model is None else Namer(read_model(request.model))
+    if request.holds_still:
+        namer = namer.holding_still()
     sets = read_points(request.points)
     labelled, confidences, guesses = [], [], []
     postures: list[NearestPosture] = []

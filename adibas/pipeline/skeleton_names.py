@@ -103,10 +103,11 @@ def _labelled(
 
     A hand errs, too: its error must not become a second one.
     """
-    free = namer.label(points_m, view, diameters_m, seen=seen)
+    still = namer.holding_still()
+    free = still.label(points_m, view, diameters_m, seen=seen)
     if not any(given):
         return free
-    told = namer.label(points_m, view, diameters_m, given, seen)
+    told = still.label(points_m, view, diameters_m, given, seen)
     names = tuple(
         name if other in (None, name) else None
         for name, other in zip(told.names, free.names, strict=True)

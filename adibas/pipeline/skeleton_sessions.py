@@ -198,11 +198,11 @@ def _held_out(names: tuple[str, ...], examples: Sequence[Example], progress: Pro
     for others, left_out in _folds(examples):
         progress(n_done, len(examples))
         model = learn_sets("sessions", names, [one.points for one in others], {}, utc_now)
-        namer = Namer(model)
+        namer = Namer(model).holding_still()
         for example in left_out:
             new += _judged(namer, example.points)
             if knows_names:
-                shipped += _judged(shipped_namer(), example.points)
+                shipped += _judged(shipped_namer().holding_still(), example.points)
             n_done += 1
             progress(n_done, len(examples))
     return HeldOut(

@@ -1,6 +1,7 @@
 """A skeleton model at work: it chooses its part that fits the points, and keeps it prepared."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,8 +9,8 @@ from adibas.arrays import BoolArray, FloatArray
 from adibas.skeleton.given_names import given_index, nothing_given
 from adibas.skeleton.labelling import Labelling, label_points
 from adibas.skeleton.model import SkeletonModel
-from adibas.skeleton.parts_naming import MOST_POINTS, Known, label_parts
-from adibas.skeleton.parts_odds import PartsOdds
+from adibas.skeleton.parts_naming import MOST_POINTS, Known, NamedByParts, label_parts
+from adibas.skeleton.parts_odds import HOLDING_STILL, PartsOdds
 from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare
 from adibas.skeleton.prototype_search import LEAST_POINTS, LabelParams
@@ -18,6 +19,8 @@ from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 from adibas.skeleton.sizes import size_log_odds, with_sizes
 
 SPACE = 3
+STANDS = 0.5
+"""Where somebody more probably than this stands still, nobody else is asked for names."""
 
 
 class Namer:
@@ -33,6 +36,13 @@ class Namer:
         self._params = params or LabelParams()
         self._odds = odds or PartsOdds()
         self._prepared: dict[str, PreparedModel] = {}
+
+    def holding_still(self) -> "Namer":
+        """Return a namer of people who hold still, as in a capture; both share what they know."""
+        odds = replace(self._odds, stands=HOLDING_STILL)
+        other = Namer(self._model, self._params, odds)
+        other._prepared = self._prepared
+        return other
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,14 +112,15 @@ class Namer:
 
     def _label(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
         by_parts = self._by_parts(points_m, view, known)
-        if by_parts is not None and not is_in_doubt(by_parts):
-            return by_parts
-        found = self._by_prototypes(points_m, view, known)
         if by_parts is None:
-            return found
-        return combined(by_parts, found, self.names, self._odds.sure, self._odds.side_sure)
+            return self._by_prototypes(points_m, view, known)
+        labelling = by_parts.labelling
+        if by_parts.stands > STANDS or not is_in_doubt(labelling):
+            return labelling
+        other = self._by_prototypes(points_m, view, known)
+        return combined(labelling, other, self.names, self._odds.sure, self._odds.side_sure)
 
-    def _by_parts(self, points_m: FloatArray, view: str, known: Known) -> Labelling | None:
+    def _by_parts(self, points_m: FloatArray, view: str, known: Known) -> NamedByParts | None:
         """Return names by core and limbs; None where they are not known or none are found."""
         parts = self._model.parts
         is_some = LEAST_POINTS <= len(points_m) <= MOST_POINTS

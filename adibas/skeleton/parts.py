@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from adibas.shapes.parts_types import Anchors, Core, Limbs
+from adibas.skeleton.stance import Stance
 
 CORE_NAMES = (
     "head",
@@ -34,6 +35,8 @@ class PartsModel:
     ----------
     kinds : tuple of str
         Of posture, such as ``standing``.
+    stance : Stance or None
+        How all joints of people who stand still lie together; None: nothing was learned of it.
     """
 
     names: tuple[str, ...]
@@ -41,6 +44,7 @@ class PartsModel:
     core: Core
     limbs: Limbs
     anchors: Anchors
+    stance: Stance | None = None
 
 
 def has_parts(names: tuple[str, ...]) -> bool:

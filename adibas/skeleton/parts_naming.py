@@ -23,11 +23,8 @@ from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
 from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 from adibas.skeleton.side_odds import side_factor
-from adibas.skeleton.starts import (
-    heading_of_turn,
-    list_turns,
-    log_radius,
-)
+from adibas.skeleton.stance import stance_log_densities
+from adibas.skeleton.starts import heading_of_turn, list_turns, log_radius, turn_back
 
 MOST_WAYS = 3000
 MOST_NATS = 500.0
@@ -35,6 +32,8 @@ SETTLED = 0.99
 """Share of all names from which on the quick search is believed."""
 HIPS_FACTOR, STEEPEST = 2.0, 0.5
 """How much nearer or farther apart than the usual ones hips may be, and how far out of level."""
+MOST_STANDING, STANDING_NATS = 500, 20.0
+"""Of so many ways, and so far above the best, it is asked whether somebody stands there."""
 MOST_POINTS = 40
 """Of a set that is searched by parts; more take seconds, and are no markers of one person."""
 
@@ -70,11 +69,22 @@ class PartsFound:
         Of the patient, 0 facing the camera.
     masses : (M, N + 1) array
         Probability of each name for each point; the last: of none.
+    stands : float
+        Probability that, if the partners are right, somebody stands still there.
     """
 
     partners: IntArray
     heading_rad: float
     masses: FloatArray
+    stands: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NamedByParts:
+    """Names by core and limbs, and the probability that they are of somebody who stands still."""
+
+    labelling: Labelling
+    stands: float
 
 
 def find_by_parts(
@@ -96,6 +106,8 @@ def find_by_parts(
     known : Known
         Places alone decide what is listed, as far as it agrees with the given names.
     """
+    if model.stance is None or not view:
+        odds = replace(odds, stands=0.0)
     origin_m = points_m.mean(axis=0)
     points = np.ascontiguousarray(points_m - origin_m)
     known = replace(known, seen=known.seen.about(origin_m))
@@ -106,7 +118,7 @@ def find_by_parts(
     is_whole = len(points) == len(model.names)
     pool = _searched(model, points, starts, expected, known.given) if is_whole else None
     if pool is not None and len(pool.energies):
-        found = _weighed(model, points, known, pool, expected, odds)
+        found = _weighed(model, points, known, pool, expected, replace(odds, stands=0.0))
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
@@ -204,7 +216,8 @@ def _weighed(
     n_points = len(points)
     of_sizes = np.append(known.size_odds, 0.0)[pool.partners].sum(axis=1)
     by_sight = pool.energies + _sight(model, points, known.seen, pool, expected, odds)
-    energies = by_sight - of_sizes + _crossing(model, points, pool.partners, odds)
+    standing = _standing(model, points, pool, expected, odds)
+    energies = by_sight + standing - of_sizes + _crossing(model, points, pool.partners, odds)
     best = int(np.argmin(energies))
     weights = np.exp((energies[best] - energies) / odds.temperature)
     if math.isnan(expected.heading_rad):
@@ -230,7 +243,32 @@ def _weighed(
     )
     masses = masses[:n_points]
     masses[:, n_names] = np.maximum(1.0 - masses[:, :n_names].sum(axis=1), 0.0)
-    return PartsFound(pool.partners[best].copy(), float(pool.headings[best]), masses)
+    stands = 1.0 - (1.0 - odds.stands) * math.exp(standing[best])
+    return PartsFound(pool.partners[best].copy(), float(pool.headings[best]), masses, stands)
+
+
+def _standing(
+    model: PartsModel, points: FloatArray, pool: Pool, expected: Odds, odds: PartsOdds
+) -> FloatArray:
+    """Return by how much ways are less likely as people stand still `odds.stands` of the times.
+
+    Negative: they are likelier.
+    """
+    less = np.zeros(len(pool.energies))
+    if model.stance is None or not odds.stands:
+        return less
+    less -= math.log1p(-odds.stands)
+    order = np.argsort(pool.energies)[:MOST_STANDING]
+    near = order[pool.energies[order] < pool.energies[order[0]] + STANDING_NATS]
+    partners = pool.partners[near]
+    n_named = (partners >= 0).sum(axis=1)
+    likely = math.log(odds.stands) + stance_log_densities(
+        model.stance, points @ turn_back(-expected.heading_rad), partners, odds.room_m3,
+        [odds.arm_elsewhere] * 2 + [odds.leg_elsewhere] * 2,
+    )  # fmt: skip
+    likely += n_named * expected.log_room - expected.counts[len(model.names) - n_named]
+    less[near] -= np.logaddexp(0.0, likely + pool.energies[near] + less[near])
+    return less
 
 
 def _sight(
@@ -268,7 +306,7 @@ def label_parts(
     view: str = "",
     known: Known | None = None,
     odds: PartsOdds | None = None,
-) -> Labelling | None:
+) -> NamedByParts | None:
     """Name (M, 3) points in metres, y down; None where no core is found.
 
     See `find_by_parts` for the parameters.
@@ -285,4 +323,5 @@ def label_parts(
     names, guesses, confidences = names_of(
         index, found.masses, model.names, odds.sure, odds.side_sure
     )
-    return Labelling(names, guesses, confidences, found.heading_rad, found.masses)
+    labelling = Labelling(names, guesses, confidences, found.heading_rad, found.masses)
+    return NamedByParts(labelling, found.stands)

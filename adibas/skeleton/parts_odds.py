@@ -20,6 +20,11 @@ class Effort:
     too_unlikely: float
 
 
+HOLDING_STILL = 0.8
+"""How often people who hold still for a capture stand as those of the training.
+
+0.5 to 0.9 name simulated people and those of Plug-in-Gait files alike.
+"""
 QUICK = Effort(5, 3, 20.0)
 THOROUGH = Effort(100, 5, 60.0)
 """Where the quick search leaves a doubt, or points are missing or too many."""
@@ -53,6 +58,12 @@ class PartsOdds:
         How near the bones of both legs may come, and how surely that is known: 30 and 20 mm.
     legs_through : float
         How often places say that legs go through each other all the same: 0.02.
+    stands : float
+        How often somebody stands still as those whose joints are known together (`Stance`), where a
+        view is declared: 0, for people who move; `HOLDING_STILL` for those who do not.
+    arm_elsewhere, leg_elsewhere : float
+        How often one arm or leg of theirs is elsewhere, and as often its outer bone alone: 0.01 and
+        0.001. Without these, bent forearms would be taken for chance points.
     temperature : float
         By which differences of energy are divided before they are log odds.
     sure : float
@@ -85,6 +96,9 @@ class PartsOdds:
     legs_apart_m: float = 0.03
     legs_apart_sd_m: float = 0.02
     legs_through: float = 0.02
+    stands: float = 0.0
+    arm_elsewhere: float = 0.01
+    leg_elsewhere: float = 0.001
     temperature: float = 1.0
     sure: float = 0.5
     side_sure: float = 0.25

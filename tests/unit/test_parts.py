@@ -107,7 +107,7 @@ def test_a_person_who_is_unlikely_for_one_is_searched_thoroughly(parts, model, m
     hardly_ever = PartsOdds(usual=1e6)
     strange = label_parts(parts, prepared, person, "anterior", odds=hardly_ever)
     assert len(searches) == 3
-    assert strange.names == JOINT_NAMES
+    assert strange.labelling.names == JOINT_NAMES
 
 
 def test_no_core_is_lost_however_many_points_there_are(model, monkeypatch):
@@ -345,7 +345,7 @@ def test_elbows_are_told_from_hands_by_how_long_the_bones_are():
     persons = bending_people(20, 2)
     wrong = [
         sum(
-            label_parts(one, prepared, person, "anterior").names != JOINT_NAMES
+            label_parts(one, prepared, person, "anterior").labelling.names != JOINT_NAMES
             for person in persons
         )
         for one in (parts, blind)
@@ -384,7 +384,7 @@ def test_an_arm_may_do_what_is_known_of_another_kind_of_posture():
     def count_right(arms_free):
         odds = PartsOdds(arms_free=arms_free)
         found = [label_parts(parts, prepared, one, "anterior", odds=odds) for one in seen]
-        return sum(one.names == truth for one in found if one is not None)
+        return sum(one.labelling.names == truth for one in found if one is not None)
 
     assert count_right(PartsOdds().arms_free) == len(persons)
     assert count_right(1e-9) < len(persons)
@@ -425,7 +425,8 @@ def test_two_namers_together_are_surer_where_they_agree():
     both = combined(one, one, names, 0.5, 0.25)
     np.testing.assert_allclose(both.masses, sure)
     assert both.names == names
-    other = Labelling(nobody, nobody, np.zeros(2), 0.0, sure[::-1].copy())
+    contrary = np.array([[0.002, 0.99, 0.008], [0.99, 0.002, 0.008]])
+    other = Labelling(nobody, nobody, np.zeros(2), 0.0, contrary)
     assert combined(one, other, names, 0.5, 0.25).names == nobody
     assert is_in_doubt(one)
     assert not is_in_doubt(Labelling((None,), (None,), np.zeros(1), 0.0, np.eye(3)[:1]))

@@ -107,7 +107,8 @@ def test_a_spot_of_another_size_does_not_take_the_name_of_a_hidden_marker(joints
     tilted_by([0.0, -1.0, 0.0])
     hidden = JOINT_NAMES.index("left_hand")
     markers = list(markers_at(joints_m))
-    markers[hidden] = replace(markers[hidden], position_m=joints_m[hidden] + [0.1, 0.1, -0.1])
+    # A forearm of 42 cm: places alone leave a doubt.
+    markers[hidden] = replace(markers[hidden], position_m=joints_m[hidden] + [0.1, 0.05, -0.1])
     as_large = with_names(shipped_namer(), tuple(markers), "anterior", CALIBRATION)
     assert as_large[hidden].label == "left_hand"
     markers[hidden] = replace(markers[hidden], radius_px=12.0)
@@ -196,7 +197,9 @@ def says():
                 names=names, guesses=guesses, confidences=np.array(confidences, float)
             )
 
-        return SimpleNamespace(identity="two ways", label=label)
+        two_ways = SimpleNamespace(identity="two ways", label=label)
+        two_ways.holding_still = lambda: two_ways
+        return two_ways
 
     return namer
 

@@ -1,0 +1,142 @@
+"""How all joints of somebody who stands still in a declared view lie together.
+
+Core and limbs tell how a limb depends on the core, and nothing of how one limb depends on another.
+Where all joints of people who stand still are is a mixture of normal distributions. Of some one
+limb is elsewhere, or its outer bone (a hand on the hip): it is as long as usual, and points
+anywhere.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from adibas.arrays import FloatArray, IntArray
+from adibas.shapes.gaussian_mixture import Mixture
+
+LEAST_PLACES = 3
+"""Fewer points together tell nothing."""
+BALL = 4.0 / 3.0 * math.pi
+REACH = 1.1
+"""How far an outer point may be whose inner one is hidden, in lengths of both bones."""
+BEYOND = math.exp(-20.0)
+"""Density, per cubic metre, of an outer point farther away."""
+TINY_M = 1e-3
+
+
+class Stance(NamedTuple):
+    """N joints of people who stand, in the axes of a patient who faces the camera, metres, y down.
+
+    Attributes
+    ----------
+    weights : (K,) array
+        Of the components; they sum to 1.
+    means, covariances : (K, 3 N) and (K, 3 N, 3 N) arrays
+        Of the places about the middle of the points that are seen, wherever that is.
+    limbs : (L, 3) int array
+        Which labels are a limb's root, inner and outer point.
+    bone_means, bone_sds : (L, 2) arrays
+        Of the logarithms of the lengths of both bones.
+    """
+
+    weights: FloatArray
+    means: FloatArray
+    covariances: FloatArray
+    limbs: IntArray
+    bone_means: FloatArray
+    bone_sds: FloatArray
+
+
+def stance_log_densities(
+    stance: Stance,
+    places_m: FloatArray,
+    partners: IntArray,
+    room_m3: float,
+    elsewhere: Sequence[float],
+) -> FloatArray:
+    """Return the (W,) log densities of W ways to name points, if somebody stands there.
+
+    Parameters
+    ----------
+    places_m : (M, 3) array
+        In the axes of the stance, centred.
+    partners : (W, N) int array
+        Of each name its point, -1 for none.
+    room_m3 : float
+        In which a point is that nothing is known of.
+    elsewhere : sequence of L float
+        How often each limb is elsewhere, and again how often its outer bone alone; of one person no
+        two are.
+    """
+    as_usual = math.log1p(-2.0 * sum(elsewhere)) + _together(stance, places_m, partners)
+    ways = [as_usual]
+    for limb, (labels, often) in enumerate(zip(stance.limbs, elsewhere, strict=True)):
+        free = bone_log_densities(stance, limb, places_m, partners, room_m3)
+        for n_fixed in (1, 2):
+            rest = partners.copy()
+            rest[:, labels[n_fixed:]] = -1
+            loose = free[:, n_fixed - 1 :].sum(axis=1)
+            ways.append(math.log(often) + _together(stance, places_m, rest) + loose)
+    return np.asarray(np.logaddexp.reduce(ways, axis=0))
+
+
+def _together(stance: Stance, places_m: FloatArray, partners: IntArray) -> FloatArray:
+    """Return the (W,) log densities of the places of the labels that have a point."""
+    different, inverse = np.unique(partners, axis=0, return_inverse=True)
+    found = np.full(len(different), -np.inf)
+    for labels, ways in _alike(different):
+        if len(labels) >= LEAST_PLACES:
+            rows = places_m[different[np.ix_(ways, labels)]].reshape(len(ways), -1)
+            marginal = _marginal(stance, labels)
+            found[ways] = np.logaddexp.reduce(marginal.log_densities(rows), axis=1)
+    return found[inverse.ravel()]
+
+
+def _alike(partners: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
+    """Give the labels that have a point, and the ways in which it is just these."""
+    has_point, inverse = np.unique(partners >= 0, axis=0, return_inverse=True)
+    for number, one in enumerate(has_point):
+        yield np.flatnonzero(one), np.flatnonzero(inverse.ravel() == number)
+
+
+def _marginal(stance: Stance, labels: IntArray) -> Mixture:
+    at = (3 * labels[:, None] + np.arange(3)).ravel()
+    return Mixture(
+        stance.weights.copy(), stance.means[:, at], stance.covariances[:, at[:, None], at]
+    )
+
+
+def bone_log_densities(
+    stance: Stance, limb: int, places_m: FloatArray, partners: IntArray, room_m3: float
+) -> FloatArray:
+    """Return the (W, 2) log densities of a limb's points where its bones point anywhere.
+
+    A point at the end of a bone is in a shell about the other end, as thick as lengths vary; one
+    whose bone has lost its other end is within the reach of both bones, or anywhere in the room.
+    """
+    root, inner, outer = (partners[:, label] for label in stance.limbs[limb])
+    upper, lower = zip(stance.bone_means[limb], stance.bone_sds[limb], strict=True)
+    nowhere = -math.log(room_m3)
+    to_inner = _shell(_apart(places_m, root, inner), *upper)
+    to_outer = _shell(_apart(places_m, inner, outer), *lower)
+    reach_m = math.exp(upper[0]) + math.exp(lower[0])
+    is_near = _apart(places_m, root, outer) < REACH * reach_m
+    within = np.where(is_near, -math.log(BALL * reach_m**3), math.log(BEYOND))
+    of_inner = np.where(root >= 0, to_inner, nowhere)
+    of_outer = np.where(inner >= 0, to_outer, np.where(root >= 0, within, nowhere))
+    own = np.where(inner >= 0, of_inner, 0.0), np.where(outer >= 0, of_outer, 0.0)
+    return np.stack(own, axis=1)
+
+
+def _apart(places_m: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
+    """Return how far apart points are; where either is none, the number means nothing."""
+    off_m = places_m[second] - places_m[first]
+    return np.asarray(np.maximum(np.linalg.norm(off_m, axis=1), TINY_M))
+
+
+def _shell(lengths_m: FloatArray, mean: float, sd: float) -> FloatArray:
+    """Return log densities, per cubic metre, at the end of a bone of log-normal length."""
+    logs = np.log(lengths_m)
+    of_length = -0.5 * ((logs - mean) / sd) ** 2 - math.log(sd * math.sqrt(2 * math.pi)) - logs
+    return np.asarray(of_length - math.log(4 * math.pi) - 2 * logs)
