@@ -15,7 +15,7 @@ from adibas.skeleton.labelling import Labelling
 
 DOUBT = 0.97
 """A point of which no name has this share is in doubt."""
-FIRST_WEIGHT, SECOND_WEIGHT = 0.9, 0.1
+FIRST_WEIGHT, SECOND_WEIGHT = 0.8, 0.2
 LEAST_MASS = 1e-3
 """Neither is ever surer than this."""
 
