@@ -74,9 +74,10 @@ def _bands(
 def _rows(
     bands: list[tuple[FloatArray, tuple[str, ...], str]], seen: SeenSpace, told: str
 ) -> Iterator[Row]:
+    namer = shipped_namer().holding_still()
     n_right = n_wrong = n_whole = n_points = 0
     for points_m, truth, view in bands:
-        names = shipped_namer().label(points_m, view, seen=seen).names
+        names = namer.label(points_m, view, seen=seen).names
         right = [name == own for name, own in zip(names, truth, strict=True)]
         n_right += sum(right)
         n_wrong += sum(name is not None for name in names) - sum(right)

@@ -69,16 +69,16 @@ def stance_log_densities(
         How often each limb is elsewhere, and again how often its outer bone alone; of one person no
         two are.
     """
-    as_usual = math.log1p(-2.0 * sum(elsewhere)) + _together(stance, places_m, partners)
-    ways = [as_usual]
+    rests, logs = [partners], [np.full(len(partners), math.log1p(-2.0 * sum(elsewhere)))]
     for limb, (labels, often) in enumerate(zip(stance.limbs, elsewhere, strict=True)):
         free = bone_log_densities(stance, limb, places_m, partners, room_m3)
         for n_fixed in (1, 2):
             rest = partners.copy()
             rest[:, labels[n_fixed:]] = -1
-            loose = free[:, n_fixed - 1 :].sum(axis=1)
-            ways.append(math.log(often) + _together(stance, places_m, rest) + loose)
-    return np.asarray(np.logaddexp.reduce(ways, axis=0))
+            rests.append(rest)
+            logs.append(math.log(often) + free[:, n_fixed - 1 :].sum(axis=1))
+    together = _together(stance, places_m, np.concatenate(rests)).reshape(len(rests), -1)
+    return np.asarray(np.logaddexp.reduce(together + np.stack(logs), axis=0))
 
 
 def _together(stance: Stance, places_m: FloatArray, partners: IntArray) -> FloatArray:
