@@ -2,7 +2,7 @@
 
 import csv
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -12,7 +12,12 @@ from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.errors import FileError
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_poses import draw_pose
-from adibas.pipeline.skeleton_training import KIND_WEIGHTS, PROTOTYPE_PEOPLE, parts_people
+from adibas.pipeline.skeleton_training import (
+    KIND_WEIGHTS,
+    PROTOTYPE_PEOPLE,
+    parts_people,
+    standing_people,
+)
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
@@ -21,6 +26,7 @@ from adibas.skeleton.model_files import read_model, write_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
 from adibas.skeleton.prototype_search import LabelParams
+from adibas.skeleton.stance_training import StanceParams
 from adibas.skeleton.starts import HEADINGS_RAD, heading_of_turn, list_turns, turn_back
 from adibas.skeleton.tracking import name_movement
 from adibas.skeleton.training import TrainingParams, learn_points
@@ -461,6 +467,8 @@ def test_the_command_learns_from_the_people_of_the_shipped_model():
         others.shares,
     )
     assert of_parts["training"]["weights"] == KIND_WEIGHTS
+    assert told["stance_from"] == asdict(standing_people(PROTOTYPE_PEOPLE))
+    assert told["training_of_stance"] == asdict(StanceParams())
 
 
 def test_a_model_is_learned_from_simulated_people_and_tells_whom(tmp_path, capsys):

@@ -22,6 +22,7 @@ from adibas.pipeline.view_check import LOOKS_OTHERWISE, doubts_about_view
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
+from adibas.skeleton.namer import Namer
 from adibas.skeleton.side_odds import side_factor
 
 COVARIANCE = np.eye(3) * 1e-6
@@ -101,6 +102,16 @@ def test_a_name_that_a_hand_changes_is_the_model_s_no_more():
     assert (one.u, one.named_by) == (5.0, by_model)
     (one,) = CorrectionHistory().after(renamed).markers((found,))
     assert (one.label, one.named_by) == ("head", None)
+
+
+def test_markers_are_named_as_of_somebody_who_holds_still(joints_m, tilted_by, monkeypatch):
+    tilted_by([0.0, -1.0, 0.0])
+    asked = []
+    still = shipped_namer().holding_still()
+    monkeypatch.setattr(Namer, "holding_still", lambda namer: asked.append(namer) or still)
+    named = with_names(shipped_namer(), markers_at(joints_m), "anterior", CALIBRATION)
+    assert asked == [shipped_namer()]
+    assert tuple(one.label for one in named) == JOINT_NAMES
 
 
 def test_a_spot_of_another_size_does_not_take_the_name_of_a_hidden_marker(joints_m, tilted_by):

@@ -1,5 +1,6 @@
 """How all joints of people who stand still lie together: densities, learning, and what it names."""
 
+import csv
 import math
 from dataclasses import replace
 
@@ -8,11 +9,14 @@ import pytest
 from scipy.special import logsumexp
 from scipy.stats import lognorm, multivariate_normal
 
+from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.skeleton.given_names import nothing_given
 from adibas.skeleton.model_files import model_from_json, model_to_json
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.parts import LIMB_NAMES
+from adibas.skeleton.parts_naming import Known
 from adibas.skeleton.stance import REACH, Stance, bone_log_densities, stance_log_densities
 from adibas.skeleton.stance_training import StanceParams, learn_stance
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
@@ -167,9 +171,6 @@ def test_places_are_compared_in_the_axes_of_the_declared_view(view):
 
 
 def known_of(points_m):
-    from adibas.skeleton.given_names import nothing_given
-    from adibas.skeleton.parts_naming import Known
-
     return Known(np.zeros(len(points_m)), nothing_given(len(points_m)))
 
 
@@ -216,3 +217,27 @@ def test_how_people_stand_is_kept_in_the_file_and_checked():
         cut = {**stance, field: stance[field][:-1]}
         with pytest.raises(ValueError, match="must have shape"):
             model_from_json({**document, "parts": {**document["parts"], "stance": cut}})
+
+
+def test_the_command_names_people_who_hold_still_as_a_capture_does(tmp_path, capsys):
+    person_m = standing(1, 7, 0.0)[0]
+    chance_m = person_m[ELBOW] + [0.09, 0.05, 0.05]
+    points_m = np.concatenate([np.delete(person_m, [ELBOW, HEAD], axis=0), [chance_m]])
+    lines = [f"one,{i},,{x!r},{y!r},{z!r}" for i, (x, y, z) in enumerate(points_m.tolist())]
+    points, out = tmp_path / "points.csv", tmp_path / "labelled.csv"
+    points.write_text("\n".join(["shape,point,label,x_m,y_m,z_m", *lines]))
+    command = ["skeleton", "label", str(points), "--view", "anterior", "--out", str(out)]
+    confidences = {}
+    for namer, more in (
+        (shipped_namer(), []),
+        (shipped_namer().holding_still(), ["--still"]),
+    ):
+        assert main([*command, *more]) == 0
+        with out.open() as file:
+            told = [float(row["confidence"]) for row in csv.DictReader(file)]
+        np.testing.assert_allclose(told, namer.label(points_m, "anterior").confidences, atol=1e-3)
+        confidences[len(more)] = told
+    assert confidences[0] != confidences[1]
+    capsys.readouterr()
+    assert main([*command, "--still", "--movement", "30"]) == 1
+    assert "--still" in capsys.readouterr().err
