@@ -215,9 +215,9 @@ def search_parts(
     n_cores = _gathered(points, starts, core, odds, cores, hopes)
     best = _judge(points, np.argsort(hopes[:n_cores]), core, limbs, odds, cores, hopes, lows, pool)
     is_varied = np.zeros(MOST_CORES, np.bool_)
-    for _ in range(odds.n_varied):
+    for done in range(2 * odds.n_varied):
         c = _next(lows[:n_cores], is_varied)
-        if c < 0 or lows[c] > best + VARIED_GAP:
+        if c < 0 or lows[c] > best + VARIED_GAP or (done >= odds.n_varied and lows[c] > best):
             break
         is_varied[c] = True
         before = n_cores

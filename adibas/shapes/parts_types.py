@@ -132,7 +132,8 @@ class Odds(NamedTuple):
     mixed : (L,) array
         How often a limb is as in any kind of posture, whatever the rest of the body does.
     n_judged, n_varied : int
-        Cores that get limbs, and of these, cores whose neighbours get limbs.
+        Cores that get limbs, and of these, cores whose neighbours get limbs: more of them, up to
+        twice as many, as long as a neighbour is the best so far.
     too_unlikely : float
         A core that is less likely than the best one by so many nats is not judged.
     """
