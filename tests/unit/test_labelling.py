@@ -500,8 +500,8 @@ def test_training_needs_a_file_or_the_simulator(tmp_path, capsys):
     assert "--simulator" in capsys.readouterr().err
 
 
-# Simulated people who sit, whose hips are marked nearly at one place: sets 3516 and 6431 of those who
-# stand or sit of seed 1000, millimetres, in the order of the joints.
+# Simulated people who sit, whose hips are marked nearly at one place: sets 3516 and 6431 of those
+# who stand or sit, seed 1000, in millimetres and in the order of the joints.
 HIPS_TOGETHER_MM = {
     "anterior": [
         [-106, -458, 200], [-45, -304, 86], [137, -280, 268], [-189, -232, 36], [165, -125, 58],
