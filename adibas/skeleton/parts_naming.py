@@ -23,8 +23,8 @@ from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
 from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 from adibas.skeleton.side_odds import side_factor
-from adibas.skeleton.stance import stance_log_densities
-from adibas.skeleton.starts import heading_of_turn, list_turns, log_radius, turn_back
+from adibas.skeleton.standing_odds import rate_standing
+from adibas.skeleton.starts import heading_of_turn, list_turns, log_radius
 
 MOST_WAYS = 3000
 MOST_NATS = 500.0
@@ -32,8 +32,6 @@ SETTLED = 0.99
 """Share of all names from which on the quick search is believed."""
 HIPS_FACTOR, STEEPEST = 2.0, 0.5
 """How much nearer or farther apart than the usual ones hips may be, and how far out of level."""
-MOST_STANDING, STANDING_NATS = 500, 20.0
-"""Of so many ways, and so far above the best, it is asked whether somebody stands there."""
 MOST_POINTS = 40
 """Of a set that is searched by parts; more take seconds, and are no markers of one person."""
 
@@ -216,7 +214,7 @@ def _weighed(
     n_points = len(points)
     of_sizes = np.append(known.size_odds, 0.0)[pool.partners].sum(axis=1)
     by_sight = pool.energies + _sight(model, points, known.seen, pool, expected, odds)
-    standing = _standing(model, points, pool, expected, odds)
+    standing = rate_standing(model, points, pool, expected, odds)
     energies = by_sight + standing - of_sizes + _crossing(model, points, pool.partners, odds)
     best = int(np.argmin(energies))
     weights = np.exp((energies[best] - energies) / odds.temperature)
@@ -245,30 +243,6 @@ def _weighed(
     masses[:, n_names] = np.maximum(1.0 - masses[:, :n_names].sum(axis=1), 0.0)
     stands = 1.0 - (1.0 - odds.stands) * math.exp(standing[best])
     return PartsFound(pool.partners[best].copy(), float(pool.headings[best]), masses, stands)
-
-
-def _standing(
-    model: PartsModel, points: FloatArray, pool: Pool, expected: Odds, odds: PartsOdds
-) -> FloatArray:
-    """Return by how much ways are less likely as people stand still `odds.stands` of the times.
-
-    Negative: they are likelier.
-    """
-    less = np.zeros(len(pool.energies))
-    if model.stance is None or not odds.stands:
-        return less
-    less -= math.log1p(-odds.stands)
-    order = np.argsort(pool.energies)[:MOST_STANDING]
-    near = order[pool.energies[order] < pool.energies[order[0]] + STANDING_NATS]
-    partners = pool.partners[near]
-    n_named = (partners >= 0).sum(axis=1)
-    likely = math.log(odds.stands) + stance_log_densities(
-        model.stance, points @ turn_back(-expected.heading_rad), partners, odds.room_m3,
-        [odds.arm_elsewhere] * 2 + [odds.leg_elsewhere] * 2,
-    )  # fmt: skip
-    likely += n_named * expected.log_room - expected.counts[len(model.names) - n_named]
-    less[near] -= np.logaddexp(0.0, likely + pool.energies[near] + less[near])
-    return less
 
 
 def _sight(
