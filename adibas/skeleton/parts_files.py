@@ -72,6 +72,11 @@ def _stance(names: tuple[str, ...], document: Mapping[str, Any] | None) -> Stanc
     check_shape("limbs", stance.limbs, (n_limbs, 3))
     for name in ("bone_means", "bone_sds"):
         check_shape(name, getattr(stance, name), (n_limbs, 2))
+    if stance.weights.min() <= 0 or stance.bone_sds.min() <= 0:
+        raise ValueError("weights and deviations must be positive")
+    if not ((stance.limbs >= 0) & (stance.limbs < len(names))).all():
+        raise ValueError("limbs have labels that no point has")
+    np.linalg.cholesky(stance.covariances)
     return stance
 
 

@@ -219,6 +219,24 @@ def test_how_people_stand_is_kept_in_the_file_and_checked():
             model_from_json({**document, "parts": {**document["parts"], "stance": cut}})
 
 
+@pytest.mark.parametrize(
+    ("field", "value", "told"),
+    [
+        ("weights", -0.1, "positive"),
+        ("bone_sds", [0.1, 0.0], "positive"),
+        ("limbs", [0, 1, N], "no point has"),
+        ("limbs", [0, -1, 2], "no point has"),
+        ("covariances", [[0.0] * (3 * N)] * (3 * N), "positive definite"),
+    ],
+)
+def test_a_file_with_a_stance_that_nobody_has_is_refused(field, value, told):
+    document = model_to_json(shipped_namer()._model)
+    stance = document["parts"]["stance"]
+    broken = {**stance, field: [value, *stance[field][1:]]}
+    with pytest.raises(ValueError, match=told):
+        model_from_json({**document, "parts": {**document["parts"], "stance": broken}})
+
+
 def test_the_command_names_people_who_hold_still_as_a_capture_does(tmp_path, capsys):
     person_m = standing(1, 7, 0.0)[0]
     chance_m = person_m[ELBOW] + [0.09, 0.05, 0.05]
