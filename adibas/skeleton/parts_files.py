@@ -5,10 +5,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from adibas.arrays import check_shape
 from adibas.shapes.parts_types import Anchors, Core, Limbs
 from adibas.skeleton.bones_training import without_bones
 from adibas.skeleton.parts import PartsModel
+from adibas.skeleton.parts_checks import check_parts
 from adibas.skeleton.stance import Stance
 
 DIGITS = 6
@@ -40,14 +40,17 @@ def parts_from_json(names: tuple[str, ...], document: Mapping[str, Any]) -> Part
     KeyError, TypeError, ValueError
         Something is missing or does not fit.
     """
-    return PartsModel(
+    stance = document.get("stance")
+    parts = PartsModel(
         names,
         tuple(str(kind) for kind in document["kinds"]),
         _from_json(Core, document["core"]),
         _from_json(Limbs, _with_bones(document)),
         _from_json(Anchors, document["anchors"]),
-        _stance(names, document.get("stance")),
+        None if stance is None else _from_json(Stance, stance),
     )
+    check_parts(parts)
+    return parts
 
 
 def _to_json(part: Core | Limbs | Anchors | Stance) -> dict[str, Any]:
@@ -60,24 +63,6 @@ def _to_json(part: Core | Limbs | Anchors | Stance) -> dict[str, Any]:
 def _with_bones(document: Mapping[str, Any]) -> Mapping[str, Any]:
     limbs = document["limbs"]
     return {**without_bones(len(limbs["roots"]), len(document["kinds"])), **limbs}
-
-
-def _stance(names: tuple[str, ...], document: Mapping[str, Any] | None) -> Stance | None:
-    if document is None:
-        return None
-    stance = _from_json(Stance, document)
-    n_components, n_limbs, n_coordinates = len(stance.weights), len(stance.limbs), 3 * len(names)
-    check_shape("means", stance.means, (n_components, n_coordinates))
-    check_shape("covariances", stance.covariances, (*stance.means.shape, n_coordinates))
-    check_shape("limbs", stance.limbs, (n_limbs, 3))
-    for name in ("bone_means", "bone_sds"):
-        check_shape(name, getattr(stance, name), (n_limbs, 2))
-    if stance.weights.min() <= 0 or stance.bone_sds.min() <= 0:
-        raise ValueError("weights and deviations must be positive")
-    if not ((stance.limbs >= 0) & (stance.limbs < len(names))).all():
-        raise ValueError("limbs have labels that no point has")
-    np.linalg.cholesky(stance.covariances)
-    return stance
 
 
 def _from_json(kind: type[Part], document: Mapping[str, Any]) -> Part:

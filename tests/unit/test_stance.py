@@ -224,8 +224,8 @@ def test_how_people_stand_is_kept_in_the_file_and_checked():
     [
         ("weights", -0.1, "positive"),
         ("bone_sds", [0.1, 0.0], "positive"),
-        ("limbs", [0, 1, N], "no point has"),
-        ("limbs", [0, -1, 2], "no point has"),
+        ("limbs", [0, 1, N], "from 0 to 14"),
+        ("limbs", [0, -1, 2], "from 0 to 14"),
         ("covariances", [[0.0] * (3 * N)] * (3 * N), "positive definite"),
     ],
 )

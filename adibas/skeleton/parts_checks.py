@@ -1,0 +1,81 @@
+"""Whether core, limbs, anchors and stance of a file fit together: kernels check no index."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from adibas.arrays import FloatArray, IntArray, check_shape
+from adibas.shapes.parts_types import Anchors, Core, Limbs
+from adibas.skeleton.parts import LIMB_NAMES, PartsModel
+from adibas.skeleton.stance import Stance
+
+SHAPES: Mapping[type, Mapping[str, str]] = {
+    Core: {
+        "labels": "C", "mirror": "C", "mean": "C3", "basis": "BD", "basis_mean": "C3",
+        "log_weights": "K", "kinds": "K", "means": "KC3", "covariances": "KDD", "factors": "KDD",
+    },
+    Limbs: {
+        "labels": "L2", "roots": "L", "signs": "L", "kinds": "LM", "log_weights": "LM",
+        "core_means": "LMB", "core_factors": "LMBB", "means": "LM6", "slopes": "LM6B",
+        "factors": "LM66", "outer_factors": "LM33", "bone_means": "LQ2",
+        "bone_covariances": "LQ22", "side_covariances": "LQ22", "drawn_means": "LQ2",
+        "drawn_covariances": "LQ22", "strange": "L",
+    },
+    Anchors: {
+        "costs": "A", "means": "AC3", "points": "P", "whiteners": "APC33", "constants": "APC",
+    },
+    Stance: {
+        "weights": "S", "means": "SE", "covariances": "SEE", "limbs": "L3", "bone_means": "L2",
+        "bone_sds": "L2",
+    },
+}  # fmt: skip
+"""Of each field its lengths, by letters that stand for the same everywhere; see `_lengths`."""
+
+
+def check_parts(parts: PartsModel) -> None:
+    """Raise ValueError unless all arrays of a model fit together."""
+    lengths = _lengths(parts)
+    given = (parts.core, parts.limbs, parts.anchors, parts.stance)
+    for part in (one for one in given if one is not None):
+        for name, letters in SHAPES[type(part)].items():
+            check_shape(name, getattr(part, name), [lengths[letter] for letter in letters])
+    core, limbs = parts.core, parts.limbs
+    _check_indices("labels", np.concatenate([core.labels, limbs.labels.ravel()]), lengths["N"])
+    for name, indices in (("mirror", core.mirror), ("roots", limbs.roots)):
+        _check_indices(name, indices, lengths["C"])
+    _check_indices("points", parts.anchors.points, lengths["C"])
+    for kinds in (core.kinds, limbs.kinds):
+        _check_indices("kinds", kinds, lengths["Q"])
+    for factors in (core.factors, limbs.core_factors, limbs.factors, limbs.outer_factors):
+        _check_positive("factors", np.diagonal(factors, axis1=-2, axis2=-1))
+    if parts.stance is not None:
+        _check_stance(parts.stance, lengths["N"])
+
+
+def _lengths(parts: PartsModel) -> dict[str, int]:
+    """Return what the letters stand for: C points of the core, L limbs, N names, Q kinds, ..."""
+    n_core, n_names = len(parts.core.labels), len(parts.names)
+    return {
+        "2": 2, "3": 3, "6": 6, "N": n_names, "E": 3 * n_names, "Q": len(parts.kinds),
+        "C": n_core, "D": 3 * n_core, "B": len(parts.core.basis), "K": len(parts.core.kinds),
+        "L": len(LIMB_NAMES), "M": parts.limbs.kinds.shape[-1],
+        "A": len(parts.anchors.costs), "P": len(parts.anchors.points),
+        "S": 0 if parts.stance is None else len(parts.stance.weights),
+    }  # fmt: skip
+
+
+def _check_stance(stance: Stance, n_names: int) -> None:
+    _check_indices("limbs", stance.limbs, n_names)
+    _check_positive("weights", stance.weights)
+    _check_positive("bone_sds", stance.bone_sds)
+    np.linalg.cholesky(stance.covariances)
+
+
+def _check_indices(name: str, indices: IntArray, n: int) -> None:
+    if not ((indices >= 0) & (indices < n)).all():
+        raise ValueError(f"{name} must be from 0 to {n - 1}")
+
+
+def _check_positive(name: str, values: FloatArray) -> None:
+    if not (values > 0).all():
+        raise ValueError(f"{name} must be positive")

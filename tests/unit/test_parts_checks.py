@@ -1,0 +1,90 @@
+"""A skeleton model's file whose arrays do not fit together is refused: kernels check no index."""
+
+import copy
+
+import pytest
+
+from adibas.cli.command_line import main
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.skeleton.model_files import model_from_json, model_to_json, write_model
+from adibas.skeleton.parts_checks import SHAPES
+
+
+@pytest.fixture(scope="module")
+def document():
+    return model_to_json(shipped_namer()._model)
+
+
+def broken(document, part, field, change):
+    """Return the document with one field of core, limbs, anchors or stance changed."""
+    parts = dict(document["parts"])
+    values = copy.deepcopy(parts[part][field])
+    change(values)
+    parts[part] = {**parts[part], field: values}
+    return {**document, "parts": parts}
+
+
+def test_the_shipped_model_fits_together_and_so_does_what_was_written_of_it(document):
+    again = model_to_json(model_from_json(document))
+    assert again["parts"] == document["parts"]
+
+
+@pytest.mark.parametrize(
+    ("part", "field"),
+    [(kind.__name__.lower(), field) for kind, fields in SHAPES.items() for field in fields],
+)
+def test_a_field_of_which_an_entry_is_lost_is_refused(document, part, field):
+    """Of one that gives a length to the others, those are found to be too long."""
+    lost = broken(document, part, field, lambda values: values.pop())
+    with pytest.raises(ValueError, match="must have shape"):
+        model_from_json(lost)
+
+
+@pytest.mark.parametrize("index", [-1, 10**6])
+@pytest.mark.parametrize(
+    ("part", "field"),
+    [
+        ("core", "labels"),
+        ("core", "mirror"),
+        ("core", "kinds"),
+        ("limbs", "labels"),
+        ("limbs", "roots"),
+        ("limbs", "kinds"),
+        ("anchors", "points"),
+    ],
+)
+def test_an_index_of_nothing_is_refused(document, part, field, index):
+    def change(values):
+        if isinstance(values[0], list):
+            values[0][0] = index
+        else:
+            values[0] = index
+
+    with pytest.raises(ValueError, match="must be from 0 to"):
+        model_from_json(broken(document, part, field, change))
+
+
+@pytest.mark.parametrize(("part", "field"), [("core", "factors"), ("limbs", "outer_factors")])
+def test_a_distribution_without_extent_is_refused(document, part, field):
+    def change(values):
+        block = values[0] if part == "core" else values[0][0]
+        block[0][0] = 0.0
+
+    with pytest.raises(ValueError, match="must be positive"):
+        model_from_json(broken(document, part, field, change))
+
+
+def test_the_command_says_that_it_is_no_model(tmp_path, capsys):
+    points = tmp_path / "points.csv"
+    points.write_text(
+        "\n".join(["shape,point,label,x_m,y_m,z_m", *(f"a,{i},,{i},0,1" for i in range(9))])
+    )
+    model, out = tmp_path / "model.json", tmp_path / "out.csv"
+    write_model(shipped_namer()._model, model)
+    text = model.read_text("utf-8")
+    start = text.index('"roots"')
+    model.write_text(text[:start] + text[start:].replace("2", "999999", 1), "utf-8")
+    command = ["skeleton", "label", str(points), "--model", str(model), "--out", str(out)]
+    assert main(command) == 1
+    assert "no skeleton model" in capsys.readouterr().err
+    assert not out.exists()
