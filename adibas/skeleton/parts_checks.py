@@ -31,6 +31,9 @@ SHAPES: Mapping[type, Mapping[str, str]] = {
 }  # fmt: skip
 """Of each field its lengths, by letters that stand for the same everywhere; see `_lengths`."""
 
+ROUNDED = 1e-4
+"""How far the product of factors may be off, against the greatest: files have six digits."""
+
 
 def check_parts(parts: PartsModel) -> None:
     """Raise ValueError unless all arrays of a model fit together."""
@@ -48,6 +51,7 @@ def check_parts(parts: PartsModel) -> None:
         _check_indices("kinds", kinds, lengths["Q"])
     for factors in (core.factors, limbs.core_factors, limbs.factors, limbs.outer_factors):
         _check_positive("factors", np.diagonal(factors, axis1=-2, axis2=-1))
+    _check_factors(core)
     if parts.stance is not None:
         _check_stance(parts.stance, lengths["N"])
 
@@ -62,6 +66,14 @@ def _lengths(parts: PartsModel) -> dict[str, int]:
         "A": len(parts.anchors.costs), "P": len(parts.anchors.points),
         "S": 0 if parts.stance is None else len(parts.stance.weights),
     }  # fmt: skip
+
+
+def _check_factors(core: Core) -> None:
+    """Raise unless the factors are those of the covariances: else the search would not end."""
+    np.linalg.cholesky(core.covariances)
+    found = core.factors @ np.swapaxes(core.factors, 1, 2)
+    if not np.allclose(found, core.covariances, rtol=0.0, atol=ROUNDED * np.abs(found).max()):
+        raise ValueError("the factors must be those of the covariances")
 
 
 def _check_stance(stance: Stance, n_names: int) -> None:

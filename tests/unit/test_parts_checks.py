@@ -74,6 +74,17 @@ def test_a_distribution_without_extent_is_refused(document, part, field):
         model_from_json(broken(document, part, field, change))
 
 
+@pytest.mark.parametrize("value", [1e9, -0.1])
+def test_covariances_of_which_nothing_could_be_searched_are_refused(document, value):
+    """With such a one the search for names did not end."""
+
+    def change(values):
+        values[0][0][0] = value
+
+    with pytest.raises(ValueError, match=r"positive definite|those of the covariances"):
+        model_from_json(broken(document, "core", "covariances", change))
+
+
 def test_the_command_says_that_it_is_no_model(tmp_path, capsys):
     points = tmp_path / "points.csv"
     points.write_text(
