@@ -31,6 +31,8 @@ SHAPES: Mapping[type, Mapping[str, str]] = {
 }  # fmt: skip
 """Of each field its lengths, by letters that stand for the same everywhere; see `_lengths`."""
 
+MOST = 1e6
+"""No measure of a body is greater; only a weight's logarithm may be far below."""
 ROUNDED = 1e-4
 """How far the product of factors may be off, against the greatest: files have six digits."""
 
@@ -38,10 +40,7 @@ ROUNDED = 1e-4
 def check_parts(parts: PartsModel) -> None:
     """Raise ValueError unless all arrays of a model fit together."""
     lengths = _lengths(parts)
-    given = (parts.core, parts.limbs, parts.anchors, parts.stance)
-    for part in (one for one in given if one is not None):
-        for name, letters in SHAPES[type(part)].items():
-            check_shape(name, getattr(part, name), [lengths[letter] for letter in letters])
+    _check_fields(parts, lengths)
     core, limbs = parts.core, parts.limbs
     _check_indices("labels", np.concatenate([core.labels, limbs.labels.ravel()]), lengths["N"])
     for name, indices in (("mirror", core.mirror), ("roots", limbs.roots)):
@@ -52,8 +51,20 @@ def check_parts(parts: PartsModel) -> None:
     for factors in (core.factors, limbs.core_factors, limbs.factors, limbs.outer_factors):
         _check_positive("factors", np.diagonal(factors, axis1=-2, axis2=-1))
     _check_factors(core)
+    for covariances in (limbs.bone_covariances, limbs.drawn_covariances):
+        np.linalg.cholesky(covariances)
     if parts.stance is not None:
         _check_stance(parts.stance, lengths["N"])
+
+
+def _check_fields(parts: PartsModel, lengths: Mapping[str, int]) -> None:
+    given = (parts.core, parts.limbs, parts.anchors, parts.stance)
+    for part in (one for one in given if one is not None):
+        for name, letters in SHAPES[type(part)].items():
+            array = getattr(part, name)
+            check_shape(name, array, [lengths[letter] for letter in letters])
+            if array.max() > MOST or (name != "log_weights" and array.min() < -MOST):
+                raise ValueError(f"{name} must be below {MOST:g}")
 
 
 def _lengths(parts: PartsModel) -> dict[str, int]:
