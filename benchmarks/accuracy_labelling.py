@@ -3,11 +3,9 @@
 Sets are shuffled and turned to one of the four views, within 20 degrees (`marker_sets`). "Entirely
 right": every point has its name, surely, and points that are none have none. "Capture": the namer
 is told that the patient holds still, as in every posture session; else it may be any frame of a
-movement. Real: markers of
-Plug-in-Gait files, and joints of motion capture (CMU subject 02; 01 was looked at while
-developing), and skeletons as the software of a first Kinect saw people, whose bones are nowhere
-equally long (settings were chosen on UTD-MHAD and MSR-Action3D; UTKinect was looked at). These
-need ADIBAS_REAL_DATA.
+movement. Real: markers of Plug-in-Gait files, and joints of motion capture, and skeletons as the
+software of a first Kinect saw people, whose bones are nowhere equally long. All of the real ones
+were looked at while settings were chosen (docs/skeleton.md). They need ADIBAS_REAL_DATA.
 """
 
 import operator
@@ -85,10 +83,14 @@ def rows(*, quick: bool) -> Iterable[Row]:
     kinds = np.array(people.kinds)
     told = f"{n_bodies} unseen people, seed {SEED}"
     label_all(people.shapes_m[:1], 1, Told())
-    for kind, goal in (("standing", 99.5), ("seated", 99.5), ("gesture", None), ("moving", None)):
+    for kind, how, goal in (
+        ("standing", "capture", 99.5),
+        ("seated", "capture", 99.5),
+        ("gesture", "frame", None),
+        ("moving", "frame", None),
+    ):
         of_kind = people.shapes_m[kinds == kind]
-        how = "frame" if goal is None else "capture"
-        count = label_all(of_kind, len(of_kind), Told(still=goal is not None))
+        count = label_all(of_kind, len(of_kind), Told(still=how == "capture"))
         yield from _rows(f"{kind}, {how}, all 15, {told}", count, goal)
     standing = people.shapes_m[kinds == "standing"]
     for how in ("capture", "frame"):

@@ -8,7 +8,6 @@ to search, is expected to do better.
 """
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, permutations
@@ -20,6 +19,7 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.skeleton_simulator import simulate_shapes
 from adibas.shapes.gaussian_mixture import Mixture, fit_mixture
 from adibas.skeleton.parts_odds import PartsOdds
+from adibas.skeleton.stance import place_log_densities
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
 from benchmarks.labelling_sets import (
     DIAMETER_LOG_SD,
@@ -95,25 +95,16 @@ class Judge:
         points_m = one.points_m @ turn_back(-HEADINGS_RAD[one.view])
         points_m = points_m - points_m.mean(axis=0)
         ways = ways_near(_right(one), len(points_m))
-        log_odds = np.empty(len(ways))
-        for joints, chosen in _by_joints(ways).items():
-            n_spurious = len(points_m) - len(joints)
-            places_m = points_m[ways[np.ix_(chosen, joints)]]
-            log_odds[chosen] = self._log_densities(joints, places_m) + (
-                _log_prior(N_JOINTS - len(joints), n_spurious)
-                - n_spurious * math.log(one.room_m3)
-            )  # fmt: skip
+        n_named = (ways != NO_POINT).sum(axis=1)
+        n_spurious = len(points_m) - n_named
+        log_priors = [
+            _log_prior(n_hidden, n)
+            for n_hidden, n in zip((N_JOINTS - n_named).tolist(), n_spurious.tolist(), strict=True)
+        ]
+        log_odds = place_log_densities(self._mixture, points_m, ways) + log_priors
+        log_odds -= n_spurious * math.log(one.room_m3)
         of_sizes = np.append(_log_size_odds(one.sizes_m), 0.0)
         return Ways(ways, log_odds, of_sizes[ways].sum(axis=1))
-
-    def _log_densities(self, joints: tuple[int, ...], places_m: FloatArray) -> FloatArray:
-        """Return the (W,) log densities of (W, J, 3) places of some of the joints."""
-        at = (3 * np.array(joints)[:, None] + np.arange(3)).ravel()
-        whole = self._mixture
-        covariances = whole.covariances[:, at[:, None], at]
-        marginal = Mixture(whole.weights, whole.means[:, at], covariances)
-        rows = places_m.reshape(len(places_m), -1)
-        return np.asarray(np.logaddexp.reduce(marginal.log_densities(rows), axis=1))
 
 
 def probabilities(log_odds: FloatArray) -> FloatArray:
@@ -168,14 +159,6 @@ def _exchanging(right: IntArray) -> Iterator[tuple[int, ...]]:
 def _right(one: MarkerSet) -> IntArray:
     points = {name: point for point, name in enumerate(one.truth) if name is not None}
     return np.array([points.get(name, NO_POINT) for name in JOINT_NAMES])
-
-
-def _by_joints(ways: IntArray) -> dict[tuple[int, ...], list[int]]:
-    """Return which ways name the same joints: they share a covariance."""
-    groups: dict[tuple[int, ...], list[int]] = defaultdict(list)
-    for number, way in enumerate(ways):
-        groups[tuple(np.flatnonzero(way != NO_POINT).tolist())].append(number)
-    return groups
 
 
 def _log_prior(n_hidden: int, n_spurious: int) -> float:

@@ -44,6 +44,11 @@ class Mixture:
         for array in (self.weights, self.means, self.covariances):
             read_only(array)
 
+    def marginal(self, columns: IntArray) -> "Mixture":
+        """Return the mixture of some of the dimensions."""
+        covariances = self.covariances[:, columns[:, None], columns]
+        return Mixture(self.weights, self.means[:, columns], covariances)
+
     def log_densities(self, rows: FloatArray) -> FloatArray:
         """Return the (S, K) log densities of (S, D) rows, each with its component's weight."""
         result = np.empty((len(rows), len(self.weights)))

@@ -77,19 +77,33 @@ def stance_log_densities(
             rest[:, labels[n_fixed:]] = -1
             rests.append(rest)
             logs.append(math.log(often) + free[:, n_fixed - 1 :].sum(axis=1))
-    together = _together(stance, places_m, np.concatenate(rests)).reshape(len(rests), -1)
-    return np.asarray(np.logaddexp.reduce(together + np.stack(logs), axis=0))
+    mixture = Mixture(stance.weights, stance.means, stance.covariances)
+    together = place_log_densities(mixture, places_m, np.concatenate(rests))
+    return np.asarray(
+        np.logaddexp.reduce(together.reshape(len(rests), -1) + np.stack(logs), axis=0)
+    )
 
 
-def _together(stance: Stance, places_m: FloatArray, partners: IntArray) -> FloatArray:
-    """Return the (W,) log densities of the places of the labels that have a point."""
+def place_log_densities(mixture: Mixture, places_m: FloatArray, partners: IntArray) -> FloatArray:
+    """Return the (W,) log densities of the places of the labels that have a point.
+
+    Parameters
+    ----------
+    mixture : Mixture
+        Of the 3 N coordinates of all labels.
+    places_m : (M, 3) array
+        In the axes of the mixture.
+    partners : (W, N) int array
+        Of each label its point, -1 for none. Ways with fewer than `LEAST_PLACES` have minus
+        infinity.
+    """
     different, inverse = np.unique(partners, axis=0, return_inverse=True)
     found = np.full(len(different), -np.inf)
     for labels, ways in _alike(different):
         if len(labels) >= LEAST_PLACES:
             rows = places_m[different[np.ix_(ways, labels)]].reshape(len(ways), -1)
-            marginal = _marginal(stance, labels)
-            found[ways] = np.logaddexp.reduce(marginal.log_densities(rows), axis=1)
+            of_labels = mixture.marginal((3 * labels[:, None] + np.arange(3)).ravel())
+            found[ways] = np.logaddexp.reduce(of_labels.log_densities(rows), axis=1)
     return found[inverse.ravel()]
 
 
@@ -98,13 +112,6 @@ def _alike(partners: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
     has_point, inverse = np.unique(partners >= 0, axis=0, return_inverse=True)
     for number, one in enumerate(has_point):
         yield np.flatnonzero(one), np.flatnonzero(inverse.ravel() == number)
-
-
-def _marginal(stance: Stance, labels: IntArray) -> Mixture:
-    at = (3 * labels[:, None] + np.arange(3)).ravel()
-    return Mixture(
-        stance.weights.copy(), stance.means[:, at], stance.covariances[:, at[:, None], at]
-    )
 
 
 def bone_log_densities(

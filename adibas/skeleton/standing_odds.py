@@ -11,7 +11,7 @@ from adibas.skeleton.parts_odds import PartsOdds
 from adibas.skeleton.stance import stance_log_densities
 from adibas.skeleton.starts import turn_back
 
-MOST_WAYS, NEAR_NATS = 500, 20.0
+MOST_RATED, NEAR_NATS = 500, 20.0
 """Of so many ways, and so far above the best, it is asked whether somebody stands there."""
 
 
@@ -39,7 +39,7 @@ def rate_standing(
     if model.stance is None or not odds.stands:
         return less
     less -= math.log1p(-odds.stands)
-    order = np.argsort(pool.energies)[:MOST_WAYS]
+    order = np.argsort(pool.energies)[:MOST_RATED]
     near = order[pool.energies[order] < pool.energies[order[0]] + NEAR_NATS]
     partners = pool.partners[near]
     n_named = (partners >= 0).sum(axis=1)
