@@ -86,8 +86,9 @@ def _outermost(
         along = np.cross(to_origin, b - a)
         v = along @ ray.direction / size
         distance = np.einsum("ij,ij->i", c - a, along) / size
-    # Rays of the midline run along edges, where rounding must not let them slip through.
-    met = (np.minimum(u, v) >= -_EDGE) & (u + v <= 1 + _EDGE) & (distance > 0)
+        # Rays of the midline run along edges, where rounding must not let them slip through; those
+        # along a triangle have no u and v, and do not meet it.
+        met = (np.minimum(u, v) >= -_EDGE) & (u + v <= 1 + _EDGE) & (distance > 0)
     if not met.any():
         raise ValueError(f"no skin found for {name}")
     best = int(np.argmax(np.where(met, distance, -np.inf)))

@@ -257,3 +257,12 @@ def test_sleeves_end_alike_on_both_arms(person):
     field = covering_fields(person, Outfit(sleeve=0.6))[:, COVERINGS.index("top")] > 0
     x = person.rest_vertices_m[:, 0]
     assert field[x > 0.2].sum() == pytest.approx(field[x < -0.2].sum(), rel=0.03)
+
+
+def test_a_ray_along_a_triangle_meets_the_one_behind_it():
+    vertices_m = np.array([[0, 0, 0], [1, -1, 0], [2, -1, 0], [3, -1, -1], [3, 2, -1], [3, 0, 2.0]])
+    mesh = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
+    ray = Ray(np.array([0.0, 0.2, 0.1]), np.array([1.0, 0.0, 0.0]), np.ones(2, bool))
+    anchors = anchor_rays({"ahead": ray}, vertices_m, mesh)
+    assert anchors.triangles.tolist() == [1]
+    np.testing.assert_allclose(anchors.on(vertices_m, mesh), [[3.0, 0.2, 0.1]], atol=1e-12)
