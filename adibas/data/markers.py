@@ -61,7 +61,7 @@ class Marker:
     u, v : float
         Centre in the colour image, pixels.
     radius_px : float
-        Of the disc with the blob's area.
+        Of the marker: half the long axis of the blob, as a sticker may be seen slantingly.
     covariance_px2 : (2, 2) array
         Of (u, v).
     position_m : (3,) array or None

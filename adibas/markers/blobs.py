@@ -30,6 +30,8 @@ SURROUND_PERCENTILE = 5.0
 LEAST_TOLD_PX = 6
 LEAST_NOISE = 1e-3
 """Of the surround, as a share of the contrast."""
+BLUR_PX2 = 0.75
+"""Variance by which lens, mosaic and pixels blur a spot of the colour picture along an axis."""
 SPECK_REACH_PX = 3
 """From speck to speck of one sticker: of 4 pixels, where white cloth mixes into nearly all."""
 
@@ -119,6 +121,25 @@ class Blob:
     surround: FloatArray
     core: FloatArray
     is_faint: bool = False
+
+
+def long_radius_px(radius_px: float, axis_ratio: float) -> float:
+    """Return half the long axis of a blurred spot: the radius of a disc, however it is turned.
+
+    A disc that is seen slantingly is an ellipse with half axes a > b. Of the spot both the area,
+    pi a b, and the ratio of its axes are known, and a disc's variance along an axis is a quarter of
+    the half axis squared; the blur is added to both.
+
+    Parameters
+    ----------
+    radius_px : float
+        Of the disc with the spot's area.
+    axis_ratio : float
+        Short over long axis of the blurred spot.
+    """
+    squared = axis_ratio**2
+    half = 2.0 * BLUR_PX2 * (1.0 - squared)
+    return math.sqrt((half + math.sqrt(half**2 + squared * radius_px**4)) / squared)
 
 
 class Looks(NamedTuple):

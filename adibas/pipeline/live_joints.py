@@ -10,7 +10,7 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
 from adibas.errors import ProtocolError
 from adibas.geometry.distortion import undistort_pixels
-from adibas.markers.blobs import Blob
+from adibas.markers.blobs import Blob, long_radius_px
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.namers import namer_of
@@ -56,7 +56,7 @@ def joints_among(
             f"m{number}",
             blob.u,
             blob.v,
-            blob.radius_px,
+            long_radius_px(blob.radius_px, blob.axis_ratio),
             np.eye(2),
             position_m,
             ROUGH_M**2 * np.eye(3),

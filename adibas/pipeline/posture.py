@@ -18,7 +18,7 @@ from adibas.data.sessions import ROTATIONS_DEG
 from adibas.data.surface import BurstDisparity
 from adibas.errors import MarkerError
 from adibas.geometry.planes import Plane
-from adibas.markers.blobs import Blob
+from adibas.markers.blobs import Blob, long_radius_px
 from adibas.markers.burst import BurstMarker, BurstParams, BurstTracker
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import (
@@ -351,7 +351,8 @@ def cameras_of(calibration: RgbdCalibration) -> tuple[CameraCalibration, CameraC
 
 
 def _measured(found: BurstMarker, finder: PositionFinder) -> Marker:
-    return finder.placed(Marker("m", found.u, found.v, found.radius_px, found.covariance_px2))
+    radius_px = long_radius_px(found.radius_px, found.axis_ratio)
+    return finder.placed(Marker("m", found.u, found.v, radius_px, found.covariance_px2))
 
 
 def doubts_about(found: MarkerFindings) -> tuple[Message, ...]:

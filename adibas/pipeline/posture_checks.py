@@ -113,7 +113,7 @@ def are_gaps(
     finder : PositionFinder
         That measured them.
     """
-    is_small = _are_small(markers)
+    is_small = _are_small(found, markers)
     return np.array(
         [
             look.is_faint
@@ -126,11 +126,11 @@ def are_gaps(
     )
 
 
-def _are_small(markers: Sequence[Marker]) -> BoolArray:
-    """Say of each marker whether it is smaller than most; False where its distance is not known."""
+def _are_small(found: Sequence[BurstMarker], markers: Sequence[Marker]) -> BoolArray:
+    """Say of each spot whether its area is less than of most; False where nothing says how far."""
     depths_m = _depths_m(markers)
     rough_m = np.array([one.rough_depth_m for one in markers], float)  # None becomes NaN
-    sizes = np.array([one.radius_px for one in markers]) * np.fmax(depths_m, rough_m)
+    sizes = np.array([one.radius_px for one in found]) * np.fmax(depths_m, rough_m)
     known = sizes[np.isfinite(sizes)]
     if not len(known):
         return np.zeros(len(markers), np.bool_)

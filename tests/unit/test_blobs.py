@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from adibas.markers.blob_kernels import _widened
 from adibas.markers.blobs import (
+    BLUR_PX2,
     LEAST_TOLD_PX,
     SPECK_REACH_PX,
     Blob,
@@ -22,6 +23,7 @@ from adibas.markers.blobs import (
     depth_near,
     joined_specks,
     judge,
+    long_radius_px,
     look_at,
     measure_blobs,
     pixels_of,
@@ -171,6 +173,32 @@ def test_an_ellipse_is_as_long_as_it_is():
     assert blob.axis_ratio == pytest.approx(short / long, rel=1e-4)
     assert blob.axis_ratio == pytest.approx(0.5, rel=0.05)
     assert blob.radius_px == pytest.approx(math.sqrt(9.0 * 4.5), rel=0.05)
+
+
+@pytest.mark.parametrize("slant_deg", [0.0, 30.0, 50.0, 65.0])
+@pytest.mark.parametrize("radius_px", [2.5, 4.0, 8.0])
+def test_a_blurred_sticker_is_as_large_however_slantingly_it_is_seen(radius_px, slant_deg):
+    fine = 8
+    rows, columns = (np.mgrid[: fine * SIZE, : fine * SIZE] + 0.5) / fine
+    across = (columns - 24.3) / math.cos(math.radians(slant_deg))
+    sharp = ((rows - 23.8) ** 2 + across**2 < radius_px**2).astype(np.float32)
+    # The program adds a pixel's own variance, 1/12, and the mean over each pixel as much.
+    blurred = cv2.GaussianBlur(sharp, (0, 0), fine * math.sqrt(BLUR_PX2 - 2.0 / 12.0))
+    share = blurred.reshape(SIZE, fine, SIZE, fine).mean(axis=(1, 3))[..., None]
+    lab = (share * STICKER_LAB + (1 - share) * SKIN_LAB).astype(np.float32)
+    distance = np.linalg.norm(lab - STICKER_LAB, axis=2).astype(np.float32)
+    (blob,) = measured(lab, distance, share[..., 0] > 0.3)
+    found_px = long_radius_px(blob.radius_px, blob.axis_ratio)
+    assert found_px == pytest.approx(radius_px, abs=0.35)
+
+
+@given(st.floats(0.5, 20.0), st.floats(0.2, 1.0))
+def test_the_long_axis_is_that_of_the_ellipse_with_such_an_area_and_blurred_ratio(long_px, ratio):
+    short_px = ratio * long_px
+    blurred = [axis**2 / 4.0 + BLUR_PX2 for axis in (short_px, long_px)]
+    radius_px = math.sqrt(long_px * short_px)
+    found_px = long_radius_px(radius_px, math.sqrt(blurred[0] / blurred[1]))
+    assert found_px == pytest.approx(long_px, rel=1e-9)
 
 
 def test_the_centres_covariance_is_that_of_many_noisy_pictures():

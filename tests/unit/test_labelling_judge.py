@@ -81,7 +81,7 @@ def test_each_choice_of_what_is_hidden_is_alike_probable(n_hidden, n_spurious):
 
 def test_sizes_tell_by_the_ratio_of_both_densities():
     sizes_m = np.array([0.0045, 0.009, 0.0095, 0.05])
-    of_marker = norm.logpdf(np.log(sizes_m), math.log(0.009), 0.10)
+    of_marker = norm.logpdf(np.log(sizes_m), math.log(0.009), 0.09)
     of_chance = loguniform.logpdf(sizes_m, *SPURIOUS_DIAMETERS_M) + np.log(sizes_m)
     assert _log_size_odds(sizes_m) == pytest.approx(of_marker - of_chance)
 
