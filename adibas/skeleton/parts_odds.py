@@ -62,8 +62,8 @@ class PartsOdds:
         How often somebody stands still as those whose joints are known together (`Stance`), where a
         view is declared: 0, for people who move; `HOLDING_STILL` for those who do not.
     arm_elsewhere, leg_elsewhere : float
-        How often one arm or leg of theirs is elsewhere, and as often its outer bone alone: 0.01 and
-        0.001. Without these, bent forearms would be taken for chance points.
+        How often one arm or leg of theirs is elsewhere, and as often its outer bone alone: 0.005
+        and 0.001. Without these, bent forearms would be taken for chance points.
     temperature : float
         By which differences of energy are divided before they are log odds.
     sure : float
@@ -97,7 +97,7 @@ class PartsOdds:
     legs_apart_sd_m: float = 0.02
     legs_through: float = 0.02
     stands: float = 0.0
-    arm_elsewhere: float = 0.01
+    arm_elsewhere: float = 0.005
     leg_elsewhere: float = 0.001
     temperature: float = 1.0
     sure: float = 0.5

@@ -3,7 +3,8 @@
 Core and limbs tell how a limb depends on the core, and nothing of how one limb depends on another.
 Where all joints of people who stand still are is a mixture of normal distributions. Of some one
 limb is elsewhere, or its outer bone (a hand on the hip): it is as long as usual, and points
-anywhere.
+anywhere, arms mostly to where elbows bend: about the mean direction of arms that do not hang
+(Fisher, Dispersion on a sphere, Proceedings of the Royal Society A 217, 1953).
 """
 
 import math
@@ -23,6 +24,15 @@ REACH = 1.1
 BEYOND = math.exp(-20.0)
 """Density, per cubic metre, of an outer point farther away."""
 TINY_M = 1e-3
+LIFTED = np.array([[0.50, 0.51, -0.70], [-0.19, -0.43, -0.88]])
+"""Mean directions of a left upper arm (outwards, down, forwards) and forearm that does not hang.
+
+Of 9,101 arms of simulated people who move, seed 11.
+"""
+CONCENTRATIONS = (2.3, 2.0)
+"""Of both about these directions."""
+MIRRORED = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+"""Left arm, right arm: the first limbs."""
 
 
 class Stance(NamedTuple):
@@ -117,7 +127,7 @@ def _alike(partners: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
 def bone_log_densities(
     stance: Stance, limb: int, places_m: FloatArray, partners: IntArray, room_m3: float
 ) -> FloatArray:
-    """Return the (W, 2) log densities of a limb's points where its bones point anywhere.
+    """Return the (W, 2) log densities of a limb's points where it is elsewhere.
 
     A point at the end of a bone is in a shell about the other end, as thick as lengths vary; one
     whose bone has lost its other end is within the reach of both bones, or anywhere in the room.
@@ -127,6 +137,9 @@ def bone_log_densities(
     nowhere = -math.log(room_m3)
     to_inner = _shell(_apart(places_m, root, inner), *upper)
     to_outer = _shell(_apart(places_m, inner, outer), *lower)
+    if limb < len(MIRRORED):
+        to_inner += _lifted(places_m[inner] - places_m[root], limb, 0)
+        to_outer += _lifted(places_m[outer] - places_m[inner], limb, 1)
     reach_m = math.exp(upper[0]) + math.exp(lower[0])
     is_near = _apart(places_m, root, outer) < REACH * reach_m
     within = np.where(is_near, -math.log(BALL * reach_m**3), math.log(BEYOND))
@@ -140,6 +153,15 @@ def _apart(places_m: FloatArray, first: IntArray, second: IntArray) -> FloatArra
     """Return how far apart points are; where either is none, the number means nothing."""
     off_m = places_m[second] - places_m[first]
     return np.asarray(np.maximum(np.linalg.norm(off_m, axis=1), TINY_M))
+
+
+def _lifted(bones_m: FloatArray, arm: int, bone: int) -> FloatArray:
+    """Return by how much (W, 3) bones of a lifted arm are likelier to point there than anywhere."""
+    mean = LIFTED[bone] / np.linalg.norm(LIFTED[bone]) * MIRRORED[arm]
+    lengths_m = np.maximum(np.linalg.norm(bones_m, axis=1), TINY_M)
+    concentration = CONCENTRATIONS[bone]
+    even = math.log(concentration / math.sinh(concentration))
+    return np.asarray(concentration * (bones_m @ mean) / lengths_m + even)
 
 
 def _shell(lengths_m: FloatArray, mean: float, sd: float) -> FloatArray:

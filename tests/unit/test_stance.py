@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import logsumexp
-from scipy.stats import lognorm, multivariate_normal
+from scipy.stats import lognorm, multivariate_normal, vonmises_fisher
 
 from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
@@ -17,7 +17,14 @@ from adibas.skeleton.model_files import model_from_json, model_to_json
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.parts import LIMB_NAMES
 from adibas.skeleton.parts_naming import Known
-from adibas.skeleton.stance import REACH, Stance, bone_log_densities, stance_log_densities
+from adibas.skeleton.stance import (
+    CONCENTRATIONS,
+    LIFTED,
+    REACH,
+    Stance,
+    bone_log_densities,
+    stance_log_densities,
+)
 from adibas.skeleton.stance_training import StanceParams, learn_stance
 from adibas.skeleton.starts import HEADINGS_RAD, turn_back
 
@@ -75,29 +82,57 @@ def test_the_density_of_a_way_is_the_mixture_of_the_labels_that_have_points(stan
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
+def free_bone(bone_m, usual_m, direction=None, concentration=0.0):
+    """Return the log density at the end of a bone: its length's by SciPy, times its direction's."""
+    length_m = np.linalg.norm(bone_m)
+    of_length = lognorm(0.1, scale=usual_m).logpdf(length_m) - 2.0 * math.log(length_m)
+    if direction is None:
+        return of_length - math.log(4 * math.pi)
+    mean = np.array(direction) / np.linalg.norm(direction)
+    return of_length + vonmises_fisher(mean, concentration).logpdf(bone_m / length_m)
+
+
 def test_one_limb_or_its_outer_bone_may_be_elsewhere_and_no_two(stance):
     places_m = np.random.default_rng(2).normal(scale=0.3, size=(6, 3))
+    places_m[4] = places_m[3] + [0.17, 0.1, -0.22]
+    places_m[5] = places_m[4] + [-0.05, -0.1, -0.22]
     trunk = (HEAD, 0), (NECK, 1), (TORSO, 2), (SHOULDER, 3)
     way = ways_of(*trunk, (ELBOW, 4), (HAND, 5))
-    upper, lower = (
-        lognorm(0.1, scale=usual_m).logpdf(length_m) - math.log(4 * math.pi * length_m**2)
-        for length_m, usual_m in (
-            (np.linalg.norm(places_m[4] - places_m[3]), 0.3),
-            (np.linalg.norm(places_m[5] - places_m[4]), 0.25),
-        )
-    )
+    upper = free_bone(places_m[4] - places_m[3], 0.3, LIFTED[0], CONCENTRATIONS[0])
+    lower = free_bone(places_m[5] - places_m[4], 0.25, LIFTED[1], CONCENTRATIONS[1])
     as_usual = joint_log_density(stance, places_m, way)
     no_arm = joint_log_density(stance, places_m, ways_of(*trunk))
     no_hand = joint_log_density(stance, places_m, ways_of(*trunk, (ELBOW, 4)))
     elsewhere = [0.02, 0.03, 0.004, 0.005]
-    expected = logsumexp([
+    terms = [
         math.log(1 - 2 * sum(elsewhere)) + as_usual,
         math.log(0.02) + no_arm + upper + lower,
         math.log(0.02) + no_hand + lower,
         math.log(2 * sum(elsewhere[1:])) + as_usual,  # limbs that have no points to be elsewhere
-    ])  # fmt: skip
+    ]
+    assert np.ptp(terms[1:3]) < 6.0 < max(terms) - terms[0]  # both count, and are told apart
     found = stance_log_densities(stance, places_m, way, ROOM_M3, elsewhere)
-    assert found[0] == pytest.approx(expected, rel=1e-9)
+    assert found[0] == pytest.approx(logsumexp(terms), rel=1e-9)
+
+
+@pytest.mark.parametrize(("limb", "sign"), [(0, 1.0), (1, -1.0)])
+def test_lifted_arms_point_forwards_and_legs_anywhere(stance, limb, sign):
+    """Seen by the camera that is faced, a left arm is at greater x, and forwards is towards it."""
+    bone_m = 0.25 * np.array([-0.2 * sign, -0.4, -0.9])
+    root_m = np.array([0.0, 0.3, 0.0])
+    places_m = np.stack([root_m, root_m + bone_m, root_m - bone_m])
+    ahead, behind = (
+        bone_log_densities(stance, limb, places_m, ways_of((label[1], 0), (label[2], end)), 3.0)
+        for label in [stance.limbs[limb]]
+        for end in (1, 2)
+    )
+    assert ahead[0, 1] == pytest.approx(
+        free_bone(bone_m, 0.25, LIFTED[1] * [sign, 1, 1], CONCENTRATIONS[1])
+    )
+    assert ahead[0, 1] - behind[0, 1] == pytest.approx(2 * CONCENTRATIONS[1], abs=0.02)
+    _, knee, foot = stance.limbs[limb + 2]
+    leg = bone_log_densities(stance, limb + 2, places_m, ways_of((knee, 0), (foot, 1)), 3.0)
+    assert leg[0, 1] == pytest.approx(free_bone(bone_m, 0.25))
 
 
 def test_free_bones_fill_the_space_about_their_other_end_once(stance):
