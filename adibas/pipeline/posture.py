@@ -1,5 +1,6 @@
 """One burst of frames to markers in space: the order of the stages."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -120,12 +121,15 @@ class MarkerFindings:
         Of the depth camera, bias corrected.
     n_people : int
         Seen in that frame.
+    width_px : float
+        Of the discs with the markers' areas, the median; NaN without any.
     """
 
     markers: tuple[Marker, ...]
     rejected: tuple[RejectedBlob, ...]
     surface: BurstDisparity
     n_people: int = 1
+    width_px: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -226,7 +230,8 @@ class _Burst:
             color_rgb, sight, calibration, self._target, params, measured
         )
         refused = (*without_found(detections.rejected, found), *others, *beside)
-        return MarkerFindings(markers, refused, disparity, n_people)
+        width_px = 2.0 * float(np.median([one.radius_px for one in found])) if found else math.nan
+        return MarkerFindings(markers, refused, disparity, n_people, width_px)
 
     def _markers_of_mean(self, sight: Sight) -> tuple[Blob, ...]:
         """Return what the mean picture shows; there is time to measure every spot of one picture.
@@ -359,6 +364,5 @@ def doubts_about(found: MarkerFindings) -> tuple[Message, ...]:
     """Return what the reader should know of the markers that were found."""
     if not found.markers:
         return ()
-    width_px = 2.0 * float(np.median([marker.radius_px for marker in found.markers]))
-    is_small, is_crowd = width_px < LEAST_WIDTH_PX, found.n_people > 1
+    is_small, is_crowd = found.width_px < LEAST_WIDTH_PX, found.n_people > 1
     return (TOO_FEW_PIXELS,) * is_small + (SEVERAL_PEOPLE,) * is_crowd
