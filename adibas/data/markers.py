@@ -61,7 +61,8 @@ class Marker:
     u, v : float
         Centre in the colour image, pixels.
     radius_px : float
-        Of the marker: half the long axis of the blob, as a sticker may be seen slantingly.
+        Half the long axis of the blob, as a sticker may be seen slantingly; of a marker that a hand
+        moved, of the disc with its area.
     covariance_px2 : (2, 2) array
         Of (u, v).
     position_m : (3,) array or None

@@ -7,14 +7,7 @@ import cv2
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array, check_shape
-from adibas.markers.blobs import (
-    Blob,
-    BlobParams,
-    connected_groups,
-    judge,
-    long_radius_px,
-    measure_blobs,
-)
+from adibas.markers.blobs import Blob, BlobParams, connected_groups, judge, measure_blobs
 from adibas.markers.burst import BurstParams
 from adibas.markers.color_model import ColorModel
 from adibas.markers.detection import DetectionParams, find_color_markers
@@ -43,7 +36,7 @@ class Snap(NamedTuple):
     Attributes
     ----------
     u, v, radius_px : float
-        Centre and half the long axis, pixels.
+        Centre and size, pixels.
     covariance_px2 : (2, 2) array
         Of (u, v).
     is_blob : bool
@@ -101,8 +94,7 @@ def snap(
     blob = found[int(np.argmin(distances_px))]
     lasting_px2 = BurstParams().centre_variance_px2(blob.radius_px)
     covariance_px2 = blob.covariance_px2 + np.eye(2) * lasting_px2
-    radius_px = long_radius_px(blob.radius_px, blob.axis_ratio)
-    return Snap(blob.u, blob.v, radius_px, covariance_px2, is_blob=True)
+    return Snap(blob.u, blob.v, blob.radius_px, covariance_px2, is_blob=True)
 
 
 def _window(

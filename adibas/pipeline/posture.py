@@ -122,7 +122,7 @@ class MarkerFindings:
     n_people : int
         Seen in that frame.
     width_px : float
-        Of the discs with the markers' areas, the median; NaN without any.
+        Of the discs with the areas of all spots found, the median; NaN without any.
     """
 
     markers: tuple[Marker, ...]

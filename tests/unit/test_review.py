@@ -111,7 +111,7 @@ def test_a_click_near_a_marker_snaps_to_its_centre(stickers, leds, target, kind)
         errors_hand_px.append(np.hypot(*(clicked - [truth.u, truth.v])))
         if snap.is_blob:
             assert snap.covariance_px2[0, 0] < 0.25
-            assert 1.0 < snap.radius_px < 8.5  # half the long axis of the glow of an LED
+            assert 1.0 < snap.radius_px < 8.0
         else:
             np.testing.assert_array_equal(snap.covariance_px2, np.eye(2))
     assert np.median(errors_px) < 0.3

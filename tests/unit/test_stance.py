@@ -121,9 +121,9 @@ def test_lifted_arms_point_forwards_and_legs_anywhere(stance, limb, sign):
     bone_m = 0.25 * np.array([-0.2 * sign, -0.4, -0.9])
     root_m = np.array([0.0, 0.3, 0.0])
     places_m = np.stack([root_m, root_m + bone_m, root_m - bone_m])
+    _, elbow, hand = stance.limbs[limb]
     ahead, behind = (
-        bone_log_densities(stance, limb, places_m, ways_of((label[1], 0), (label[2], end)), 3.0)
-        for label in [stance.limbs[limb]]
+        bone_log_densities(stance, limb, places_m, ways_of((elbow, 0), (hand, end)), ROOM_M3)
         for end in (1, 2)
     )
     assert ahead[0, 1] == pytest.approx(
@@ -131,7 +131,7 @@ def test_lifted_arms_point_forwards_and_legs_anywhere(stance, limb, sign):
     )
     assert ahead[0, 1] - behind[0, 1] == pytest.approx(2 * CONCENTRATIONS[1], abs=0.02)
     _, knee, foot = stance.limbs[limb + 2]
-    leg = bone_log_densities(stance, limb + 2, places_m, ways_of((knee, 0), (foot, 1)), 3.0)
+    leg = bone_log_densities(stance, limb + 2, places_m, ways_of((knee, 0), (foot, 1)), ROOM_M3)
     assert leg[0, 1] == pytest.approx(free_bone(bone_m, 0.25))
 
 
