@@ -51,13 +51,13 @@ class Mixture:
 
     def log_densities(self, rows: FloatArray) -> FloatArray:
         """Return the (S, K) log densities of (S, D) rows, each with its component's weight."""
-        result = np.empty((len(rows), len(self.weights)))
-        for k, (mean, covariance) in enumerate(zip(self.means, self.covariances, strict=True)):
-            lower = np.linalg.cholesky(covariance)
-            white = np.linalg.solve(lower, (rows - mean).T)
-            constant = np.log(np.diagonal(lower)).sum() + 0.5 * len(mean) * math.log(2 * math.pi)
-            result[:, k] = math.log(self.weights[k]) - 0.5 * (white**2).sum(axis=0) - constant
-        return result
+        lowers = np.linalg.cholesky(self.covariances)
+        off = np.swapaxes(rows[None] - self.means[:, None], 1, 2)
+        squares = (np.linalg.solve(lowers, off) ** 2).sum(axis=1)
+        volumes = np.log(np.diagonal(lowers, axis1=1, axis2=2)).sum(axis=1)
+        constants = np.log(self.weights) - volumes
+        constants -= 0.5 * self.means.shape[1] * math.log(2 * math.pi)
+        return np.asarray(constants - 0.5 * squares.T)
 
 
 def fit_mixture(

@@ -7,9 +7,10 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray
 from adibas.skeleton.given_names import given_index, nothing_given
+from adibas.skeleton.known import Known
 from adibas.skeleton.labelling import Labelling, label_points
 from adibas.skeleton.model import SkeletonModel
-from adibas.skeleton.parts_naming import MOST_POINTS, Known, NamedByParts, label_parts
+from adibas.skeleton.parts_naming import MOST_POINTS, NamedByParts, label_parts
 from adibas.skeleton.parts_odds import HOLDING_STILL, PartsOdds
 from adibas.skeleton.postures import NearestPosture, nearest_posture
 from adibas.skeleton.prepared import PreparedModel, prepare

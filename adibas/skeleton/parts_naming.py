@@ -16,12 +16,13 @@ from adibas.shapes.parts_search_kernels import lay_anchors, search_parts
 from adibas.shapes.parts_sight_kernels import rate_sight
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton.given_names import OPEN, agrees, has_names, nothing_given
+from adibas.skeleton.known import Known
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.parts import LEGS, PartsModel
 from adibas.skeleton.parts_odds import QUICK, THOROUGH, PartsOdds, expected_odds, hidden_costs
 from adibas.skeleton.prepared import PreparedModel
 from adibas.skeleton.second_opinion import names_of
-from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
+from adibas.skeleton.seen_space import SeenSpace
 from adibas.skeleton.side_odds import side_factor
 from adibas.skeleton.standing_odds import rate_standing
 from adibas.skeleton.starts import heading_of_turn, list_turns, log_radius
@@ -34,25 +35,6 @@ HIPS_FACTOR, STEEPEST = 2.0, 0.5
 """How much nearer or farther apart than the usual ones hips may be, and how far out of level."""
 MOST_POINTS = 40
 """Of a set that is searched by parts; more take seconds, and are no markers of one person."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Known:
-    """What is known of M points beside their places.
-
-    Attributes
-    ----------
-    size_odds : (M,) array
-        See `adibas.skeleton.sizes.size_log_odds`.
-    given : (M,) int array
-        See `adibas.skeleton.given_names.given_index`.
-    seen : SeenSpace
-        By the cameras, in the axes of the points.
-    """
-
-    size_odds: FloatArray
-    given: IntArray
-    seen: SeenSpace = EVERYWHERE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -212,9 +194,10 @@ def _weighed(
     one where the best way is not plausible, or leaves most points without a name.
     """
     n_points = len(points)
+    rated = rate_standing(model, points, known, pool, expected, odds)
+    pool, standing = rated.pool, rated.less
     of_sizes = np.append(known.size_odds, 0.0)[pool.partners].sum(axis=1)
     by_sight = pool.energies + _sight(model, points, known.seen, pool, expected, odds)
-    standing = rate_standing(model, points, pool, expected, odds)
     energies = by_sight + standing - of_sizes + _crossing(model, points, pool.partners, odds)
     best = int(np.argmin(energies))
     weights = np.exp((energies[best] - energies) / odds.temperature)

@@ -24,6 +24,8 @@ REACH = 1.1
 BEYOND = math.exp(-20.0)
 """Density, per cubic metre, of an outer point farther away."""
 TINY_M = 1e-3
+OF_NATS = 7.0
+"""Components that are less likely than the likeliest by more are not those of a way."""
 LIFTED = np.array([[0.50, 0.51, -0.70], [-0.19, -0.43, -0.88]])
 """Mean directions of a left upper arm (outwards, down, forwards) and forearm that does not hang.
 
@@ -92,6 +94,16 @@ def stance_log_densities(
     return np.asarray(
         np.logaddexp.reduce(together.reshape(len(rests), -1) + np.stack(logs), axis=0)
     )
+
+
+def components_of(stance: Stance, places_m: FloatArray, way: IntArray) -> Mixture:
+    """Return the components that may be of one way to name points: (N,), of each name its point."""
+    labels = np.flatnonzero(way >= 0)
+    mixture = Mixture(stance.weights, stance.means, stance.covariances)
+    of_labels = mixture.marginal((3 * labels[:, None] + np.arange(3)).ravel())
+    logs = of_labels.log_densities(places_m[way[labels]].reshape(1, -1))[0]
+    kept = logs > logs.max() - OF_NATS
+    return Mixture(stance.weights[kept], stance.means[kept], stance.covariances[kept])
 
 
 def place_log_densities(mixture: Mixture, places_m: FloatArray, partners: IntArray) -> FloatArray:

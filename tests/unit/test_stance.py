@@ -13,10 +13,10 @@ from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.skeleton.given_names import nothing_given
+from adibas.skeleton.known import Known
 from adibas.skeleton.model_files import model_from_json, model_to_json
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.parts import LIMB_NAMES
-from adibas.skeleton.parts_naming import Known
 from adibas.skeleton.stance import (
     CONCENTRATIONS,
     LIFTED,

@@ -1,0 +1,25 @@
+"""What is known of points beside their places, when they are named by core and limbs."""
+
+from dataclasses import dataclass
+
+from adibas.arrays import FloatArray, IntArray
+from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """What is known of M points beside their places.
+
+    Attributes
+    ----------
+    size_odds : (M,) array
+        See `adibas.skeleton.sizes.size_log_odds`.
+    given : (M,) int array
+        See `adibas.skeleton.given_names.given_index`.
+    seen : SeenSpace
+        By the cameras, in the axes of the points.
+    """
+
+    size_odds: FloatArray
+    given: IntArray
+    seen: SeenSpace = EVERYWHERE
