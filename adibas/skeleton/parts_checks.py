@@ -26,7 +26,7 @@ SHAPES: Mapping[type, Mapping[str, str]] = {
     },
     Stance: {
         "weights": "S", "means": "SE", "covariances": "SEE", "limbs": "L3", "bone_means": "L2",
-        "bone_sds": "L2",
+        "bone_sds": "L2", "bone_correlations": "L2",
     },
 }  # fmt: skip
 """Of each field its lengths, by letters that stand for the same everywhere; see `_lengths`."""
@@ -91,6 +91,8 @@ def _check_stance(stance: Stance, n_names: int) -> None:
     _check_indices("limbs", stance.limbs, n_names)
     _check_positive("weights", stance.weights)
     _check_positive("bone_sds", stance.bone_sds)
+    if not (np.abs(stance.bone_correlations) < 1.0).all():
+        raise ValueError("bone_correlations must be below 1")
     np.linalg.cholesky(stance.covariances)
 
 

@@ -2,9 +2,10 @@
 
 Core and limbs tell how a limb depends on the core, and nothing of how one limb depends on another.
 Where all joints of people who stand still are is a mixture of normal distributions. Of some one
-limb is elsewhere, or its outer bone (a hand on the hip): it is as long as usual, and points
-anywhere, arms mostly to where elbows bend: about the mean direction of arms that do not hang
-(Fisher, Dispersion on a sphere, Proceedings of the Royal Society A 217, 1953).
+limb is elsewhere, or its outer bone (a hand on the hip): it is as long as usual, or nearly as the
+same bone of the other side where that is seen, and points anywhere, arms mostly to where elbows
+bend: about the mean direction of arms that do not hang (Fisher, Dispersion on a sphere, Proceedings
+of the Royal Society A 217, 1953).
 """
 
 import math
@@ -47,9 +48,11 @@ class Stance(NamedTuple):
     means, covariances : (K, 3 N) and (K, 3 N, 3 N) arrays
         Of the places about the middle of the points that are seen, wherever that is.
     limbs : (L, 3) int array
-        Which labels are a limb's root, inner and outer point.
+        Which labels are a limb's root, inner and outer point: a left limb, then its mirror image.
     bone_means, bone_sds : (L, 2) arrays
         Of the logarithms of the lengths of both bones.
+    bone_correlations : (L, 2) array
+        Of these with those of the other side.
     """
 
     weights: FloatArray
@@ -58,6 +61,7 @@ class Stance(NamedTuple):
     limbs: IntArray
     bone_means: FloatArray
     bone_sds: FloatArray
+    bone_correlations: FloatArray
 
 
 def stance_log_densities(
@@ -145,14 +149,14 @@ def bone_log_densities(
     whose bone has lost its other end is within the reach of both bones, or anywhere in the room.
     """
     root, inner, outer = (partners[:, label] for label in stance.limbs[limb])
-    upper, lower = zip(stance.bone_means[limb], stance.bone_sds[limb], strict=True)
     nowhere = -math.log(room_m3)
+    upper, lower = (_lengths(stance, limb, bone, places_m, partners) for bone in (0, 1))
     to_inner = _shell(_apart(places_m, root, inner), *upper)
     to_outer = _shell(_apart(places_m, inner, outer), *lower)
     if limb < len(MIRRORED):
         to_inner += _lifted(places_m[inner] - places_m[root], limb, 0)
         to_outer += _lifted(places_m[outer] - places_m[inner], limb, 1)
-    reach_m = math.exp(upper[0]) + math.exp(lower[0])
+    reach_m = float(np.exp(stance.bone_means[limb]).sum())
     is_near = _apart(places_m, root, outer) < REACH * reach_m
     within = np.where(is_near, -math.log(BALL * reach_m**3), math.log(BEYOND))
     of_inner = np.where(root >= 0, to_inner, nowhere)
@@ -176,8 +180,21 @@ def _lifted(bones_m: FloatArray, arm: int, bone: int) -> FloatArray:
     return np.asarray(concentration * (bones_m @ mean) / lengths_m + even)
 
 
-def _shell(lengths_m: FloatArray, mean: float, sd: float) -> FloatArray:
+def _lengths(
+    stance: Stance, limb: int, bone: int, places_m: FloatArray, partners: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the (W,) means and deviations of the logarithm of a bone's length."""
+    other = limb ^ 1
+    first, second = (partners[:, stance.limbs[other, end]] for end in (bone, bone + 1))
+    alike = stance.bone_correlations[limb, bone] * ((first >= 0) & (second >= 0))
+    off = np.log(_apart(places_m, first, second)) - stance.bone_means[other, bone]
+    slopes = alike * stance.bone_sds[limb, bone] / stance.bone_sds[other, bone]
+    means = stance.bone_means[limb, bone] + slopes * off
+    return np.asarray(means), stance.bone_sds[limb, bone] * np.sqrt(1.0 - alike**2)
+
+
+def _shell(lengths_m: FloatArray, means: FloatArray, sds: FloatArray) -> FloatArray:
     """Return log densities, per cubic metre, at the end of a bone of log-normal length."""
     logs = np.log(lengths_m)
-    of_length = -0.5 * ((logs - mean) / sd) ** 2 - math.log(sd * math.sqrt(2 * math.pi)) - logs
+    of_length = -0.5 * ((logs - means) / sds) ** 2 - np.log(sds * math.sqrt(2 * math.pi)) - logs
     return np.asarray(of_length - math.log(4 * math.pi) - 2 * logs)

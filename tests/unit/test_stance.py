@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import logsumexp
-from scipy.stats import lognorm, multivariate_normal, vonmises_fisher
+from scipy.stats import lognorm, multivariate_normal, norm, vonmises_fisher
 
 from adibas.cli.command_line import main
 from adibas.data.joints import JOINT_NAMES
@@ -47,6 +47,7 @@ def stance():
         limbs=limbs,
         bone_means=np.log(np.full((4, 2), [0.3, 0.25])),
         bone_sds=np.full((4, 2), 0.1),
+        bone_correlations=np.full((4, 2), 0.8),
     )
 
 
@@ -135,6 +136,44 @@ def test_lifted_arms_point_forwards_and_legs_anywhere(stance, limb, sign):
     assert leg[0, 1] == pytest.approx(free_bone(bone_m, 0.25))
 
 
+@pytest.mark.parametrize(("limb", "other"), [(0, 1), (1, 0), (2, 3), (3, 2)])
+def test_a_bone_that_is_elsewhere_is_about_as_long_as_that_of_the_other_side(stance, limb, other):
+    """Against the normal distribution of both logarithms, given one of them."""
+    given = stance._replace(
+        bone_means=np.log([[0.3, 0.25], [0.32, 0.24], [0.4, 0.42], [0.41, 0.39]]),
+        bone_sds=np.array([[0.1, 0.12], [0.13, 0.11], [0.1, 0.1], [0.1, 0.2]]),
+    )
+    of_limb, of_other = given.limbs[limb], given.limbs[other]
+    places_m = np.zeros((6, 3))
+    places_m[[1, 2, 4, 5], 1] = 0.28, 0.28 + 0.27, 0.36, 0.36 + 0.21
+    own = [(label, point) for point, label in enumerate(of_limb)]
+    both = [*own, *((label, 3 + point) for point, label in enumerate(of_other))]
+    alone, beside = (
+        bone_log_densities(given, limb, places_m, ways_of(*pairs), ROOM_M3) for pairs in (own, both)
+    )
+    for bone, (length_m, other_m) in enumerate([(0.28, 0.36), (0.27, 0.21)]):
+        means = given.bone_means[[limb, other], bone]
+        sds = given.bone_sds[[limb, other], bone]
+        covariance = np.outer(sds, sds) * [[1.0, 0.8], [0.8, 1.0]]
+        logs = np.log([length_m, other_m])
+        joint = multivariate_normal(means, covariance).logpdf(logs)
+        own_alone, of_the_other = norm(means, sds).logpdf(logs)
+        gain = beside[0, bone] - alone[0, bone]
+        assert gain == pytest.approx(joint - of_the_other - own_alone, rel=1e-9)
+        assert abs(gain) > 0.1
+
+
+def test_a_bone_of_the_other_side_that_has_lost_an_end_tells_nothing(stance):
+    places_m = np.random.default_rng(6).normal(scale=0.3, size=(5, 3))
+    own = (SHOULDER, 0), (ELBOW, 1), (HAND, 2)
+    _, elbow, hand = stance.limbs[1]
+    alone = bone_log_densities(stance, 0, places_m, ways_of(*own), ROOM_M3)
+    beside = ways_of(*own, (elbow, 3), (hand, 4))
+    found = bone_log_densities(stance, 0, places_m, beside, ROOM_M3)
+    assert found[0, 0] == alone[0, 0]
+    assert found[0, 1] != alone[0, 1]
+
+
 def test_free_bones_fill_the_space_about_their_other_end_once(stance):
     """The density of a limb's point, summed over space, is 1: by Monte Carlo in a cube."""
     rng = np.random.default_rng(3)
@@ -186,6 +225,33 @@ def test_learning_finds_the_normal_distribution_that_shapes_were_drawn_from():
     upper_m = np.linalg.norm(shapes_m[:, ELBOW] - shapes_m[:, SHOULDER], axis=1)
     assert stance.bone_means[0, 0] == pytest.approx(np.log(upper_m).mean())
     assert stance.bone_sds[0, 0] == pytest.approx(max(np.log(upper_m).std(), 0.1))
+    assert (stance.bone_correlations >= 0.0).all()
+
+
+def test_learning_finds_how_alike_the_bones_of_both_sides_are():
+    """Arms that grow alike, and legs with nothing in common."""
+    rng = np.random.default_rng(9)
+    shapes_m = np.repeat(standing(1, 5, 0.0), 4000, axis=0)
+    shared, alone = rng.normal(scale=0.15, size=(2, 4000, 1))
+    for side, own in (("left", alone), ("right", rng.normal(scale=0.15, size=(4000, 1)))):
+        elbow, hand, knee, foot = (
+            JOINT_NAMES.index(f"{side}_{name}") for name in ("elbow", "hand", "knee", "foot")
+        )
+        off = shared + rng.normal(scale=0.08, size=(4000, 1))
+        shapes_m[:, hand] = shapes_m[:, elbow] + [0.0, 0.25, 0.0] * np.exp(off)
+        shapes_m[:, foot] = shapes_m[:, knee] + [0.0, 0.4, 0.0] * np.exp(own)
+    found = learn_stance(JOINT_NAMES, shapes_m, StanceParams(n_components=1)).bone_correlations
+    alike = 0.15**2 / (0.15**2 + 0.08**2)
+    np.testing.assert_allclose(found[:2, 1], alike, atol=0.02)
+    np.testing.assert_allclose(found[2:, 1], 0.0, atol=0.03)
+
+
+def test_bones_that_never_differ_are_not_taken_to_be_exactly_alike():
+    params = StanceParams(n_components=1)
+    shapes_m = standing(400, 5, 0.0)
+    found = learn_stance(JOINT_NAMES, shapes_m, params)
+    apart = 2.0 * found.bone_sds**2 * (1.0 - found.bone_correlations)
+    np.testing.assert_allclose(np.sqrt(apart), params.least_side_sd, rtol=1e-9)
 
 
 @pytest.mark.parametrize("view", HEADINGS_RAD)
@@ -248,7 +314,7 @@ def test_how_people_stand_is_kept_in_the_file_and_checked():
     older = {**document, "parts": {**document["parts"], "stance": None}}
     assert model_from_json(older).parts.stance is None
     stance = document["parts"]["stance"]
-    for field in ("means", "covariances", "limbs", "bone_means"):
+    for field in ("means", "covariances", "limbs", "bone_means", "bone_correlations"):
         cut = {**stance, field: stance[field][:-1]}
         with pytest.raises(ValueError, match="must have shape"):
             model_from_json({**document, "parts": {**document["parts"], "stance": cut}})
@@ -259,6 +325,7 @@ def test_how_people_stand_is_kept_in_the_file_and_checked():
     [
         ("weights", -0.1, "positive"),
         ("bone_sds", [0.1, 0.0], "positive"),
+        ("bone_correlations", [0.5, 1.0], "below 1"),
         ("limbs", [0, 1, N], "from 0 to 14"),
         ("limbs", [0, -1, 2], "from 0 to 14"),
         ("covariances", [[0.0] * (3 * N)] * (3 * N), "positive definite"),

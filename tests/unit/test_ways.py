@@ -85,6 +85,7 @@ def small_stance(n_names, rng, shift_m=0.0):
         limbs=np.zeros((0, 3), int),
         bone_means=np.zeros((0, 2)),
         bone_sds=np.ones((0, 2)),
+        bone_correlations=np.zeros((0, 2)),
     )  # fmt: skip
 
 
