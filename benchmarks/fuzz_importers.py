@@ -77,6 +77,7 @@ IMPORTERS = (
     Importer("limb model arrays", "a.parts", models.forest_parts, readers.forest_parts,
              is_text=False),
     Importer("skeleton model", "a.json", models.skeleton_model, readers.skeleton_model),
+    Importer("core and limbs", "a.json", models.core_and_limbs, readers.core_and_limbs),
     Importer("joint model", "a.json", models.joint_model, readers.joint_model),
     Importer("marker colours", "a.json", models.colors, readers.colors),
     Importer("picture of markers", "a.jpg", seeds.picture, readers.picture, is_text=False),

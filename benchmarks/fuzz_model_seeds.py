@@ -3,7 +3,9 @@
 import json
 import zipfile
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -75,13 +77,57 @@ def forest_parts(path: Path, _variant: str) -> None:
 
 
 def skeleton_model(path: Path, _variant: str) -> None:
-    """Write the shipped model with one prototype, without its parts."""
+    """Write the shipped model with one prototype, without core and limbs."""
+    path.write_text(json.dumps({**_small_skeleton(), "parts": None}), encoding="utf-8")
+
+
+def core_and_limbs(path: Path, _variant: str) -> None:
+    """Write those of the shipped model with one kind of posture, and one component of each mixture.
+
+    See `in_a_skeleton`.
+    """
+    parts = _small_skeleton()["parts"]
+    parts["kinds"] = parts["kinds"][:1]
+    parts["core"]["kinds"] = [0]
+    for part, fields in SINGLE.items():
+        for field in fields:
+            parts[part][field] = parts[part][field][:1]
+    limbs = parts["limbs"]
+    limbs["kinds"] = [[0]] * len(limbs["roots"])
+    for field in SINGLE_OF_LIMBS:
+        limbs[field] = [of_limb[:1] for of_limb in limbs[field]]
+    path.write_text(json.dumps(parts), encoding="utf-8")
+
+
+SINGLE = {
+    "core": ("log_weights", "means", "covariances", "factors"),
+    "stance": ("weights", "means", "covariances"),
+}
+SINGLE_OF_LIMBS = (
+    "log_weights", "core_means", "core_factors", "means", "slopes", "factors", "outer_factors",
+    "bone_means", "bone_covariances", "side_covariances", "drawn_means", "drawn_covariances",
+)  # fmt: skip
+
+
+def in_a_skeleton(parts: bytes) -> bytes:
+    """Return a file of a skeleton model with these core and limbs, whatever they are."""
+    rest = json.dumps({**_small_skeleton(), "parts": "here"})
+    return parts.join(rest.encode().split(b'"here"'))
+
+
+@cache
+def _small_text() -> str:
     document = json.loads(resource_path("models", "skeleton.json").read_text("utf-8"))
-    document["parts"] = None
     document["planes"] = dict(list(document["planes"].items())[:1])
     for model in (document["space"], *document["planes"].values()):
         model["prototypes"] = model["prototypes"][:1]
-    path.write_text(json.dumps(document), encoding="utf-8")
+    return json.dumps(document)
+
+
+def _small_skeleton() -> dict[str, Any]:
+    """Return the document of the shipped model with one prototype of each kind of points."""
+    document: dict[str, Any] = json.loads(_small_text())
+    return document
 
 
 def joint_model(path: Path, _variant: str) -> None:

@@ -7,6 +7,8 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from adibas.calibration.files import read_calibration
 from adibas.errors import RecordingError
 from adibas.exchange.servers import read_servers
@@ -31,6 +33,7 @@ from adibas.sessions.backup_format import BackupReader
 from adibas.sessions.key_file import read_key_file
 from adibas.sessions.restoring import extract
 from adibas.skeleton.model_files import read_model
+from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import read_points
 from benchmarks import fuzz_model_seeds as models
 from benchmarks import fuzz_seeds as seeds
@@ -38,6 +41,13 @@ from benchmarks import fuzz_seeds as seeds
 MOST_FRAMES = 50
 LONGEST_NAME = 200
 LENGTH = struct.Struct("<I")
+STANDING_M = np.array([
+    [0.02, -0.64, -0.1], [0.0, -0.44, 0.0], [0.17, -0.4, 0.01], [-0.17, -0.41, 0.0],
+    [0.22, -0.11, 0.02], [-0.2, -0.12, 0.05], [0.24, 0.12, -0.07], [0.01, -0.15, -0.1],
+    [0.1, 0.03, -0.08], [-0.1, 0.03, -0.09], [0.12, 0.47, -0.03], [-0.1, 0.46, -0.04],
+    [0.1, 0.86, -0.01], [-0.12, 0.87, 0.02], [0.4, 0.3, 0.2],
+])  # fmt: skip
+"""Head, neck, shoulders, elbows, a left hand, torso, hips, knees, feet, and a chance point."""
 
 
 def recording(path: Path) -> None:
@@ -93,6 +103,15 @@ def backup_pieces(path: Path) -> None:
     seeds.sealed_backup(sealed, _pieces(path.read_bytes()))
     with tempfile.TemporaryDirectory() as folder, BackupReader(sealed) as opened:
         extract(opened, seeds.KEY, Path(folder))
+
+
+def core_and_limbs(path: Path) -> None:
+    """Read a skeleton model that has them, and name the points of somebody who stands."""
+    whole = path.with_suffix(".whole")
+    whole.write_bytes(models.in_a_skeleton(path.read_bytes()))
+    namer = Namer(read_model(whole))
+    if namer.knows(3):
+        namer.holding_still().label(STANDING_M, "anterior")
 
 
 def limb_folder(path: Path) -> None:

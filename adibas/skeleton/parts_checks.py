@@ -33,6 +33,11 @@ SHAPES: Mapping[type, Mapping[str, str]] = {
 
 MOST = 1e6
 """No measure of a body is greater; only a weight's logarithm may be far below."""
+LONGEST = 20.0
+"""Of the logarithm of a bone's length."""
+NARROWEST = 1e-9
+"""Least deviation of a logarithm, and least variance of any direction against the greatest: less is
+lost in rounding."""
 ROUNDED = 1e-4
 """How far the product of factors may be off, against the greatest: files have six digits."""
 
@@ -46,13 +51,17 @@ def check_parts(parts: PartsModel) -> None:
     for name, indices in (("mirror", core.mirror), ("roots", limbs.roots)):
         _check_indices(name, indices, lengths["C"])
     _check_indices("points", parts.anchors.points, lengths["C"])
-    for kinds in (core.kinds, limbs.kinds):
+    for kinds in (core.kinds, *limbs.kinds):
         _check_indices("kinds", kinds, lengths["Q"])
+        if len(np.unique(kinds)) < lengths["Q"]:
+            raise ValueError("each of the kinds must have a component")
     for factors in (core.factors, limbs.core_factors, limbs.factors, limbs.outer_factors):
         _check_positive("factors", np.diagonal(factors, axis1=-2, axis2=-1))
     _check_factors(core)
-    for covariances in (limbs.bone_covariances, limbs.drawn_covariances):
-        np.linalg.cholesky(covariances)
+    _check_covariances("drawn_covariances", limbs.drawn_covariances)
+    for sign in (-1.0, 0.0, 1.0):
+        both = limbs.bone_covariances + sign * limbs.side_covariances
+        _check_covariances("bone_covariances", both)
     if parts.stance is not None:
         _check_stance(parts.stance, lengths["N"])
 
@@ -81,7 +90,7 @@ def _lengths(parts: PartsModel) -> dict[str, int]:
 
 def _check_factors(core: Core) -> None:
     """Raise unless the factors are those of the covariances: else the search would not end."""
-    np.linalg.cholesky(core.covariances)
+    _check_covariances("covariances", core.covariances)
     found = core.factors @ np.swapaxes(core.factors, 1, 2)
     if not np.allclose(found, core.covariances, rtol=0.0, atol=ROUNDED * np.abs(found).max()):
         raise ValueError("the factors must be those of the covariances")
@@ -90,10 +99,23 @@ def _check_factors(core: Core) -> None:
 def _check_stance(stance: Stance, n_names: int) -> None:
     _check_indices("limbs", stance.limbs, n_names)
     _check_positive("weights", stance.weights)
-    _check_positive("bone_sds", stance.bone_sds)
+    if not (np.abs(stance.bone_means) < LONGEST).all():
+        raise ValueError(f"bone_means must be below {LONGEST:g}")
+    if not (stance.bone_sds > NARROWEST).all():
+        raise ValueError("bone_sds must be positive")
     if not (np.abs(stance.bone_correlations) < 1.0).all():
         raise ValueError("bone_correlations must be below 1")
-    np.linalg.cholesky(stance.covariances)
+    _check_covariances("covariances", stance.covariances)
+
+
+def _check_covariances(name: str, covariances: FloatArray) -> None:
+    """Raise unless they are symmetric, and positive definite by enough that any part of them is."""
+    most = NARROWEST * np.abs(covariances).max()
+    if not np.allclose(covariances, np.swapaxes(covariances, -1, -2), rtol=0.0, atol=most):
+        raise ValueError(f"{name} must be symmetric")
+    spreads = np.linalg.eigvalsh(covariances)
+    if not (spreads[..., 0] > NARROWEST * spreads[..., -1]).all():
+        raise ValueError(f"{name} must be positive definite")
 
 
 def _check_indices(name: str, indices: IntArray, n: int) -> None:

@@ -67,9 +67,9 @@ LONG_NUMBER = b"1" * 5000
 DEEP = b"[" * 100_000
 
 
-@named("boris", "gesture model", "skeleton model", "joint model", "ethogram", "calibration",
-       "protocol", "marker colours", "servers", "key file", "tum adibas.json", "labelled limbs",
-       "progress of labelling")  # fmt: skip
+@named("boris", "gesture model", "skeleton model", "core and limbs", "joint model", "ethogram",
+       "calibration", "protocol", "marker colours", "servers", "key file", "tum adibas.json",
+       "labelled limbs", "progress of labelling")  # fmt: skip
 @pytest.mark.parametrize("data", [LONG_NUMBER, DEEP, b"\xff", b"", b"null", b"NaN"])
 def test_texts_that_no_json_parser_likes_are_refused(trial, data):
     # A protocol's mistakes are told in a list, and a folder without notes is another program's.

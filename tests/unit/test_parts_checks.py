@@ -93,6 +93,48 @@ def test_lengths_of_bones_that_do_not_vary_are_refused(document):
         model_from_json(broken(document, "limbs", "bone_covariances", change))
 
 
+def test_lengths_of_both_sides_that_are_more_alike_than_they_vary_are_refused(document):
+    def change(values):
+        own = document["parts"]["limbs"]["bone_covariances"][1][2]
+        values[1][2] = [[2.0 * one for one in row] for row in own]
+
+    with pytest.raises(ValueError, match="bone_covariances must be positive definite"):
+        model_from_json(broken(document, "limbs", "side_covariances", change))
+
+
+@pytest.mark.parametrize("part", ["core", "stance"])
+def test_covariances_that_are_no_mirror_image_of_themselves_are_refused(document, part):
+    """A factorisation that looks at one half of them would not see it."""
+
+    def change(values):
+        values[0][0][1] *= 1.01
+
+    with pytest.raises(ValueError, match="symmetric"):
+        model_from_json(broken(document, part, "covariances", change))
+
+
+@pytest.mark.parametrize(("part", "field"), [("core", "kinds"), ("limbs", "kinds")])
+def test_a_kind_of_posture_that_no_component_is_of_is_refused(document, part, field):
+    def change(values):
+        rows = values if part == "limbs" else [values]
+        rows[-1][:] = [0] * len(rows[-1])
+
+    with pytest.raises(ValueError, match="each of the kinds"):
+        model_from_json(broken(document, part, field, change))
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "told"),
+    [("bone_means", 800.0, "below 20"), ("bone_sds", 1e-300, "positive")],
+)
+def test_bones_whose_lengths_no_number_holds_are_refused(document, field, value, told):
+    def change(values):
+        values[2][1] = value
+
+    with pytest.raises(ValueError, match=told):
+        model_from_json(broken(document, "stance", field, change))
+
+
 @pytest.mark.parametrize(
     ("part", "field"), [("core", "log_weights"), ("stance", "bone_means"), ("anchors", "costs")]
 )
