@@ -25,6 +25,7 @@ from adibas.forests.samples import TrainingImages
 HEADER = "labels.json"
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PNG_HEAD = struct.Struct(">8s8xII")
+PNG_CHUNK, PNG_SUM_BYTES, PNG_END = struct.Struct(">I4s"), 4, b"IEND"
 MOST_PIXELS_PER_BYTE = 1032
 """Of a packed image: zlib cannot do more."""
 
@@ -125,7 +126,8 @@ def write_image(folder: Path, name: str, depth: UInt16Array, labels: UInt8Array)
 def decoded_png(payload: UInt8Array) -> AnyArray | None:
     """Return the image in a PNG file; None where it is damaged.
 
-    A head that promises more than its file can hold is not believed: room for it would be taken.
+    A head or chunk that promises more than its file can hold is not believed: room for it would be
+    taken, and that of a chunk is up to 4 GB.
     """
     head = payload[: PNG_HEAD.size].tobytes()
     if len(head) < PNG_HEAD.size:
@@ -133,11 +135,22 @@ def decoded_png(payload: UInt8Array) -> AnyArray | None:
     signature, width, height = PNG_HEAD.unpack(head)
     if signature != PNG_SIGNATURE or width * height > MOST_PIXELS_PER_BYTE * payload.size:
         return None
+    if not _has_all_chunks(payload):
+        return None
     try:
         image: AnyArray | None = cv2.imdecode(payload, cv2.IMREAD_UNCHANGED)
     except cv2.error:
         return None
     return image
+
+
+def _has_all_chunks(payload: UInt8Array) -> bool:
+    """Say whether every chunk of a PNG file lies in it, up to the last."""
+    data, at, kind = payload.data, len(PNG_SIGNATURE), b""
+    while at + PNG_CHUNK.size <= len(data) and kind != PNG_END:
+        length, kind = PNG_CHUNK.unpack_from(data, at)
+        at += PNG_CHUNK.size + length + PNG_SUM_BYTES
+    return kind == PNG_END and at <= len(data)
 
 
 class LimbFolder:

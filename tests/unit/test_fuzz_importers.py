@@ -9,8 +9,11 @@ import random
 import signal
 from contextlib import contextmanager
 
+import cv2
+import numpy as np
 import pytest
 
+from adibas.limbs.training_set import decoded_png
 from benchmarks import fuzz_seeds
 from benchmarks.fuzz_importers import IMPORTERS, Trial
 from benchmarks.mutating import mutate
@@ -87,6 +90,20 @@ def test_a_frame_whose_number_is_without_end_is_refused(trial):
     data = trial.whole[0]
     assert b"[0]" in data
     assert trial.give(data.replace(b"[0]", b"[Infinity]")) == "refused"
+
+
+def test_a_png_is_unpacked_only_if_all_its_chunks_are_there(monkeypatch):
+    """Room for the promised length would be taken before anything else is looked at."""
+    image = np.arange(300, dtype=np.uint16).reshape(15, 20)
+    whole = cv2.imencode(".png", image)[1].ravel()
+    np.testing.assert_array_equal(decoded_png(whole), image)
+    monkeypatch.setattr(cv2, "imdecode", lambda *_given: pytest.fail("was unpacked"))
+    for n_left in range(len(whole)):
+        assert decoded_png(whole[:n_left]) is None
+    at = whole.tobytes().index(b"IDAT") - 4
+    promising = whole.copy()
+    promising[at : at + 4] = 0x7F
+    assert decoded_png(promising) is None
 
 
 def test_a_long_number_among_the_details_of_a_coding_is_refused():
