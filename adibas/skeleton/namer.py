@@ -20,6 +20,8 @@ from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 from adibas.skeleton.sizes import size_log_odds, with_sizes
 
 SPACE = 3
+EXTENTS_M = 1e-3, 1e4
+"""Points nearer to their middle, all of them, or farther from it, are no person's."""
 STANDS = 0.5
 """Where somebody more probably than this stands still, nobody else is asked for names."""
 
@@ -124,8 +126,7 @@ class Namer:
     def _by_parts(self, points_m: FloatArray, view: str, known: Known) -> NamedByParts | None:
         """Return names by core and limbs; None where they are not known or none are found."""
         parts = self._model.parts
-        is_some = LEAST_POINTS <= len(points_m) <= MOST_POINTS
-        if parts is None or points_m.shape[1] != SPACE or not is_some:
+        if parts is None or points_m.shape[1] != SPACE or not _may_be_of_a_person(points_m):
             return None
         prepared = self._part("space")
         return label_parts(parts, prepared, points_m, view, known, self._odds)
@@ -157,6 +158,13 @@ class Namer:
                 raise ValueError("the model has no points in space")
             self._prepared[key] = prepare(part, self._params.spread)
         return self._prepared[key]
+
+
+def _may_be_of_a_person(points_m: FloatArray) -> bool:
+    if not LEAST_POINTS <= len(points_m) <= MOST_POINTS:
+        return False
+    nearest_m, farthest_m = EXTENTS_M
+    return bool(nearest_m < np.abs(points_m - points_m.mean(axis=0)).max() < farthest_m)
 
 
 def _with_others(rest: Labelling, is_other: BoolArray) -> Labelling:

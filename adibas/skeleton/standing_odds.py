@@ -113,9 +113,11 @@ def _with_ways(case: _Case, rated: Rated, ways: IntArray, heading_rad: float) ->
     if has_names(case.known.given):
         ways = ways[agrees(ways, case.known.given)]
     ways = not_listed(ways, pool.partners)
-    if not len(ways):
-        return rated
     standing = _standing_energies(case, ways)
+    may_be = np.isfinite(standing)
+    if not may_be.any():
+        return rated
+    ways, standing = ways[may_be], standing[may_be]
     energies = np.maximum(standing, pool.energies.min())
     more = Pool(
         np.append(pool.energies, energies),

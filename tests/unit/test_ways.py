@@ -210,3 +210,23 @@ def test_an_added_way_is_never_likelier_than_listed_ones_where_nobody_stands():
     rated = rated_from_one_way([""] * N)
     assert (rated.pool.energies[1:] >= rated.pool.energies[0]).all()
     assert len(np.unique(rated.pool.partners, axis=0)) == len(rated.pool.partners)
+
+
+def test_clouds_of_chance_points_are_rated_by_numbers_and_named_by_nothing():
+    """A way by how people stand may leave too few names for anybody: it is none."""
+    rng = np.random.default_rng(0)
+    still = shipped_namer().holding_still()
+    for _ in range(6):
+        found = still.label(rng.uniform(-1.0, 1.0, (20, 3)), "anterior")
+        assert not any(found.names)
+        assert np.isfinite(found.masses).all()
+
+
+@pytest.mark.parametrize(
+    "scale", [0.0, 1e-5, 1e20], ids=["one place", "a dust grain", "farther than the moon"]
+)
+def test_points_that_no_person_has_get_no_names(scale):
+    figure_m = shipped_namer()._model.parts.stance.means[0].reshape(N, 3)
+    for namer in (shipped_namer(), shipped_namer().holding_still()):
+        assert namer.label(figure_m, "anterior").names == JOINT_NAMES
+        assert namer.label(scale * figure_m, "anterior").names == (None,) * N
