@@ -81,10 +81,7 @@ def label_points(
     if not models:
         raise ValueError("points are named by at least one model")
     check_shape("points_m", points_m, (None, models[0].model.n_dimensions))
-    nobody = (None,) * len(points_m)
-    n_outcomes = len(models[0].model.names) + 1
-    masses = np.full((len(points_m), n_outcomes), 1.0 / n_outcomes)
-    nothing = Labelling(nobody, nobody, np.zeros(len(points_m)), math.nan, masses)
+    nothing = nothing_told(len(points_m), len(models[0].model.names))
     if len(points_m) < LEAST_POINTS:
         return nothing
     points = np.ascontiguousarray(points_m - points_m.mean(axis=0))
@@ -97,6 +94,13 @@ def label_points(
         kept = (left for one in found for left in _agreeing(one, given))
         found = sorted(kept, key=lambda one: one.candidate.energy)
     return _named(found, models[0].model, len(points), params, temperature) if found else nothing
+
+
+def nothing_told(n_points: int, n_names: int) -> Labelling:
+    """Return the labelling of points that may have any name or none."""
+    nobody = (None,) * n_points
+    masses = np.full((n_points, n_names + 1), 1.0 / (n_names + 1))
+    return Labelling(nobody, nobody, np.zeros(n_points), math.nan, masses)
 
 
 def _agreeing(one: Found, given: IntArray) -> Iterator[Found]:

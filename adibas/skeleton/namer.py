@@ -8,7 +8,7 @@ import numpy as np
 from adibas.arrays import BoolArray, FloatArray
 from adibas.skeleton.given_names import given_index, nothing_given
 from adibas.skeleton.known import Known
-from adibas.skeleton.labelling import Labelling, label_points
+from adibas.skeleton.labelling import Labelling, label_points, nothing_told
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.parts_naming import MOST_POINTS, NamedByParts, label_parts
 from adibas.skeleton.parts_odds import HOLDING_STILL, PartsOdds
@@ -21,7 +21,7 @@ from adibas.skeleton.sizes import size_log_odds, with_sizes
 
 SPACE = 3
 EXTENTS_M = 1e-3, 1e4
-"""Points nearer to their middle, all of them, or farther from it, are no person's."""
+"""Points that are all nearer to their middle, or some of them farther from it, are no person's."""
 STANDS = 0.5
 """Where somebody more probably than this stands still, nobody else is asked for names."""
 
@@ -114,6 +114,9 @@ class Namer:
         return _with_others(self._label(points_m[~is_other], view, known), is_other)
 
     def _label(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
+        knows_sizes = self._model.parts is not None and points_m.shape[1] == SPACE
+        if knows_sizes and not _may_be_of_a_person(points_m):
+            return nothing_told(len(points_m), len(self.names))
         by_parts = self._by_parts(points_m, view, known)
         if by_parts is None:
             return self._by_prototypes(points_m, view, known)
@@ -126,7 +129,8 @@ class Namer:
     def _by_parts(self, points_m: FloatArray, view: str, known: Known) -> NamedByParts | None:
         """Return names by core and limbs; None where they are not known or none are found."""
         parts = self._model.parts
-        if parts is None or points_m.shape[1] != SPACE or not _may_be_of_a_person(points_m):
+        is_some = LEAST_POINTS <= len(points_m) <= MOST_POINTS
+        if parts is None or points_m.shape[1] != SPACE or not is_some:
             return None
         prepared = self._part("space")
         return label_parts(parts, prepared, points_m, view, known, self._odds)
@@ -161,10 +165,9 @@ class Namer:
 
 
 def _may_be_of_a_person(points_m: FloatArray) -> bool:
-    if not LEAST_POINTS <= len(points_m) <= MOST_POINTS:
-        return False
-    nearest_m, farthest_m = EXTENTS_M
-    return bool(nearest_m < np.abs(points_m - points_m.mean(axis=0)).max() < farthest_m)
+    least_m, most_m = EXTENTS_M
+    off_m = np.abs(points_m - points_m.mean(axis=0)) if len(points_m) else np.zeros(1)
+    return bool(least_m < off_m.max() < most_m)
 
 
 def _with_others(rest: Labelling, is_other: BoolArray) -> Labelling:
