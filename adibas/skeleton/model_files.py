@@ -14,7 +14,7 @@ from adibas.skeleton.model import NeighbourTree, PointModel, Prototype, Skeleton
 from adibas.skeleton.parts_files import parts_from_json, parts_to_json
 
 FORMAT = "adibas-skeleton"
-VERSION = 1
+VERSION = 2
 DIGITS = 4
 """Significant ones: a ten-thousandth of a body is less than a palpation."""
 
@@ -49,7 +49,7 @@ def read_model(path: Path) -> SkeletonModel:
         raise _no_model(path)
     if document.get("version") != VERSION:
         raise FileError(
-            "{file} was written by a newer version of this program. Update the program, or train "
+            "{file} was written by another version of this program. Update the program, or train "
             "the model again.",
             file=path.name,
         )

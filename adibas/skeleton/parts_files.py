@@ -6,7 +6,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from adibas.shapes.parts_types import Anchors, Core, Limbs
-from adibas.skeleton.bones_training import without_bones
 from adibas.skeleton.parts import PartsModel
 from adibas.skeleton.parts_checks import check_parts
 from adibas.skeleton.stance import Stance
@@ -33,19 +32,17 @@ def parts_to_json(parts: PartsModel) -> dict[str, Any]:
 def parts_from_json(names: tuple[str, ...], document: Mapping[str, Any]) -> PartsModel:
     """Return the model of a document.
 
-    One without lengths of bones, or without how people stand, is from an earlier version.
-
     Raises
     ------
     KeyError, TypeError, ValueError
         Something is missing or does not fit.
     """
-    stance = document.get("stance")
+    stance = document["stance"]
     parts = PartsModel(
         names,
         tuple(str(kind) for kind in document["kinds"]),
         _from_json(Core, document["core"]),
-        _from_json(Limbs, _with_bones(document)),
+        _from_json(Limbs, document["limbs"]),
         _from_json(Anchors, document["anchors"]),
         None if stance is None else _from_json(Stance, stance),
     )
@@ -58,11 +55,6 @@ def _to_json(part: Core | Limbs | Anchors | Stance) -> dict[str, Any]:
         name: _rounded(array.tolist()) if array.dtype.kind == "f" else array.tolist()
         for name, array in part._asdict().items()
     }
-
-
-def _with_bones(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    limbs = document["limbs"]
-    return {**without_bones(len(limbs["roots"]), len(document["kinds"])), **limbs}
 
 
 def _from_json(kind: type[Part], document: Mapping[str, Any]) -> Part:

@@ -202,8 +202,8 @@ def test_a_model_file_names_as_the_model_did(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", '{"format": "other"}', '{"format": "adibas-skeleton", "version": 1}',
-     '{"format": "adibas-skeleton", "version": 2}'],
+    ["", "[]", '{"format": "other"}', '{"format": "adibas-skeleton", "version": 2}',
+     '{"format": "adibas-skeleton", "version": 3}'],
 )  # fmt: skip
 def test_a_file_that_is_no_model_is_told(tmp_path, text):
     path = tmp_path / "broken.json"
@@ -212,6 +212,16 @@ def test_a_file_that_is_no_model_is_told(tmp_path, text):
         read_model(path)
     with pytest.raises(FileError, match=r"missing\.json"):
         read_model(tmp_path / "missing.json")
+
+
+@pytest.mark.parametrize("version", [1, 3, None])
+def test_a_model_of_another_version_is_told_as_such(tmp_path, version):
+    path = tmp_path / "other.json"
+    write_model(SkeletonModel(learn_points(NAMES, people(), params=SMALL), {}, 1.0), path)
+    read_model(path)
+    path.write_text(json.dumps({**json.loads(path.read_text()), "version": version}))
+    with pytest.raises(FileError, match=r"other\.json was written by another version.*train"):
+        read_model(path)
 
 
 def test_a_model_with_a_number_that_is_none_is_refused(tmp_path):

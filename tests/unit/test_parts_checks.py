@@ -40,6 +40,17 @@ def test_a_field_of_which_an_entry_is_lost_is_refused(document, part, field):
         model_from_json(lost)
 
 
+@pytest.mark.parametrize(
+    ("part", "field"),
+    [(kind.__name__.lower(), field) for kind, fields in SHAPES.items() for field in fields],
+)
+def test_a_field_that_is_lost_is_missed(document, part, field):
+    parts = copy.deepcopy(document["parts"])
+    del parts[part][field]
+    with pytest.raises(KeyError, match=field):
+        model_from_json({**document, "parts": parts})
+
+
 @pytest.mark.parametrize("index", [-1, 10**6])
 @pytest.mark.parametrize(
     ("part", "field"),
