@@ -111,22 +111,24 @@ SINGLE_OF_LIMBS = (
 
 def in_a_skeleton(parts: bytes) -> bytes:
     """Return a file of a skeleton model with these core and limbs, whatever they are."""
-    rest = json.dumps({**_small_skeleton(), "parts": "here"})
-    return parts.join(rest.encode().split(b'"here"'))
+    before, after = _around_parts()
+    return before + parts + after
 
 
 @cache
-def _small_text() -> str:
-    document = json.loads(resource_path("models", "skeleton.json").read_text("utf-8"))
-    document["planes"] = dict(list(document["planes"].items())[:1])
-    for model in (document["space"], *document["planes"].values()):
-        model["prototypes"] = model["prototypes"][:1]
-    return json.dumps(document)
+def _around_parts() -> tuple[bytes, bytes]:
+    text = json.dumps({**_small_skeleton(), "parts": "here"})
+    before, _, after = text.encode().partition(b'"here"')
+    return before, after
 
 
 def _small_skeleton() -> dict[str, Any]:
     """Return the document of the shipped model with one prototype of each kind of points."""
-    document: dict[str, Any] = json.loads(_small_text())
+    text = resource_path("models", "skeleton.json").read_text("utf-8")
+    document: dict[str, Any] = json.loads(text)
+    document["planes"] = dict(list(document["planes"].items())[:1])
+    for model in (document["space"], *document["planes"].values()):
+        model["prototypes"] = model["prototypes"][:1]
     return document
 
 

@@ -51,13 +51,19 @@ class Mixture:
 
     def log_densities(self, rows: FloatArray) -> FloatArray:
         """Return the (S, K) log densities of (S, D) rows, each with its component's weight."""
-        lowers = np.linalg.cholesky(self.covariances)
-        off = np.swapaxes(rows[None] - self.means[:, None], 1, 2)
-        squares = (np.linalg.solve(lowers, off) ** 2).sum(axis=1)
-        volumes = np.log(np.diagonal(lowers, axis1=1, axis2=2)).sum(axis=1)
-        constants = np.log(self.weights) - volumes
-        constants -= 0.5 * self.means.shape[1] * math.log(2 * math.pi)
-        return np.asarray(constants - 0.5 * squares.T)
+        return normal_log_densities(rows, self.means, self.covariances) + np.log(self.weights)
+
+
+def normal_log_densities(
+    rows: FloatArray, means: FloatArray, covariances: FloatArray
+) -> FloatArray:
+    """Return the (S, K) log densities of (S, D) rows in K normal distributions."""
+    lowers = np.linalg.cholesky(covariances)
+    off = np.swapaxes(rows[None] - means[:, None], 1, 2)
+    squares = (np.linalg.solve(lowers, off) ** 2).sum(axis=1)
+    log_volumes = np.log(np.diagonal(lowers, axis1=1, axis2=2)).sum(axis=1)
+    constants = -log_volumes - 0.5 * means.shape[1] * math.log(2.0 * math.pi)
+    return np.asarray(constants - 0.5 * squares.T)
 
 
 def fit_mixture(

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from adibas.arrays import FloatArray, IntArray
 from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
 
@@ -23,3 +25,7 @@ class Known:
     size_odds: FloatArray
     given: IntArray
     seen: SeenSpace = EVERYWHERE
+
+    def size_odds_of(self, partners: IntArray) -> FloatArray:
+        """Return the (P,) log odds by size of (P, N) ways to name: each name's point, or -1."""
+        return np.asarray(np.append(self.size_odds, 0.0)[partners].sum(axis=1))

@@ -114,8 +114,8 @@ class Namer:
         return _with_others(self._label(points_m[~is_other], view, known), is_other)
 
     def _label(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
-        knows_sizes = self._model.parts is not None and points_m.shape[1] == SPACE
-        if knows_sizes and not _may_be_of_a_person(points_m):
+        are_joints = self._model.parts is not None and points_m.shape[1] == SPACE
+        if are_joints and not _may_be_of_a_person(points_m):
             return nothing_told(len(points_m), len(self.names))
         by_parts = self._by_parts(points_m, view, known)
         if by_parts is None:

@@ -196,7 +196,7 @@ def _weighed(
     n_points = len(points)
     rated = rate_standing(model, points, known, pool, expected, odds)
     pool, standing = rated.pool, rated.less
-    of_sizes = np.append(known.size_odds, 0.0)[pool.partners].sum(axis=1)
+    of_sizes = known.size_odds_of(pool.partners)
     by_sight = pool.energies + _sight(model, points, known.seen, pool, expected, odds)
     energies = by_sight + standing - of_sizes + _crossing(model, points, pool.partners, odds)
     best = int(np.argmin(energies))

@@ -93,8 +93,7 @@ def stance_log_densities(
             rest[:, labels[n_fixed:]] = -1
             rests.append(rest)
             logs.append(math.log(often) + free[:, n_fixed - 1 :].sum(axis=1))
-    mixture = Mixture(stance.weights, stance.means, stance.covariances)
-    together = place_log_densities(mixture, places_m, np.concatenate(rests))
+    together = place_log_densities(_mixture(stance), places_m, np.concatenate(rests))
     return np.asarray(
         np.logaddexp.reduce(together.reshape(len(rests), -1) + np.stack(logs), axis=0)
     )
@@ -103,8 +102,7 @@ def stance_log_densities(
 def components_of(stance: Stance, places_m: FloatArray, way: IntArray) -> Mixture:
     """Return the components that may be of one way to name points: (N,), of each name its point."""
     labels = np.flatnonzero(way >= 0)
-    mixture = Mixture(stance.weights, stance.means, stance.covariances)
-    of_labels = mixture.marginal((3 * labels[:, None] + np.arange(3)).ravel())
+    of_labels = _mixture(stance).marginal(_columns(labels))
     logs = of_labels.log_densities(places_m[way[labels]].reshape(1, -1))[0]
     kept = logs > logs.max() - OF_NATS
     return Mixture(stance.weights[kept], stance.means[kept], stance.covariances[kept])
@@ -128,9 +126,18 @@ def place_log_densities(mixture: Mixture, places_m: FloatArray, partners: IntArr
     for labels, ways in _alike(different):
         if len(labels) >= LEAST_PLACES:
             rows = places_m[different[np.ix_(ways, labels)]].reshape(len(ways), -1)
-            of_labels = mixture.marginal((3 * labels[:, None] + np.arange(3)).ravel())
+            of_labels = mixture.marginal(_columns(labels))
             found[ways] = np.logaddexp.reduce(of_labels.log_densities(rows), axis=1)
     return found[inverse.ravel()]
+
+
+def _mixture(stance: Stance) -> Mixture:
+    return Mixture(stance.weights, stance.means, stance.covariances)
+
+
+def _columns(labels: IntArray) -> IntArray:
+    """Return which coordinates are those of labels."""
+    return np.asarray((3 * labels[:, None] + np.arange(3)).ravel())
 
 
 def _alike(partners: IntArray) -> Iterator[tuple[IntArray, IntArray]]:

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from adibas.arrays import FloatArray, IntArray
+from adibas.shapes.gaussian_mixture import normal_log_densities
 from adibas.skeleton.stance import Stance
 
 ROUNDS = 4
@@ -59,8 +60,8 @@ def _assigned(
     way = np.full(len(mean_m), -1)
     at_m, off_m = np.median(places_m, axis=0) - np.median(mean_m, axis=0), FIRST_OFF_M
     for _ in range(ROUNDS):
-        offs_m = places_m[None] - (mean_m + at_m)[:, None]
-        costs = _costs(offs_m, spread_m2 + off_m**2 * np.eye(3)) - log_room
+        spreads_m2 = spread_m2 + off_m**2 * np.eye(3)
+        costs = -normal_log_densities(places_m, mean_m + at_m, spreads_m2).T - log_room
         without = np.where(np.eye(len(mean_m)) > 0, lone, NEVER)
         _, taken = linear_sum_assignment(np.concatenate([costs, without], axis=1))
         way = np.where(taken < len(places_m), taken, -1)
@@ -70,12 +71,3 @@ def _assigned(
         at_m = np.median(places_m[way[has_point]] - mean_m[has_point], axis=0)
         off_m = THEN_OFF_M
     return np.asarray(way)
-
-
-def _costs(offs_m: FloatArray, spreads_m2: FloatArray) -> FloatArray:
-    """Return minus the (N, M) log densities of points that are (N, M, 3) off the means."""
-    roots = np.linalg.cholesky(spreads_m2)
-    whitened = np.linalg.solve(roots, np.swapaxes(offs_m, 1, 2))
-    log_volumes = np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
-    even = log_volumes + 1.5 * np.log(2.0 * np.pi)
-    return np.asarray(0.5 * (whitened**2).sum(axis=1) + even[:, None])

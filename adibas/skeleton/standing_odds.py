@@ -88,12 +88,14 @@ def rate_standing(
     case = _Case(model.stance, places_m, known, expected, odds)
     by_stance = ways_of_stance(case.stance, places_m, expected.log_room, expected.lone)
     rated = _with_ways(case, _rate_listed(case, pool), by_stance, expected.heading_rad)
+    totals = _totals(case, rated)
     for _ in range(MOST_ROUNDS):
-        totals = _totals(case, rated)
         best = int(np.argmin(totals))
+        lowest = totals[best]
         changed = _promising(case, rated.pool.partners[best])
         rated = _with_ways(case, rated, changed, float(rated.pool.headings[best]))
-        if not (_totals(case, rated) < totals[best]).any():
+        totals = _totals(case, rated)
+        if totals.min() >= lowest:
             break
     return rated
 
@@ -151,13 +153,9 @@ def _less_likely(odds: PartsOdds, energies: FloatArray, standing: FloatArray) ->
     return np.asarray(-np.logaddexp(others, stands + energies - standing))
 
 
-def _of_sizes(case: _Case, partners: IntArray) -> FloatArray:
-    """Return the (W,) log odds of the sizes of the points that ways name."""
-    return np.asarray(np.append(case.known.size_odds, 0.0)[partners].sum(axis=1))
-
-
 def _totals(case: _Case, rated: Rated) -> FloatArray:
-    return rated.pool.energies + rated.less - _of_sizes(case, rated.pool.partners)
+    """Return the (P,) energies by places, by how people stand, and by sizes."""
+    return rated.pool.energies + rated.less - case.known.size_odds_of(rated.pool.partners)
 
 
 def _promising(case: _Case, way: IntArray) -> IntArray:
@@ -168,6 +166,6 @@ def _promising(case: _Case, way: IntArray) -> IntArray:
     """
     ways = np.concatenate([way[None], one_change_away(way, len(case.places_m))])
     components = components_of(case.stance, case.places_m, way)
-    energies = _of_counts(case, ways) - _of_sizes(case, ways)
+    energies = _of_counts(case, ways) - case.known.size_odds_of(ways)
     energies -= place_log_densities(components, case.places_m, ways)
     return np.asarray(ways[1:][energies[1:] < energies[0] + case.odds.gap])
