@@ -1,4 +1,4 @@
-"""What a sensor's cameras see, as space in the depth camera's axes."""
+"""What a sensor's cameras see, as space in the colour camera's axes, which markers have."""
 
 import numpy as np
 
@@ -16,9 +16,9 @@ def seen_spaces(calibration: RgbdCalibration) -> tuple[SeenSpace, SeenSpace]:
     """
     in_color, in_depth = EVERYWHERE, EVERYWHERE
     if calibration.color is not None:
-        in_color = _seen_by(calibration.color, calibration.color_from_depth)
+        in_color = _seen_by(calibration.color, IDENTITY)
     if calibration.depth is not None:
-        in_depth = _seen_by(calibration.depth, IDENTITY)
+        in_depth = _seen_by(calibration.depth, calibration.color_from_depth.inverse())
     in_both = SeenSpace(
         np.concatenate([in_color.normals, in_depth.normals]),
         np.concatenate([in_color.offsets_m, in_depth.offsets_m]),

@@ -219,11 +219,11 @@ def is_seen(points_m, space):
     return (points_m @ space.normals.T >= space.offsets_m).all(axis=1)
 
 
-def test_seen_is_what_is_in_the_picture():
+def test_seen_is_what_is_in_the_picture_of_markers_in_the_colour_cameras_axes():
     points_m = np.random.default_rng(9).uniform([-2, -2, 0.8], [2, 2, 4], (4000, 3))
     in_color, in_both = seen_spaces(CALIBRATION)
-    of_color = is_in_picture(COLOR_FROM_DEPTH.apply(points_m), COLOR)
-    of_depth = is_in_picture(points_m, DEPTH)
+    of_color = is_in_picture(points_m, COLOR)
+    of_depth = is_in_picture(COLOR_FROM_DEPTH.inverse().apply(points_m), DEPTH)
     np.testing.assert_array_equal(is_seen(points_m, in_color), of_color)
     np.testing.assert_array_equal(is_seen(points_m, in_both), of_color & of_depth)
     assert (of_color & ~of_depth).sum() + (of_depth & ~of_color).sum() > 200
