@@ -22,7 +22,7 @@ from adibas.limbs.model import CLUTTER, LimbModel
 from adibas.limbs.segmentation import LimbParams
 from adibas.limbs.training_set import TO_TORSO, Chosen, Relabelled
 from adibas.pipeline.limb_evaluation import evaluate_model
-from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.limb_frames import FrameSettings
 from benchmarks import accuracy_pose, limb_things
 from benchmarks.limb_kept import MEAN, Confusions, Kept, gain_row, shares_of

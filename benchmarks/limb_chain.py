@@ -24,10 +24,10 @@ from adibas.data.frames import depth_in_metres
 from adibas.geometry.planes import Plane
 from adibas.limbs.model import LimbModel
 from adibas.limbs.segmentation import LimbParams, segment
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.scenes import open_scene
 from benchmarks.process_memory import peak_memory_mib
 from benchmarks.table import Row

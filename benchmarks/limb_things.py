@@ -14,8 +14,8 @@ from adibas.limbs.judging import judge_mask
 from adibas.limbs.model import LimbModel
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.likeness_training import people_shown
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import Judge, person_judge
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import KINDS, ThingFrames
 from benchmarks.pose_real import ACTIONS, CAMERA, DEEP_BEND, PEOPLE, REAL_DATA, read_depths

@@ -9,9 +9,9 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray
 from adibas.limbs.model import LimbModel
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.reliability_file import shipped_reliability
 from adibas.pipeline.reliability_training import said_joints
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.crowd_sensors import CrowdSensor
 from adibas.simulation.crowds import CrowdScene
 from adibas.simulation.lone_things import KINDS

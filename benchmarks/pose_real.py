@@ -19,11 +19,11 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.geometry.pinhole import Intrinsics
 from adibas.limbs.model import LimbModel, load_model
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose import smooth_track
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.proportions import MIRRORED
 from adibas.skeleton.smoothing import SmoothingParams

@@ -17,7 +17,6 @@ from adibas.clock import NS_PER_S
 from adibas.data.frames import depth_in_metres
 from adibas.data.limbs import FULL_BODY, NO_LABEL, LimbParts
 from adibas.limbs.model import LimbModel, load_model
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import (
     PersonNow,
@@ -26,6 +25,7 @@ from adibas.pipeline.pose_following import (
     forest_segmenter,
 )
 from adibas.pipeline.pose_model import joint_model_for
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.crowds import CrowdFrame, CrowdScene, crowd_names, open_crowd
 from benchmarks.pose_real import MODEL, NEAR_M
 from benchmarks.table import Row

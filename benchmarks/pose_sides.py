@@ -15,8 +15,8 @@ from adibas.arrays import FloatArray
 from adibas.clock import NS_PER_S
 from adibas.data.frames import depth_in_metres
 from adibas.data.joints import JOINT_NAMES
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.scenes import open_scene
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.settled_sides import settled

@@ -21,9 +21,9 @@ from adibas.limbs.facing import front_evidence
 from adibas.limbs.model import load_model
 from adibas.limbs.proposals import part_points, propose_joints
 from adibas.pipeline.facing_file import shipped_facing
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import forest_segmenter
 from adibas.pipeline.pose_model import shipped_joint_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.scenes import open_scene
 from adibas.skeleton.following import PersonFollower
 from benchmarks.pose_real import MODEL

@@ -18,7 +18,7 @@ from adibas.limbs.model import LimbModel
 from adibas.limbs.proposals import part_points
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.facing_file import write_facing
-from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.device import DEPTH_UNIT_M
 from adibas.simulation.limb_frames import FRAMES_A_PERSON, FrameSettings, LimbFrames
 

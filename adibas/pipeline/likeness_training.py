@@ -17,9 +17,9 @@ from adibas.limbs.likeness import Likeness, learn_likeness
 from adibas.limbs.model import LimbModel
 from adibas.limbs.segmentation import LimbParams, segment
 from adibas.pipeline.likeness_file import write_likeness
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_quantities import QUANTITIES, describer
 from adibas.pipeline.pose_following import forest_segmenter
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.crowds import CrowdFrame, CrowdScene, open_crowd
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import ThingFrames

@@ -23,7 +23,7 @@ from adibas.limbs.segmentation import LimbParams, cut_labels
 from adibas.limbs.training_folders import LimbFolders
 from adibas.limbs.training_set import Chosen, check_people
 from adibas.pipeline.limb_pictures import limb_picture
-from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.progress import Progress
 
 Split: TypeAlias = Literal["folds", "people"]

@@ -22,9 +22,9 @@ from adibas.limbs.label_propagation import SeenPerson, carry_labels
 from adibas.limbs.label_proposals import propose_labels
 from adibas.limbs.training_set import TO_TORSO, FolderHeader
 from adibas.pipeline.limb_label_files import LabelFiles
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
 from adibas.pipeline.session import calibration_of
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
 from adibas.recordings.ports import RecordingReader
 

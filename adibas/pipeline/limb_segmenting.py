@@ -14,25 +14,25 @@ from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
-from adibas.data.limbs import FULL_BODY, HAND, LABEL_SETS, UPPER_BODY, LimbParts
+from adibas.data.limbs import FULL_BODY, HAND, LABEL_SETS, LimbParts
 from adibas.data.sentence import Sentence
 from adibas.errors import CalibrationError, LimbError
 from adibas.files import written_whole
 from adibas.geometry.planes import Plane
 from adibas.limbs.judging import Judgement, judge_absence, judge_mask
-from adibas.limbs.model import LimbModel, load_model, merged
+from adibas.limbs.model import LimbModel, load_model
 from adibas.limbs.segmentation import FrameBefore, LimbParams, segment
-from adibas.limbs.training_set import TO_TORSO, FolderHeader
+from adibas.limbs.training_set import FolderHeader
 from adibas.pipeline.limb_label_files import LabelFiles
 from adibas.pipeline.limb_pictures import limb_picture
 from adibas.pipeline.mending import mended
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.session import calibration_of, wanted_frames
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_parts
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.ports import RecordingReader
-from adibas.resources import resource_path
 
 PICTURE = ".limbs.png"
 
@@ -86,15 +86,6 @@ class Segmented:
     n_people: int
     n_known: int
     notices: tuple[tuple[Sentence, int], ...]
-
-
-def shipped_model(labels: str = FULL_BODY.name) -> LimbModel:
-    """Return the model that comes with the program for the full or the upper body.
-
-    The seven labels of the upper body are made of the fifteen, in a fifth of a second.
-    """
-    model = load_model(resource_path("models", "limbs-15.npz"))
-    return model if labels == FULL_BODY.name else merged(model, UPPER_BODY, TO_TORSO)
 
 
 def segment_recording(request: SegmentingRequest, progress: Progress) -> Segmented:

@@ -10,10 +10,10 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.sentence import Sentence
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.quarter_turns import QuarterTurn
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PersonNow, PoseEstimator, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_pose
 
 SET_BACK_S = 2.0

@@ -26,7 +26,6 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import CAMERA_UP
 from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.frame_notices import counted
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_facts import PersonFacts, facts_of, unsure_sides
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
@@ -34,6 +33,7 @@ from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.provenance import identity_of
 from adibas.pipeline.recording_access import FILES, RecordingAccess
 from adibas.pipeline.session import calibration_of, wanted_frames
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_joints
 from adibas.progress import Progress
 from adibas.recordings.clock_jumps import check_steps

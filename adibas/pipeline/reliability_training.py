@@ -12,9 +12,9 @@ import numpy as np
 from adibas.clock import NS_PER_S
 from adibas.data.frames import depth_in_metres
 from adibas.limbs.model import LimbModel
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_following import PersonNow, PoseEstimator, forest_segmenter
 from adibas.pipeline.reliability_file import write_reliability
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.crowd_plans import PLANS, CrowdPlan
 from adibas.simulation.crowds import CrowdScene, PersonTruth
 from adibas.simulation.odd_plans import ODD_PLANS

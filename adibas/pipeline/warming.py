@@ -137,7 +137,7 @@ def find_limbs() -> None:
     from adibas.graphcut.minimising import minimise
     from adibas.graphcut.neighbors import connect_pixels
     from adibas.limbs.segmentation import segment
-    from adibas.pipeline.limb_segmenting import shipped_model
+    from adibas.pipeline.shipped_limbs import shipped_model
 
     rows, columns = np.indices((48, 48))
     mask = np.hypot(rows - 24, columns - 24) < 10.0  # noqa: PLR2004  (pixels)
@@ -151,9 +151,9 @@ def find_limbs() -> None:
 
 def find_joints() -> None:
     """Find the joints of a simulated person without markers."""
-    from adibas.pipeline.limb_segmenting import shipped_model
     from adibas.pipeline.person_judge import person_judge
     from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+    from adibas.pipeline.shipped_limbs import shipped_model
     from adibas.simulation.scenes import open_scene
 
     scene = open_scene("standing", has_color=False)

@@ -18,7 +18,7 @@ from adibas.limbs.facing_quantities import QUANTITIES, describe_shape, quantiles
 from adibas.limbs.proposals import PartPoints
 from adibas.pipeline.facing_file import shipped_facing
 from adibas.pipeline.facing_training import described, held_out_share, learn_facing
-from adibas.pipeline.limb_segmenting import shipped_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.proportions import MIRRORED
 from adibas.skeleton.settled_sides import settled

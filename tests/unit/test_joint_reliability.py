@@ -13,9 +13,9 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.errors import FileError
 from adibas.geometry.pinhole import Intrinsics
 from adibas.pipeline import shipped_json
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.reliability_file import shipped_reliability
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.skeleton.following import ChosenJoints
 from adibas.skeleton.picture import Picture
 from adibas.skeleton.reliability import (

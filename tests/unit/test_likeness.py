@@ -26,10 +26,10 @@ from adibas.limbs.likeness_kernels import count_borders, find_pieces
 from adibas.pipeline import shipped_json
 from adibas.pipeline.likeness_file import shipped_likeness
 from adibas.pipeline.likeness_training import people_shown, things_shown
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_judge import is_of, person_judge
 from adibas.pipeline.pose_following import PoseEstimator
 from adibas.pipeline.pose_model import shipped_joint_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.trust import N_ENOUGH
 from adibas.simulation.limb_frames import LimbFrames
 from adibas.simulation.lone_things import KINDS, ThingFrames

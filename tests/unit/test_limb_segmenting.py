@@ -18,8 +18,9 @@ from adibas.data.limbs import FULL_BODY, UPPER_BODY
 from adibas.limbs.segmentation import LimbParams
 from adibas.limbs.training_set import LimbFolder
 from adibas.pipeline.limb_labelling import LabellingDesk
-from adibas.pipeline.limb_segmenting import PICTURE, shipped_model
+from adibas.pipeline.limb_segmenting import PICTURE
 from adibas.pipeline.limb_training import SHIPPED, SHIPPED_FRAMES
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.recordings import create_recording, open_recording
 from adibas.simulation.scenes import open_scene
 

@@ -28,9 +28,9 @@ from adibas.limbs.training_set import (
 from adibas.pipeline import limb_training
 from adibas.pipeline.limb_evaluation import EvaluationParams, LimbEvaluation, groups_of
 from adibas.pipeline.limb_pictures import limb_colors, limb_picture
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.limb_simulator import simulate_folder
 from adibas.pipeline.limb_training import TrainingRequest, train_model
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.limb_frames import LimbFrames
 from tests.unit.limb_folders import NAMES, fill
 

@@ -5,10 +5,10 @@ import pytest
 
 from adibas.data.frames import depth_in_metres
 from adibas.pipeline import person_quantities, pose_following
-from adibas.pipeline.limb_segmenting import shipped_model
 from adibas.pipeline.person_evidence import evidence_of
 from adibas.pipeline.person_judge import person_judge
 from adibas.pipeline.pose_following import PoseEstimator, forest_segmenter
+from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.simulation.crowds import open_crowd
 
 
