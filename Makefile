@@ -49,6 +49,7 @@ train: setup
 		--context resources/models/limbs-15.npz --out resources/models/limbs-15.npz
 	$(BIN)/python -m adibas.pipeline.pose_training
 	$(BIN)/python -m adibas.pipeline.facing_training
+	$(BIN)/python -m adibas.pipeline.body_marks_training
 	$(BIN)/python -m adibas.pipeline.likeness_training
 	$(BIN)/python -m adibas.pipeline.reliability_training
 

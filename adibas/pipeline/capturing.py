@@ -29,6 +29,7 @@ from adibas.pipeline.posture import (
 )
 from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.skeleton_names import with_namer, with_names
 from adibas.pipeline.view_check import doubts_about_view
 from adibas.progress import Progress
@@ -154,7 +155,10 @@ def take_capture(
     namer = _namer(store, request)
     markers, doubts, rotation_deg = findings.markers, findings.notices, params.rotation_deg
     if namer is not None:
-        markers = with_names(namer, markers, request.view, calibration, rotation_deg=rotation_deg)
+        who_sees = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
+        markers = with_names(
+            who_sees, markers, request.view, calibration, rotation_deg=rotation_deg
+        )
         doubts += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
     new = NewCapture(
         view=request.view,

@@ -5,8 +5,10 @@ from collections.abc import Mapping
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.markers import Marker, is_numbered
 from adibas.data.protocols import Protocol
+from adibas.data.surface import BurstDisparity
 from adibas.errors import MarkerError
 from adibas.pipeline.namers import namer_of
+from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.skeleton_names import with_names
 
 
@@ -16,6 +18,7 @@ def names_of_others(
     view: str,
     calibration: RgbdCalibration,
     rotation_deg: int = 0,
+    surface: BurstDisparity | None = None,
 ) -> Mapping[str, Marker]:
     """Return the markers that have only a number and get a name now, by that number.
 
@@ -30,6 +33,8 @@ def names_of_others(
     calibration : RgbdCalibration
     rotation_deg : int
         How far the picture is turned clockwise to be upright.
+    surface : BurstDisparity or None
+        Of the capture; None where it was not kept: places alone name then.
 
     Raises
     ------
@@ -43,6 +48,8 @@ def names_of_others(
             "ten captures a model can be learned, in Settings."
         )
     named = frozenset(one.label for one in markers if not is_numbered(one.label))
+    if surface is not None:
+        namer = with_body(namer, surface, view, calibration, rotation_deg)
     found = with_names(namer, markers, view, calibration, named, rotation_deg)
     pairs = zip(markers, found, strict=True)
     return {before.label: after for before, after in pairs if before.label != after.label}

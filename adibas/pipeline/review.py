@@ -36,6 +36,8 @@ class Measures:
 class CaptureSurface:
     """The surface of a capture, and where the pixels of its picture lie on it.
 
+    `burst` is the one that was saved, or None.
+
     Parameters
     ----------
     surface : BurstDisparity or None
@@ -54,6 +56,7 @@ class CaptureSurface:
     ) -> None:
         if calibration.color is None:
             raise ValueError("a capture has a colour camera")
+        self.burst = surface
         self._camera = calibration.color
         self._finder = (
             None

@@ -27,6 +27,7 @@ from adibas.pipeline.posture import (
 )
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.skeleton_names import with_namer, with_names
 from adibas.pipeline.view_check import doubts_about_view
 from adibas.progress import Progress
@@ -151,7 +152,8 @@ def find_in_recording(
     doubts = doubts_about(findings)
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
-        markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
+        who_sees = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
+        markers = with_names(who_sees, markers, request.view, calibration, by_hand, rotation_deg)
         view_doubts = doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
         doubts = (*view_doubts, *doubts)
     picture_rgb = burst.picture_rgb()

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from adibas.arrays import FloatArray, IntArray
+from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.kernels import compiled
 from adibas.shapes.parts_bone_kernels import MOST_ALIKE, add_bones, measure_bones, rate_sides
 from adibas.shapes.parts_core_kernels import (
@@ -17,6 +17,7 @@ from adibas.shapes.parts_core_kernels import (
     count_named,
     heading_energy,
     known_rows,
+    named_odds,
     rate_core,
     spread_of_missing,
     turned_to_mean,
@@ -26,6 +27,16 @@ from adibas.shapes.parts_limb_kernels import MOST_CHOICES, N_KEPT, keep_best, li
 from adibas.shapes.parts_types import Core, Limbs, Odds, Pool
 
 MOST_WAYS = 1000
+
+
+@compiled
+def _taken(own: IntArray, n_points: int) -> BoolArray:
+    """Return which points a core has."""
+    is_taken = np.zeros(n_points, np.bool_)
+    for j in own:
+        if j >= 0:
+            is_taken[j] = True
+    return is_taken
 
 
 @compiled
@@ -45,12 +56,10 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     rows, values = known_rows(moved, own)
     of_core = np.empty(odds.n_kinds)
     component = rate_core(rows, values, core, odds, of_core)
+    of_core += named_odds(own, core.labels, odds)
     whole = whole_core(rows, values, core, component)
     plain, mirrored, size_m = core_numbers(whole, core)
-    is_taken = np.zeros(len(points), np.bool_)
-    for j in own:
-        if j >= 0:
-            is_taken[j] = True
+    is_taken = _taken(own, len(points))
     n_limbs = len(limbs.roots)
     pairs = np.full((n_limbs, N_KEPT, 2), -1)
     by_kind = np.full((n_limbs, N_KEPT, odds.n_kinds), NEVER)
@@ -65,7 +74,7 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
         unit = odds.log_room - 3.0 * math.log(size_m)
         of_root = spread_of_missing(rows, own, root, sign, core, component) / size_m**2
         n = list_choices(ways, is_taken, plain if sign > 0 else mirrored, of_core, limbs, limb,
-                         unit, of_root, all_pairs, all_logs)  # fmt: skip
+                         unit, of_root, odds, all_pairs, all_logs)  # fmt: skip
         has_root = own[root] >= 0
         add_bones(ways, all_pairs[:n], all_logs[:n], has_root, limbs, limb)
         kept = keep_best(all_pairs[:n], all_logs[:n], of_core, limb, odds)

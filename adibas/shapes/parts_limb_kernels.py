@@ -143,6 +143,7 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
     limb: int,
     log_unit: float,
     of_root: FloatArray,
+    odds: Odds,
     pairs: IntArray,
     by_kind: FloatArray,
 ) -> int:
@@ -160,6 +161,8 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
         Log volume of the room in the core's unit.
     of_root : (3, 3) array
         Covariance of a root without a point, in the unit and mirrored as the ways are; else 0.
+    odds : Odds
+        For what is known of points beside their places.
     pairs, by_kind : (P, 2) and (P, kinds) arrays
         To fill; -1 for no point.
     """
@@ -180,9 +183,10 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
         if is_taken[j]:
             continue
         for k in range(n_components):
-            inner[k] = weights[k] + unit - whiten(ways[j], places[k], factors[k], white[k])
+            near = whiten(ways[j], places[k], factors[k], white[k])
+            inner[k] = weights[k] + unit - near + odds.named[j, limbs.labels[limb, 0]]
             alone = whiten(ways[j], places[k, 3:], outer_factors[k], scratch)
-            outer[k] = weights[k] + unit - alone
+            outer[k] = weights[k] + unit - alone + odds.named[j, limbs.labels[limb, 1]]
         count = _note(outer, kinds, -1, j, pairs, by_kind, count)
         before = count
         count = _note(inner, kinds, j, -1, pairs, by_kind, count)
@@ -197,6 +201,7 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
                 factors,
                 kinds,
                 unit,
+                odds.named[:, limbs.labels[limb, 1]],
                 pairs,
                 by_kind,
                 count,
@@ -215,11 +220,15 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     factors: FloatArray,
     kinds: IntArray,
     unit: float,
+    named: FloatArray,
     pairs: IntArray,
     by_kind: FloatArray,
     count: int,
 ) -> int:
-    """Add the choices in which point j is the inner one and another the outer one."""
+    """Add the choices in which point j is the inner one and another the outer one.
+
+    `named` are the (M,) log odds of the outer label beside places.
+    """
     logs = np.empty(len(inner))
     best = inner.max()
     for i in range(len(ways)):
@@ -229,7 +238,7 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
             logs[k] = NEVER
             if inner[k] > best - FAR:
                 cost = whiten_outer(ways[i], places[k], factors[k], white[k])
-                logs[k] = inner[k] + unit - cost
+                logs[k] = inner[k] + unit - cost + named[i]
         count = _note(logs, kinds, j, i, pairs, by_kind, count)
     return count
 

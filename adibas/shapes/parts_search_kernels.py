@@ -20,6 +20,7 @@ from adibas.shapes.parts_core_kernels import (
     heading_energy,
     known_rows,
     leave_one_out_core,
+    named_odds,
     rate_core,
     turned_to_mean,
 )
@@ -136,7 +137,8 @@ def _hope(points: FloatArray, own: IntArray, core: Core, odds: Odds) -> float:
     rate_core(rows, values, core, odds, by_kind)
     n_limb_labels = len(odds.counts) - 1 - len(own)
     n_left = min(len(points) - count_named(own), n_limb_labels)
-    return float(heading_energy(-angle_rad, odds) - by_kind.max() - odds.lone * n_left)
+    likely = by_kind.max() + named_odds(own, core.labels, odds)
+    return float(heading_energy(-angle_rad, odds) - likely - odds.lone * n_left)
 
 
 @compiled
@@ -156,12 +158,15 @@ def _add(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
 def _costs(
     points: FloatArray, own: IntArray, core: Core, odds: Odds, alone: float, widening: float
 ) -> FloatArray:
-    """Return (C, M) costs of each point for each label by all other points of the core."""
+    """Return (C, M) costs of each point for each label by all other points, and beside places."""
     moved, _ = turned_to_mean(points, own, core.mean, odds)
     rows, values = known_rows(moved, own)
     component = rate_core(rows, values, core, odds, np.empty(odds.n_kinds))
     places, spreads = leave_one_out_core(rows, values, own, core, component)
-    return pair_costs(moved, places, spreads, alone, widening)
+    costs = pair_costs(moved, places, spreads, alone, widening)
+    for i in range(len(own)):
+        costs[i] -= odds.named[:, core.labels[i]]
+    return costs
 
 
 @compiled

@@ -131,6 +131,8 @@ class Odds(NamedTuple):
         Of energies of a patient who faces the other way, where no heading was declared.
     mixed : (L,) array
         How often a limb is as in any kind of posture, whatever the rest of the body does.
+    named : (M, N) array
+        Log odds of each label for each point by what is known of it beside the places.
     n_judged, n_varied : int
         Cores that get limbs, and of these, cores whose neighbours get limbs: more of them, up to
         twice as many, as long as a neighbour is the best so far.
@@ -148,6 +150,7 @@ class Odds(NamedTuple):
     gap: float
     side_divisor: float
     mixed: FloatArray
+    named: FloatArray
     n_judged: int
     n_varied: int
     too_unlikely: float

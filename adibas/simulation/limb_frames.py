@@ -106,6 +106,10 @@ class LimbFrame:
     person : int
     kind : str
         Of pose.
+    posed : PosedBody
+        Whom it shows, without clothes.
+    from_body : RigidTransform
+        From body axes to camera axes.
     """
 
     depth_mm: UInt16Array
@@ -114,6 +118,8 @@ class LimbFrame:
     joints_m: FloatArray
     person: int
     kind: str
+    posed: PosedBody
+    from_body: RigidTransform
 
     def __post_init__(self) -> None:
         for array in (self.depth_mm, self.labels, self.color_rgb, self.joints_m):
@@ -213,6 +219,8 @@ class LimbFrames:
             _painted(dressed.looks, scene.material[::step, ::step]),
             from_world.apply(posed.joints_m),
             *what,
+            posed,
+            from_world,
         )
 
     def _drawn(

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray
+from adibas.arrays import BoolArray, FloatArray, IntArray
+from adibas.skeleton.body_marks import BodyOdds
 from adibas.skeleton.given_names import given_index, nothing_given
 from adibas.skeleton.known import Known
 from adibas.skeleton.labelling import Labelling, label_points, nothing_told
@@ -17,11 +18,13 @@ from adibas.skeleton.prepared import PreparedModel, prepare
 from adibas.skeleton.prototype_search import LEAST_POINTS, LabelParams
 from adibas.skeleton.second_opinion import combined, is_in_doubt, named_by
 from adibas.skeleton.seen_space import EVERYWHERE, SeenSpace
-from adibas.skeleton.sizes import size_log_odds, with_sizes
+from adibas.skeleton.sizes import size_log_odds
 
 SPACE = 3
 EXTENTS_M = 1e-3, 1e4
 """Points that are all nearer to their middle, or some of them farther from it, are no person's."""
+SURE_BY_BODY = 0.9
+"""Least confidence of a name where a body is known: of names from 0.5 to 0.9 a third is wrong."""
 STANDS = 0.5
 """Where somebody more probably than this stands still, nobody else is asked for names."""
 
@@ -39,12 +42,20 @@ class Namer:
         self._params = params or LabelParams()
         self._odds = odds or PartsOdds()
         self._prepared: dict[str, PreparedModel] = {}
+        self._body_odds: BodyOdds | None = None
 
     def holding_still(self) -> "Namer":
         """Return a namer of people who hold still, as in a capture; both share what they know."""
         odds = replace(self._odds, stands=HOLDING_STILL)
+        return self._alike(odds, self._body_odds)
+
+    def who_sees(self, body_odds: BodyOdds) -> "Namer":
+        """Return a namer that knows where a body is; both share what they know."""
+        return self._alike(replace(self._odds, sure=SURE_BY_BODY), body_odds)
+
+    def _alike(self, odds: PartsOdds, body_odds: BodyOdds | None) -> "Namer":
         other = Namer(self._model, self._params, odds)
-        other._prepared = self._prepared
+        other._prepared, other._body_odds = self._prepared, body_odds
         return other
 
     @property
@@ -107,11 +118,19 @@ class Namer:
             raise ValueError("points are named by places that are known")
         sizes = np.zeros(len(points_m)) if diameters_m is None else size_log_odds(diameters_m)
         if not any(given):
-            return self._label(points_m, view, Known(sizes, nothing_given(len(points_m)), seen))
+            nothing = nothing_given(len(points_m))
+            return self._label(points_m, view, self._known(points_m, sizes, nothing, seen))
         is_other = np.array([bool(one) and one not in self.names for one in given], bool)
         own = [one for one in given if not one or one in self.names]
-        known = Known(sizes[~is_other], given_index(own, self.names), seen)
-        return _with_others(self._label(points_m[~is_other], view, known), is_other)
+        own_m = points_m[~is_other]
+        known = self._known(own_m, sizes[~is_other], given_index(own, self.names), seen)
+        return _with_others(self._label(own_m, view, known), is_other)
+
+    def _known(
+        self, points_m: FloatArray, sizes: FloatArray, given: IntArray, seen: SeenSpace
+    ) -> Known:
+        tell, in_space = self._body_odds, points_m.shape[1] == SPACE
+        return Known(sizes, given, seen, tell(points_m) if tell is not None and in_space else None)
 
     def _label(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
         are_joints = self._model.parts is not None and points_m.shape[1] == SPACE
@@ -136,13 +155,13 @@ class Namer:
         return label_parts(parts, prepared, points_m, view, known, self._odds)
 
     def _by_prototypes(self, points_m: FloatArray, view: str, known: Known) -> Labelling:
-        """Return names by prototypes and neighbours, which know nothing of sizes themselves."""
+        """Return names by prototypes and neighbours, which know of places alone."""
         parts = self._parts(points_m.shape[1], view)
         temperature = self._model.temperature
         found = label_points(parts, points_m, view, self._params, temperature, known.given)
-        if not known.size_odds.any():
+        if not known.tells:
             return found
-        masses = with_sizes(found.masses, known.size_odds)
+        masses = known.weighed(found.masses)
         sure = self._params.sure
         return named_by(masses, self.names, found.heading_rad, sure, 1.0 - sure)
 

@@ -91,7 +91,8 @@ def find_by_parts(
     origin_m = points_m.mean(axis=0)
     points = np.ascontiguousarray(points_m - origin_m)
     known = replace(known, seen=known.seen.about(origin_m))
-    expected = expected_odds(model, len(points), view, odds, QUICK)
+    named = known.named_odds(len(model.names))
+    expected = expected_odds(model, named, view, odds, QUICK)
     turns, shifts = list_turns(prepared.model, view)
     free = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
     starts = np.concatenate([free, _forced(free, known.given, model.core.labels)])
@@ -102,7 +103,7 @@ def find_by_parts(
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
-    expected = expected_odds(model, len(points), view, odds, THOROUGH)
+    expected = expected_odds(model, named, view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
     laid = np.concatenate([laid, _by_hips(points, model)])
@@ -196,9 +197,9 @@ def _weighed(
     n_points = len(points)
     rated = rate_standing(model, points, known, pool, expected, odds)
     pool, standing = rated.pool, rated.less
-    of_sizes = known.size_odds_of(pool.partners)
     by_sight = pool.energies + _sight(model, points, known.seen, pool, expected, odds)
-    energies = by_sight + standing - of_sizes + _crossing(model, points, pool.partners, odds)
+    energies = by_sight + standing + _crossing(model, points, pool.partners, odds)
+    energies -= known.size_odds_of(pool.partners)
     best = int(np.argmin(energies))
     weights = np.exp((energies[best] - energies) / odds.temperature)
     if math.isnan(expected.heading_rad):

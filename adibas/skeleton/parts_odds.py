@@ -109,10 +109,10 @@ class PartsOdds:
 
 
 def expected_odds(
-    model: PartsModel, n_points: int, view: str, odds: PartsOdds, effort: Effort
+    model: PartsModel, named: FloatArray, view: str, odds: PartsOdds, effort: Effort
 ) -> Odds:
-    """Return what is expected of so many points of a view (empty: unknown)."""
-    n = len(model.names)
+    """Return what is expected of points of a view (empty: unknown); `named` as in `Odds`."""
+    n_points, n = named.shape
     counts = np.full(n + 1, np.inf)
     for n_missing in range(n + 1):
         n_spurious = n_points - (n - n_missing)
@@ -136,6 +136,7 @@ def expected_odds(
         gap=odds.gap * odds.temperature,
         side_divisor=odds.side_divisor,
         mixed=mixed,
+        named=named,
         n_judged=effort.n_judged,
         n_varied=effort.n_varied,
         too_unlikely=effort.too_unlikely,

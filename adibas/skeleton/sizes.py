@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from adibas.arrays import FloatArray, check_shape
+from adibas.arrays import FloatArray
 
 SPREAD = 0.10
 """Standard deviation of the logarithm of a measured diameter.
@@ -80,14 +80,3 @@ def _of_several(logs: FloatArray) -> FloatArray:
 
 def _evidence(densities: FloatArray) -> float:
     return float(np.log((1.0 - CHANCE) * densities + CHANCE / LOG_RANGE).sum())
-
-
-def with_sizes(masses: FloatArray, log_odds: FloatArray) -> FloatArray:
-    """Return the (M, N + 1) probabilities of names, given also (M,) log odds of being a marker.
-
-    The last is that of no name.
-    """
-    check_shape("log_odds", log_odds, (len(masses),))
-    weighed = masses.copy()
-    weighed[:, :-1] *= np.exp(log_odds)[:, None]
-    return np.asarray(weighed / weighed.sum(axis=1, keepdims=True))

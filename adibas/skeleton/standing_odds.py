@@ -141,10 +141,11 @@ def _standing_energies(case: _Case, partners: IntArray) -> FloatArray:
 
 
 def _of_counts(case: _Case, partners: IntArray) -> FloatArray:
-    """Return the (W,) energies of so many hidden names and chance points."""
+    """Return the (W,) energies of so many hidden names and chance points, and by the body."""
     n_hidden = (partners < 0).sum(axis=1)
     n_named = partners.shape[1] - n_hidden
-    return np.asarray(case.expected.counts[n_hidden] - n_named * case.expected.log_room)
+    of_counts = case.expected.counts[n_hidden] - n_named * case.expected.log_room
+    return np.asarray(of_counts - case.known.body_odds_of(partners))
 
 
 def _less_likely(odds: PartsOdds, energies: FloatArray, standing: FloatArray) -> FloatArray:
@@ -154,7 +155,7 @@ def _less_likely(odds: PartsOdds, energies: FloatArray, standing: FloatArray) ->
 
 
 def _totals(case: _Case, rated: Rated) -> FloatArray:
-    """Return the (P,) energies by places, by how people stand, and by sizes."""
+    """Return the (P,) energies by places, how people stand, and by sizes."""
     return rated.pool.energies + rated.less - case.known.size_odds_of(rated.pool.partners)
 
 

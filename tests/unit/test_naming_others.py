@@ -8,9 +8,11 @@ import pytest
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES, other_side
 from adibas.data.markers import Marker
+from adibas.data.surface import BurstDisparity
 from adibas.errors import MarkerError
 from adibas.geometry.pinhole import Intrinsics
 from adibas.measures.protocol_store import find_protocol
+from adibas.pipeline import naming_others
 from adibas.pipeline.naming_others import names_of_others
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
@@ -19,6 +21,7 @@ from adibas.simulation.poses import standing
 CALIBRATION = RgbdCalibration(
     color=CameraCalibration(1280, 1024, Intrinsics(1050.0, 1050.0, 639.5, 511.5))
 )
+SURFACE = BurstDisparity(np.full((4, 4), 0.5, np.float32), np.full((4, 4), 3), 3)
 
 
 @pytest.fixture(scope="module")
@@ -58,3 +61,16 @@ def test_a_name_that_no_model_knows_stays_and_harms_no_other(markers):
 def test_a_protocol_that_no_model_knows_is_told(markers):
     with pytest.raises(MarkerError, match="No model knows the landmarks"):
         names_of_others(find_protocol("sapo-1"), markers, "anterior", CALIBRATION)
+
+
+def test_the_surface_of_the_capture_tells_the_other_names_as_well(markers, monkeypatch):
+    def on_nobody(namer, surface, view, calibration, rotation_deg):
+        assert (surface, view, calibration, rotation_deg) == (SURFACE, "anterior", CALIBRATION, 0)
+        return namer.who_sees(lambda points_m: np.full((len(points_m), len(JOINT_NAMES)), -20.0))
+
+    monkeypatch.setattr(naming_others, "with_body", on_nobody)
+    protocol = find_protocol("joints-15")
+    alone = naming_others.names_of_others(protocol, markers, "anterior", CALIBRATION, 0)
+    against = naming_others.names_of_others(protocol, markers, "anterior", CALIBRATION, 0, SURFACE)
+    assert len(alone) == len(JOINT_NAMES)
+    assert not against

@@ -64,7 +64,7 @@ def test_planes_turn_with_the_points():
     own = np.array([3, -1, 0, 7])
     normals, offsets = random_planes(rng, 5)
     parts = shipped_namer()._model.parts
-    odds = expected_odds(parts, len(points), "", PartsOdds(), THOROUGH)
+    odds = expected_odds(parts, np.zeros((len(points), 15)), "", PartsOdds(), THOROUGH)
     moved, angle_rad = turned_to_mean(points, own, mean, odds)
     turned, edges = sight.in_turned_axes(points, own, angle_rad, normals, offsets)
     np.testing.assert_allclose(moved @ turned.T - edges, points @ normals.T - offsets, atol=1e-12)
@@ -145,7 +145,7 @@ def test_what_lies_below_the_picture_is_out_of_sight_and_what_lies_in_it_is_not(
     gone = [JOINT_NAMES.index(name) for name in ("left_knee", "left_foot", "right_foot", "neck")]
     partners[gone] = -1
     above_knees = np.array([[0.0, -1.0, 0.0]]), np.array([-0.35])
-    odds = expected_odds(parts, 11, "anterior", PartsOdds(), THOROUGH)
+    odds = expected_odds(parts, np.zeros((11, 15)), "anterior", PartsOdds(), THOROUGH)
     shares = sight._labels_out_of_sight(
         points, partners, parts.core, parts.limbs, odds, *above_knees
     )

@@ -159,7 +159,7 @@ def test_right_limbs_are_left_ones_mirrored(parts):
 
 
 def odds_of(parts, view):
-    return expected_odds(parts, len(JOINT_NAMES), view, PartsOdds(), THOROUGH)
+    return expected_odds(parts, np.zeros((15, 15)), view, PartsOdds(), THOROUGH)
 
 
 def test_a_core_is_turned_onto_its_mean(parts):
@@ -228,7 +228,8 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     person = people(1, seed=12)[0]
     person = np.ascontiguousarray(person - person.mean(axis=0))
     counts, mixed = np.arange(16.0), np.array([0.1, 0.1, 0.0, 0.0])
-    odds = Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, 6, 1, 15.0)
+    named = np.random.default_rng(3).normal(size=(15, 15))
+    odds = Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, named, 6, 1, 15.0)
     pool = Pool(np.empty(500), np.empty(500), np.empty((500, 15), np.int64), np.zeros(1, np.int64))
     own = np.where(np.array(CORE_NAMES) == hidden, -1, core.labels)
     lowest = judge_core(person, own, core, limbs, odds, np.inf, pool)
@@ -240,6 +241,7 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     heading = 4.0 * (1.0 - math.cos(pool.headings[found[0]] - 0.3))
     n_hidden = int(hidden is not None)
     expected = heading + n_hidden - logsumexp(log_odds_by_kind(person, own, core, limbs, odds))
+    expected -= sum(named[i, i] for i in right if i >= 0)
     assert energy == pytest.approx(expected, abs=1e-6)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from adibas.skeleton.sizes import LOG_RANGE, ODD, SPREAD, size_log_odds, with_sizes
+from adibas.skeleton.sizes import LOG_RANGE, ODD, SPREAD, size_log_odds
 
 
 def test_alike_sizes_speak_for_markers_and_one_of_its_own_against_itself():
@@ -66,10 +66,3 @@ def test_unknown_sizes_say_nothing_of_themselves_or_of_others():
 def test_too_few_sizes_say_nothing(n_known):
     sizes_m = np.array([0.009, 0.03, 0.015][:n_known] + [np.nan] * 2)
     assert not size_log_odds(sizes_m).any()
-
-
-def test_probabilities_of_names_follow_bayes():
-    masses = np.array([[0.6, 0.1, 0.3], [0.0, 0.5, 0.5]])
-    weighed = with_sizes(masses, np.log([3.0, 0.25]))
-    np.testing.assert_allclose(weighed[0], np.array([1.8, 0.3, 0.3]) / 2.4)
-    np.testing.assert_allclose(weighed[1], [0.0, 0.2, 0.8])

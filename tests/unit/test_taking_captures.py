@@ -185,6 +185,24 @@ def test_markers_on_joints_have_their_names_where_the_protocol_marks_joints(stor
     assert models == {taken.provenance.parameters["names"]["model"]}
 
 
+def test_markers_of_a_capture_get_no_name_against_the_body_that_its_depth_shows(
+    store, showing, target, monkeypatch
+):
+    seen = []
+
+    def on_nobody(namer, surface, view, calibration, rotation_deg):
+        seen.append((surface.mean_per_m.shape, view, calibration.depth is not None, rotation_deg))
+        return namer.who_sees(lambda points_m: np.full((len(points_m), len(namer.names)), -20.0))
+
+    monkeypatch.setattr(capturing, "with_body", on_nobody)
+    scene = open_scene("anterior", seed=7, distance_m=3.0, markers=MarkerSettings(JOINT_NAMES))
+    patient = add_patient(store, Identity("Somebody")).pseudonym
+    session_id = store.sessions.start(patient, SessionSetup(protocol="joints-15")).session_id
+    taken = capture(store, showing(SceneCamera(scene)), session_id, target)
+    assert seen == [((480, 640), "anterior", True, 0)]
+    assert not any(one.label in JOINT_NAMES for one in taken.markers())
+
+
 def test_the_recording_of_a_capture_is_sealed_whole_and_named_in_it(
     store, session_id, showing, scene, target
 ):

@@ -185,7 +185,7 @@ def rated_from_one_way(given):
     """What is asked about where core and limbs list the right way alone."""
     names, points_m, diameters_m = read_markers(CHANCE_BESIDE_THE_TRUNK)
     model, odds = shipped_namer()._model.parts, PartsOdds(stands=HOLDING_STILL)
-    expected = expected_odds(model, len(names), "anterior", odds, THOROUGH)
+    expected = expected_odds(model, np.zeros((len(names), 15)), "anterior", odds, THOROUGH)
     way = [names.index(name) if name in names else -1 for name in JOINT_NAMES]
     pool = Pool(np.array([-45.0]), np.zeros(1), np.array([way]), np.ones(1, np.int64))
     known = Known(size_log_odds(diameters_m), given_index(given, JOINT_NAMES))

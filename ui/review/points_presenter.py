@@ -242,14 +242,14 @@ class PointsPresenter:
         editor, opened = self._editable()
         if editor is None or opened is None or opened.protocol is None:
             return
-        protocol, rotation_deg = opened.protocol, opened.rotation_deg
+        protocol, rotation_deg, burst = opened.protocol, opened.rotation_deg, opened.surface.burst
         capture, markers = editor.capture, editor.markers()
 
         def work(_control: JobControl) -> Mapping[str, Marker]:
             from adibas.pipeline.naming_others import names_of_others
 
             return names_of_others(
-                protocol, markers, capture.view, capture.calibration, rotation_deg
+                protocol, markers, capture.view, capture.calibration, rotation_deg, burst
             )
 
         def done(found: Mapping[str, Marker]) -> None:

@@ -1,0 +1,149 @@
+"""The body in the depth of a burst tells which marker is which: limbs and joints without markers.
+
+What is found without markers is some centimetres off, and is no measure: it only tells markers
+apart.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.arrays import BoolArray, Float32Array, FloatArray
+from adibas.body.floor import find_floor
+from adibas.body.mask import find_body
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.joints import JOINT_NAMES
+from adibas.data.limbs import LimbParts
+from adibas.data.surface import BurstDisparity
+from adibas.geometry.distortion import project_distorted
+from adibas.geometry.rigid import RigidTransform
+from adibas.limbs.around_points import shares_around
+from adibas.measures.sight_plane import vertical_of
+from adibas.pipeline.body_marks_file import shipped_marks
+from adibas.pipeline.mending import mended
+from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
+from adibas.pipeline.pose_model import joint_model_for
+from adibas.pipeline.shipped_limbs import shipped_model
+from adibas.pipeline.skeleton_names import upright_turn
+from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_parts
+from adibas.skeleton.body_marks import mark_log_odds
+from adibas.skeleton.namer import Namer
+
+BEHIND = "posterior"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenBody:
+    """A body that was found without its markers, in a depth camera's axes and pixels.
+
+    Attributes
+    ----------
+    depth_m : (H, W) float32 array
+    parts : LimbParts
+        Left and right as the declared view has them.
+    joints_m : (15, 3) array
+        NaN where not seen.
+    camera : CameraCalibration
+    """
+
+    depth_m: Float32Array
+    parts: LimbParts
+    joints_m: FloatArray
+    camera: CameraCalibration
+
+    def shares_around(self, points_m: FloatArray) -> FloatArray:
+        """Return (M, 16) shares of the parts about points; NaN beside the body."""
+        lens = self.camera.intrinsics
+        pixels_uv = project_distorted(points_m, lens, self.camera.distortion)
+        return shares_around(self.parts, self.depth_m, points_m, pixels_uv, lens.fx)
+
+
+def with_body(
+    namer: Namer,
+    surface: BurstDisparity,
+    view: str,
+    calibration: RgbdCalibration,
+    rotation_deg: int = 0,
+) -> Namer:
+    """Return the namer of a capture, who knows where the body is, if that tells anything.
+
+    Parameters
+    ----------
+    namer : Namer
+        Comes back as it is where it names other landmarks than the joints, where no view is
+        declared, and where no whole person is seen.
+    surface : BurstDisparity
+        Of the burst.
+    view : str
+        As declared.
+    calibration : RgbdCalibration
+    rotation_deg : int
+        How far the picture is turned clockwise to be upright.
+    """
+    if namer.names != JOINT_NAMES or not view:
+        return namer
+    depth_m = np.asarray(1.0 / surface.mean_per_m, np.float32)
+    body = see_body(depth_m, view, calibration, rotation_deg)
+    if body is None:
+        return namer
+    turn = upright_turn(vertical_of(calibration, rotation_deg).up)
+    upright_from_color = RigidTransform(turn, np.zeros(3))
+    return knowing(namer, body, view, upright_from_color @ calibration.color_from_depth)
+
+
+def knowing(namer: Namer, body: SeenBody, view: str, upright_from_depth: RigidTransform) -> Namer:
+    """Return the namer of upright points of somebody whose body is known."""
+    joints_m = upright_from_depth.apply(body.joints_m)
+    depth_from_upright = upright_from_depth.inverse()
+    marks = shipped_marks().of_view(view)
+
+    def body_odds(points_m: FloatArray) -> FloatArray:
+        shares = body.shares_around(depth_from_upright.apply(points_m))
+        return mark_log_odds(marks, points_m, joints_m, shares)
+
+    return namer.who_sees(body_odds)
+
+
+def see_body(
+    depth_m: Float32Array, view: str, calibration: RgbdCalibration, rotation_deg: int = 0
+) -> SeenBody | None:
+    """Return the body in an (H, W) depth image; None where no whole person is found."""
+    if calibration.depth is None:
+        return None
+    turn = turn_to_upright(calibration, rotation_deg)
+    camera = turned_camera(calibration.depth, turn)
+    floor = turned_floor(calibration.floor, turn)
+    upright_m, said = mended(turn.picture(depth_m))
+    if not said.is_person:
+        return None
+    mask = find_body(upright_m, camera, floor or find_floor(upright_m, camera))
+    if mask is None:
+        return None
+    found = body_in(upright_m, mask.pixels, view, camera)
+    if found is None:
+        return None
+    back = turn.inverse()
+    return SeenBody(
+        depth_m, turned_parts(found.parts, back), back.points(found.joints_m), calibration.depth
+    )
+
+
+def body_in(
+    depth_m: Float32Array, mask: BoolArray, view: str, camera: CameraCalibration
+) -> SeenBody | None:
+    """Return the body in an upright (H, W) picture, whose pixels are known."""
+    model = shipped_model()
+    shown = BEHIND if view == BEHIND else "anterior"
+    estimator = PoseEstimator(
+        camera,
+        forest_segmenter(model, camera),
+        params=PoseParams(view=shown),
+        joints=joint_model_for(model),
+    )
+    people = estimator.look_at(depth_m, [mask], 0.0).people
+    if not people:
+        return None
+    parts = people[0].parts
+    if view == BEHIND:
+        parts = parts.with_sides_swapped()
+    return SeenBody(depth_m, parts, people[0].joints.joints_m, camera)

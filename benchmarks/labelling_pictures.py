@@ -1,0 +1,78 @@
+"""Names of markers that a depth camera sees on simulated people, with what it sees of the body.
+
+People, clothes, furniture, sensors and poses that no model learned from; what is hidden in the
+picture is missing. Once the namer knows the body that is found in the depth, once it does not.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from adibas.geometry.rigid import RigidTransform
+from adibas.pipeline.marked_people import KINDS, MarkedPicture, marked_pictures
+from adibas.pipeline.seen_body import body_in, knowing
+from adibas.pipeline.skeleton_labelling import shipped_namer
+from adibas.pipeline.skeleton_names import upright_turn
+from adibas.skeleton.namer import Namer
+from benchmarks.table import Row
+
+N_PICTURES = 1600
+LEAST_MARKERS = 5
+
+
+@dataclass(slots=True)
+class _Count:
+    """What became of the pictures of one kind."""
+
+    n: int = 0
+    n_whole: int = 0
+    n_with_wrong: int = 0
+    n_markers: int = 0
+    n_right: int = 0
+    n_found: int = 0
+
+    def add(self, names: tuple[str | None, ...], truth: tuple[str, ...], *, is_found: bool) -> None:
+        """Count one picture."""
+        right = [name == own for name, own in zip(names, truth, strict=True)]
+        self.n += 1
+        self.n_whole += all(right)
+        self.n_with_wrong += sum(name is not None for name in names) > sum(right)
+        self.n_markers += len(truth)
+        self.n_right += sum(right)
+        self.n_found += is_found
+
+    def rows(self, told: str) -> Iterator[Row]:
+        """Give the shares."""
+        for what, n, of in (
+            (f"entirely right of {self.n}", self.n_whole, self.n),
+            ("with a wrong name", self.n_with_wrong, self.n),
+            (f"right names of {self.n_markers}", self.n_right, self.n_markers),
+            ("a body is found", self.n_found, self.n),
+        ):
+            yield Row(f"{told}: {what}", 100 * n / max(of, 1), "%")
+
+
+def picture_rows(seed: int, share: int) -> Iterator[Row]:
+    """Name the markers of each picture without the body and with it."""
+    counts: defaultdict[tuple[str, str], _Count] = defaultdict(_Count)
+    namer = shipped_namer().holding_still()
+    for picture in marked_pictures(seed, N_PICTURES // share):
+        if len(picture.names) < LEAST_MARKERS:
+            continue
+        turn = RigidTransform(upright_turn(picture.up), np.zeros(3))
+        points_m = turn.apply(picture.points_m)
+        who_sees = _who_sees(namer, picture, turn)
+        for body, one in (("not known", None), ("known", who_sees)):
+            names = (one or namer).label(points_m, picture.view).names
+            counts[picture.kind, body].add(names, picture.names, is_found=one is not None)
+    for kind in KINDS:
+        for body in ("not known", "known"):
+            told = f"{kind}, as a depth camera sees them, seed {seed}, body {body}"
+            yield from counts[kind, body].rows(told)
+
+
+def _who_sees(namer: Namer, picture: MarkedPicture, upright: RigidTransform) -> Namer | None:
+    body = body_in(picture.depth_m, picture.mask, picture.view, picture.camera)
+    return None if body is None else knowing(namer, body, picture.view, upright)
