@@ -20,17 +20,20 @@ from benchmarks.table import Row
 
 N_PICTURES = 1600
 LEAST_MARKERS = 5
+SIDES = {"anterior": "all from the front", "posterior": "all from behind"}
+ASIDE = "all from a side"
 
 
 @dataclass(slots=True)
 class _Count:
-    """What became of the pictures of one kind."""
+    """What became of the pictures of one group."""
 
     n: int = 0
     n_whole: int = 0
     n_with_wrong: int = 0
     n_markers: int = 0
     n_right: int = 0
+    n_wrong: int = 0
     n_found: int = 0
 
     def add(self, names: tuple[str | None, ...], truth: tuple[str, ...], *, is_found: bool) -> None:
@@ -38,9 +41,11 @@ class _Count:
         right = [name == own for name, own in zip(names, truth, strict=True)]
         self.n += 1
         self.n_whole += all(right)
-        self.n_with_wrong += sum(name is not None for name in names) > sum(right)
+        n_wrong = sum(name is not None for name in names) - sum(right)
+        self.n_with_wrong += n_wrong > 0
         self.n_markers += len(truth)
         self.n_right += sum(right)
+        self.n_wrong += n_wrong
         self.n_found += is_found
 
     def rows(self, told: str) -> Iterator[Row]:
@@ -49,7 +54,8 @@ class _Count:
             (f"entirely right of {self.n}", self.n_whole, self.n),
             ("with a wrong name", self.n_with_wrong, self.n),
             (f"right names of {self.n_markers}", self.n_right, self.n_markers),
-            ("a body is found", self.n_found, self.n),
+            (f"wrong names of {self.n_markers}", self.n_wrong, self.n_markers),
+            ("a body is known", self.n_found, self.n),
         ):
             yield Row(f"{told}: {what}", 100 * n / max(of, 1), "%")
 
@@ -66,11 +72,12 @@ def picture_rows(seed: int, share: int) -> Iterator[Row]:
         who_sees = _who_sees(namer, picture, turn)
         for body, one in (("not known", None), ("known", who_sees)):
             names = (one or namer).label(points_m, picture.view).names
-            counts[picture.kind, body].add(names, picture.names, is_found=one is not None)
-    for kind in KINDS:
+            for group in (picture.kind, SIDES.get(picture.view, ASIDE)):
+                counts[group, body].add(names, picture.names, is_found=one is not None)
+    for group in (*KINDS, *SIDES.values(), ASIDE):
         for body in ("not known", "known"):
-            told = f"{kind}, as a depth camera sees them, seed {seed}, body {body}"
-            yield from counts[kind, body].rows(told)
+            told = f"{group}, as a depth camera sees them, seed {seed}, body {body}"
+            yield from counts[group, body].rows(told)
 
 
 def _who_sees(namer: Namer, picture: MarkedPicture, upright: RigidTransform) -> Namer | None:

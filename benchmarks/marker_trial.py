@@ -19,7 +19,7 @@ from adibas.markers.color_model import ColorModel
 from adibas.markers.led import LedParams
 from adibas.measures.geometry_tables import all_angles, all_distances
 from adibas.pipeline.learning import LearningRequest, learn_from_picture
-from adibas.pipeline.posture import MarkerTarget, PostureParams, analyse_burst
+from adibas.pipeline.posture import MarkerFindings, MarkerTarget, PostureParams, analyse_burst
 from adibas.recordings.decoding import to_rgbd
 from adibas.simulation.scenes import VIEW_MARKERS, SceneSettings, SimulatedScene
 from adibas.simulation.truth import FrameTruth
@@ -137,10 +137,18 @@ def find(
     frames: Sequence[RgbdFrame], calibration: RgbdCalibration, target: MarkerTarget
 ) -> tuple[Marker, ...]:
     """Return the markers; none where the program says that it cannot."""
+    found = findings_of(frames, calibration, target)
+    return () if found is None else found.markers
+
+
+def findings_of(
+    frames: Sequence[RgbdFrame], calibration: RgbdCalibration, target: MarkerTarget
+) -> MarkerFindings | None:
+    """Return what a burst shows; None where the program says that it cannot."""
     try:
-        return analyse_burst(frames, calibration, target, PostureParams()).markers
+        return analyse_burst(frames, calibration, target, PostureParams())
     except MarkerError:
-        return ()
+        return None
 
 
 def compare(markers: tuple[Marker, ...], truths: Sequence[FrameTruth]) -> Outcome:

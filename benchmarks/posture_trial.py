@@ -19,6 +19,8 @@ from adibas.data.calibration import RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.markers import Marker
 from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.posture import MarkerFindings
+from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import with_names
 from adibas.recordings.decoding import to_rgbd
@@ -28,9 +30,10 @@ from adibas.simulation.postures import POSTURES
 from adibas.simulation.scenes import SceneSettings, SimulatedScene
 from adibas.simulation.truth import FrameTruth
 from benchmarks.calibration_depth_trials import LARGE_BOARD, Setting, run_trial
-from benchmarks.marker_trial import GATE_M, find, learned_target
+from benchmarks.marker_trial import GATE_M, findings_of, learned_target
 
 N_BODIES, N_REPEATS = 5, 10
+VIEW = "anterior"
 Z_95 = 1.959964
 """An interval is so many standard errors on each side."""
 BOARDS = Setting(board=LARGE_BOARD, corner_sd_px=0.03)
@@ -89,9 +92,15 @@ def analyse(analysis: Analysis) -> Result:
     calibration = _calibrated(scene)
     simulated = [scene.frame(index) for index in range(analysis.n_frames)]
     frames = [to_rgbd(one.sensor_frame, scene.info) for one in simulated]
-    found = find(frames, calibration, learned_target(analysis.settings))
-    named = with_names(shipped_namer(), found, "anterior", calibration)
+    found = findings_of(frames, calibration, learned_target(analysis.settings))
+    named = () if found is None else _named(found, calibration)
     return _compared(analysis.number, named, [one.truth for one in simulated])
+
+
+def _named(found: MarkerFindings, calibration: RgbdCalibration) -> tuple[Marker, ...]:
+    """Name markers as a capture does."""
+    namer = with_body(shipped_namer(), found.surface, VIEW, calibration)
+    return with_names(namer, found.markers, VIEW, calibration)
 
 
 def _calibrated(scene: SimulatedScene) -> RgbdCalibration:

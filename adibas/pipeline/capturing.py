@@ -155,11 +155,10 @@ def take_capture(
     namer = _namer(store, request)
     markers, doubts, rotation_deg = findings.markers, findings.notices, params.rotation_deg
     if namer is not None:
-        who_sees = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
-        markers = with_names(
-            who_sees, markers, request.view, calibration, rotation_deg=rotation_deg
-        )
-        doubts += doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
+        by_places = namer
+        namer = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
+        markers = with_names(namer, markers, request.view, calibration, rotation_deg=rotation_deg)
+        doubts += doubts_about_view(by_places, markers, request.view, calibration, rotation_deg)
     new = NewCapture(
         view=request.view,
         recording_id=writer.recording_id,

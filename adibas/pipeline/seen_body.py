@@ -18,9 +18,11 @@ from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.rigid import RigidTransform
 from adibas.limbs.around_points import shares_around
+from adibas.limbs.judging import Judgement
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.body_marks_file import shipped_marks
 from adibas.pipeline.mending import mended
+from adibas.pipeline.person_evidence import PersonEvidence
 from adibas.pipeline.pose_following import PoseEstimator, PoseParams, forest_segmenter
 from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.shipped_limbs import shipped_model
@@ -131,7 +133,10 @@ def see_body(
 def body_in(
     depth_m: Float32Array, mask: BoolArray, view: str, camera: CameraCalibration
 ) -> SeenBody | None:
-    """Return the body in an upright (H, W) picture, whose pixels are known."""
+    """Return the body in an upright (H, W) picture, whose pixels are known.
+
+    Who wears markers is a person, however much of a chair is among the pixels.
+    """
     model = shipped_model()
     shown = BEHIND if view == BEHIND else "anterior"
     estimator = PoseEstimator(
@@ -139,6 +144,7 @@ def body_in(
         forest_segmenter(model, camera),
         params=PoseParams(view=shown),
         joints=joint_model_for(model),
+        judge=_wears_markers,
     )
     people = estimator.look_at(depth_m, [mask], 0.0).people
     if not people:
@@ -147,3 +153,9 @@ def body_in(
     if view == BEHIND:
         parts = parts.with_sides_swapped()
     return SeenBody(depth_m, parts, people[0].joints.joints_m, camera)
+
+
+def _wears_markers(
+    _depth_m: Float32Array, _mask: BoolArray, _parts: LimbParts, _seen: PersonEvidence | None
+) -> Judgement:
+    return Judgement(True, ())

@@ -152,9 +152,10 @@ def find_in_recording(
     doubts = doubts_about(findings)
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
-        who_sees = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
-        markers = with_names(who_sees, markers, request.view, calibration, by_hand, rotation_deg)
-        view_doubts = doubts_about_view(namer, markers, request.view, calibration, rotation_deg)
+        by_places = namer
+        namer = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
+        markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
+        view_doubts = doubts_about_view(by_places, markers, request.view, calibration, rotation_deg)
         doubts = (*view_doubts, *doubts)
     picture_rgb = burst.picture_rgb()
     return FoundMarkers(

@@ -116,11 +116,14 @@ def _labelled(
 
 
 def with_namer(provenance: Provenance, namer: Namer | None) -> Provenance:
-    """Return the provenance with the model that named the markers; None: there was none."""
+    """Return the provenance with the model that named the markers; None: there was none.
+
+    It tells as well whether the namer knew the body that the depth shows.
+    """
     if namer is None:
         return provenance
     told = {key: namer.provenance[key] for key in TOLD if key in namer.provenance}
-    names = {"model": namer.identity, **told}
+    names = {"model": namer.identity, **told, "knew_body": namer.knows_body}
     return replace(provenance, parameters={**provenance.parameters, "names": names})
 
 

@@ -71,6 +71,11 @@ class Namer:
         return f"model {created} ({version})"
 
     @property
+    def knows_body(self) -> bool:
+        """Say whether it knows where a body is."""
+        return self._body_odds is not None
+
+    @property
     def provenance(self) -> Mapping[str, object]:
         """Return what the model was learned from."""
         return self._model.provenance

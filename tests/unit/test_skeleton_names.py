@@ -91,6 +91,7 @@ def test_the_provenance_tells_which_model_named():
     assert told["detection"] == {}
     assert told["names"]["model"] == shipped_namer().identity
     assert told["names"]["created_utc"] in shipped_namer().identity
+    assert not told["names"]["knew_body"]
 
 
 def test_a_name_that_a_hand_changes_is_the_model_s_no_more():

@@ -182,7 +182,9 @@ def test_markers_on_joints_have_their_names_where_the_protocol_marks_joints(stor
     assert len(named) >= 12
     assert max(offset_px(truth[one.label], one) for one in named) < 2.0
     models = {one.named_by.model for one in named}
-    assert models == {taken.provenance.parameters["names"]["model"]}
+    told = taken.provenance.parameters["names"]
+    assert models == {told["model"]}
+    assert told["knew_body"]
 
 
 def test_markers_of_a_capture_get_no_name_against_the_body_that_its_depth_shows(
