@@ -25,7 +25,6 @@ from adibas.pipeline.skeleton_simulator import simulate_shapes
 from adibas.skeleton.starts import turn_back
 from adibas.skeleton.tracking import name_movement
 from benchmarks.labelling_bands import band_rows
-from benchmarks.labelling_pictures import picture_rows
 from benchmarks.labelling_sets import marker_sets
 from benchmarks.mocap_files import c3d_rate_hz, read_c3d_joints, read_mocap_joints
 from benchmarks.skeleton_sets import msr_action3d, utd_mhad, utkinect
@@ -103,7 +102,6 @@ def rows(*, quick: bool) -> Iterable[Row]:
     yield from _rows(f"standing, all 15, view not told, {told}", count, None)
     for kind in ("standing", "gesture"):
         yield from band_rows(people.shapes_m[kinds == kind], f"{kind}, {told}", SEED, share)
-    yield from picture_rows(SEED, share)
     of_clinic = people.shapes_m[np.isin(kinds, ("standing", "seated"))]
     count = label_all(of_clinic, N_SWAP_SETS // share, Told(still=True))
     yield Row(f"silent left-right swaps in {count.n} sets", count.swapped, "sets", 0, "goal")
