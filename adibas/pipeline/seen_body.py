@@ -73,7 +73,7 @@ def with_body(
     ----------
     namer : Namer
         Comes back as it is where it names other landmarks than the joints, where no view is
-        declared, and where no whole person is seen.
+        declared, and where nobody is seen.
     surface : BurstDisparity
         Of the burst.
     view : str
@@ -109,7 +109,7 @@ def knowing(namer: Namer, body: SeenBody, view: str, upright_from_depth: RigidTr
 def see_body(
     depth_m: Float32Array, view: str, calibration: RgbdCalibration, rotation_deg: int = 0
 ) -> SeenBody | None:
-    """Return the body in an (H, W) depth image; None where no whole person is found."""
+    """Return the body in an (H, W) depth image; None where nobody is found."""
     if calibration.depth is None:
         return None
     turn = turn_to_upright(calibration, rotation_deg)
