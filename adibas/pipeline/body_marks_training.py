@@ -9,13 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
-from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES, mirror_order
+from adibas.data.joints import JOINT_NAMES
 from adibas.pipeline.body_marks_file import write_marks
 from adibas.pipeline.marked_people import MarkedPicture, marked_pictures
 from adibas.pipeline.seen_body import SeenBody, body_in
 from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.skeleton_names import upright_turn
-from adibas.skeleton.body_marks import N_PARTS, VIEWS, BodyMarks, ViewMarks
+from adibas.skeleton.body_marks import (
+    ACROSS,
+    N_PARTS,
+    OTHER_JOINTS,
+    OTHER_PARTS,
+    VIEWS,
+    BodyMarks,
+    ViewMarks,
+)
 
 SEED, N_PICTURES = 6010, 2400
 FARTHEST = 14.2
@@ -52,13 +60,12 @@ class Example:
 
     def mirrored(self) -> "Example":
         """Return the mirror image."""
-        parts = [*mirror_order(BODY_PART_NAMES), len(BODY_PART_NAMES)]
         return Example(
             self.view,
-            np.array(mirror_order(JOINT_NAMES))[self.joints],
-            self.offsets_m * np.array([-1.0, 1.0, 1.0]),
-            self.shares[:, parts],
-            self.whole[parts],
+            OTHER_JOINTS[self.joints],
+            self.offsets_m * ACROSS,
+            self.shares[:, OTHER_PARTS],
+            self.whole[OTHER_PARTS],
         )
 
 

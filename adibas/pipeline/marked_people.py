@@ -5,7 +5,6 @@ chair, seen from one of the four sides. Where a joint is marked is drawn among t
 most markers; what the camera does not see is missing.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,6 +16,7 @@ from adibas.data.frames import depth_in_metres
 from adibas.data.joints import JOINT_NAMES
 from adibas.geometry.pinhole import project
 from adibas.pipeline.skeleton_marks import MarkedBody
+from adibas.pipeline.skeleton_poses import draw_pose
 from adibas.pipeline.skeleton_simulator import SKIN_PLACES
 from adibas.simulation.body import PosedBody
 from adibas.simulation.device import DEPTH_UNIT_M
@@ -30,7 +30,7 @@ from adibas.simulation.limb_frames import (
     dressed_person,
 )
 from adibas.simulation.poses import ArmAngles, Pose
-from adibas.simulation.random_poses import Kind, random_figure
+from adibas.simulation.random_poses import angle_drawer, random_figure
 from adibas.simulation.surface import SurfaceAnchors
 from adibas.skeleton.starts import HEADINGS_RAD
 
@@ -118,16 +118,12 @@ def _settings(heading_rad: float) -> FrameSettings:
 def _pose(rng: np.random.Generator, kind: str, dressed: Dressed) -> Pose | None:
     if kind == ON_THIGHS:
         return hands_on_thighs(rng, MarkedBody(dressed.body))
-    of_kind: Kind = "standing" if kind == "standing" else "moving"
-    return random_figure(rng, "seated" if kind == "seated" else of_kind).pose()
+    return draw_pose(rng, kind)
 
 
 def hands_on_thighs(rng: np.random.Generator, body: MarkedBody) -> Pose | None:
     """Return somebody who sits upright with the hands on the thighs; None where none was found."""
-
-    def draw(low_deg: float, high_deg: float) -> float:
-        return math.radians(float(rng.uniform(low_deg, high_deg)))
-
+    draw = angle_drawer(rng)
     for _ in range(MOST_TRIALS):
         legs = random_figure(rng, "seated")
         trunk = TrunkAngles(
@@ -193,7 +189,7 @@ def _marked(
     order = rng.permutation(len(names))
     points = np.array(points_m).reshape(-1, 3)[order]
     named = tuple(names[i] for i in order)
-    up = frame.from_body.rotation @ np.array([0.0, -1.0, 0.0])
+    up = frame.camera_from_body.rotation @ np.array([0.0, -1.0, 0.0])
     return MarkedPicture(*what, depth_m, frame.labels > 0, camera, points, named, up)
 
 
@@ -201,7 +197,7 @@ def _places_m(frame: LimbFrame, dressed: Dressed) -> dict[str, FloatArray]:
     """Return for each joint (P, 1 or 2, 3) places on cloth or skin in which it may be marked."""
     body, posed = dressed.body, frame.posed
     fronts, backs, marks = (
-        frame.from_body.apply(_on_cloth(dressed, posed, anchors))
+        frame.camera_from_body.apply(_on_cloth(dressed, posed, anchors))
         for anchors in (body.front_joint_anchors, body.back_joint_anchors, body.landmark_anchors)
     )
     landmarks = dict(zip(body.landmark_anchors.names, marks, strict=True))

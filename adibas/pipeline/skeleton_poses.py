@@ -4,17 +4,12 @@ Beside the kinds of `adibas.simulation.random_poses`: seated with the arms towar
 active: anything that somebody does who climbs, throws, crouches or jumps. The ranges are ours.
 """
 
-import math
-from collections.abc import Callable
-
 import numpy as np
 
 from adibas.simulation.figures import Figure, TrunkAngles
 from adibas.simulation.gestures import gesture_names, perform
 from adibas.simulation.poses import ArmAngles, LegAngles, Pose
-from adibas.simulation.random_poses import Kind, random_figure
-
-Draw = Callable[[float, float], float]
+from adibas.simulation.random_poses import DrawAngle, Kind, angle_drawer, random_figure
 
 LOW_ARM_SHARE, HIGH_ARM_SHARE = 0.35, 0.25
 STRAIGHT_LEG_SHARE = 0.5
@@ -28,20 +23,13 @@ def draw_pose(rng: np.random.Generator, kind: str) -> Pose:
         gesture = perform(str(rng.choice(gesture_names())), int(rng.integers(2**31)))
         return gesture.pose(float(rng.uniform(0.0, gesture.duration_s)))
     if kind in ("table", "active"):
-        draw = _drawer(rng)
+        draw = angle_drawer(rng)
         return (_at_table(draw) if kind == "table" else _active(draw, rng)).pose()
     of_kind: Kind = "standing" if kind == "standing" else "moving"
     return random_figure(rng, "seated" if kind == "seated" else of_kind).pose()
 
 
-def _drawer(rng: np.random.Generator) -> Draw:
-    def draw(low_deg: float, high_deg: float) -> float:
-        return math.radians(float(rng.uniform(low_deg, high_deg)))
-
-    return draw
-
-
-def _at_table(draw: Draw) -> Figure:
+def _at_table(draw: DrawAngle) -> Figure:
     trunk = TrunkAngles(
         pelvis=draw(-15, 25),
         chest=draw(-15, 40),
@@ -67,7 +55,7 @@ def _at_table(draw: Draw) -> Figure:
     return Figure(arms[0], arms[1], legs[0], legs[1], trunk)
 
 
-def _active(draw: Draw, rng: np.random.Generator) -> Figure:
+def _active(draw: DrawAngle, rng: np.random.Generator) -> Figure:
     share = float(rng.choice([UPRIGHT, 1.0]))
     trunk = TrunkAngles(
         pelvis=share * draw(-15, 60),
@@ -83,7 +71,7 @@ def _active(draw: Draw, rng: np.random.Generator) -> Figure:
     return Figure(arms[0], arms[1], legs[0], legs[1], trunk)
 
 
-def _active_arm(draw: Draw, chance: float) -> ArmAngles:
+def _active_arm(draw: DrawAngle, chance: float) -> ArmAngles:
     if chance < LOW_ARM_SHARE:
         elevation = draw(0, 45)
     elif chance < 1.0 - HIGH_ARM_SHARE:
@@ -101,7 +89,7 @@ def _active_arm(draw: Draw, chance: float) -> ArmAngles:
     )
 
 
-def _active_leg(draw: Draw, chance: float) -> LegAngles:
+def _active_leg(draw: DrawAngle, chance: float) -> LegAngles:
     is_straight = chance < STRAIGHT_LEG_SHARE
     flexion = draw(-25, 35) if is_straight else draw(-20, 110)
     knee = 0.6 * max(flexion, 0.0) + draw(0, 60) if is_straight else draw(0, 125)

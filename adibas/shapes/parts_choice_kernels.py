@@ -17,7 +17,7 @@ from adibas.shapes.parts_core_kernels import (
     count_named,
     heading_energy,
     known_rows,
-    named_odds,
+    label_odds_of,
     rate_core,
     spread_of_missing,
     turned_to_mean,
@@ -56,7 +56,7 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     rows, values = known_rows(moved, own)
     of_core = np.empty(odds.n_kinds)
     component = rate_core(rows, values, core, odds, of_core)
-    of_core += named_odds(own, core.labels, odds)
+    of_core += label_odds_of(own, core.labels, odds)
     whole = whole_core(rows, values, core, component)
     plain, mirrored, size_m = core_numbers(whole, core)
     is_taken = _taken(own, len(points))

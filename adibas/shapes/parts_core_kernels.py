@@ -27,11 +27,11 @@ def count_named(own: IntArray) -> int:
 
 
 @compiled
-def named_odds(own: IntArray, labels: IntArray, odds: Odds) -> float:
+def label_odds_of(own: IntArray, labels: IntArray, odds: Odds) -> float:
     """Return the log odds of the points of a core by what is known of them beside the places."""
     total = 0.0
     for i in range(len(own)):
-        total += odds.named[own[i], labels[i]] if own[i] >= 0 else 0.0
+        total += odds.label_odds[own[i], labels[i]] if own[i] >= 0 else 0.0
     return total
 
 

@@ -184,9 +184,9 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
             continue
         for k in range(n_components):
             near = whiten(ways[j], places[k], factors[k], white[k])
-            inner[k] = weights[k] + unit - near + odds.named[j, limbs.labels[limb, 0]]
+            inner[k] = weights[k] + unit - near + odds.label_odds[j, limbs.labels[limb, 0]]
             alone = whiten(ways[j], places[k, 3:], outer_factors[k], scratch)
-            outer[k] = weights[k] + unit - alone + odds.named[j, limbs.labels[limb, 1]]
+            outer[k] = weights[k] + unit - alone + odds.label_odds[j, limbs.labels[limb, 1]]
         count = _note(outer, kinds, -1, j, pairs, by_kind, count)
         before = count
         count = _note(inner, kinds, j, -1, pairs, by_kind, count)
@@ -201,7 +201,7 @@ def list_choices(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its inter
                 factors,
                 kinds,
                 unit,
-                odds.named[:, limbs.labels[limb, 1]],
+                odds.label_odds[:, limbs.labels[limb, 1]],
                 pairs,
                 by_kind,
                 count,
@@ -220,14 +220,14 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     factors: FloatArray,
     kinds: IntArray,
     unit: float,
-    named: FloatArray,
+    outer_odds: FloatArray,
     pairs: IntArray,
     by_kind: FloatArray,
     count: int,
 ) -> int:
     """Add the choices in which point j is the inner one and another the outer one.
 
-    `named` are the (M,) log odds of the outer label beside places.
+    `outer_odds` are the (M,) log odds of the outer label beside places.
     """
     logs = np.empty(len(inner))
     best = inner.max()
@@ -238,7 +238,7 @@ def _beyond(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
             logs[k] = NEVER
             if inner[k] > best - FAR:
                 cost = whiten_outer(ways[i], places[k], factors[k], white[k])
-                logs[k] = inner[k] + unit - cost + named[i]
+                logs[k] = inner[k] + unit - cost + outer_odds[i]
         count = _note(logs, kinds, j, i, pairs, by_kind, count)
     return count
 

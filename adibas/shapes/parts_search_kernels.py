@@ -19,8 +19,8 @@ from adibas.shapes.parts_core_kernels import (
     count_named,
     heading_energy,
     known_rows,
+    label_odds_of,
     leave_one_out_core,
-    named_odds,
     rate_core,
     turned_to_mean,
 )
@@ -137,7 +137,7 @@ def _hope(points: FloatArray, own: IntArray, core: Core, odds: Odds) -> float:
     rate_core(rows, values, core, odds, by_kind)
     n_limb_labels = len(odds.counts) - 1 - len(own)
     n_left = min(len(points) - count_named(own), n_limb_labels)
-    likely = by_kind.max() + named_odds(own, core.labels, odds)
+    likely = by_kind.max() + label_odds_of(own, core.labels, odds)
     return float(heading_energy(-angle_rad, odds) - likely - odds.lone * n_left)
 
 
@@ -165,7 +165,7 @@ def _costs(
     places, spreads = leave_one_out_core(rows, values, own, core, component)
     costs = pair_costs(moved, places, spreads, alone, widening)
     for i in range(len(own)):
-        costs[i] -= odds.named[:, core.labels[i]]
+        costs[i] -= odds.label_odds[:, core.labels[i]]
     return costs
 
 

@@ -131,7 +131,7 @@ class Odds(NamedTuple):
         Of energies of a patient who faces the other way, where no heading was declared.
     mixed : (L,) array
         How often a limb is as in any kind of posture, whatever the rest of the body does.
-    named : (M, N) array
+    label_odds : (M, N) array
         Log odds of each label for each point by what is known of it beside the places.
     n_judged, n_varied : int
         Cores that get limbs, and of these, cores whose neighbours get limbs: more of them, up to
@@ -150,7 +150,7 @@ class Odds(NamedTuple):
     gap: float
     side_divisor: float
     mixed: FloatArray
-    named: FloatArray
+    label_odds: FloatArray
     n_judged: int
     n_varied: int
     too_unlikely: float

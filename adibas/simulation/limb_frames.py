@@ -108,8 +108,7 @@ class LimbFrame:
         Of pose.
     posed : PosedBody
         Whom it shows, without clothes.
-    from_body : RigidTransform
-        From body axes to camera axes.
+    camera_from_body : RigidTransform
     """
 
     depth_mm: UInt16Array
@@ -119,7 +118,7 @@ class LimbFrame:
     person: int
     kind: str
     posed: PosedBody
-    from_body: RigidTransform
+    camera_from_body: RigidTransform
 
     def __post_init__(self) -> None:
         for array in (self.depth_mm, self.labels, self.color_rgb, self.joints_m):

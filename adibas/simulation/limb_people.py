@@ -5,7 +5,6 @@ drawn more often: both arms alike, hands over the head, at the face, together or
 bends, steps, crouching, sitting. The shares are ours.
 """
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
@@ -17,7 +16,7 @@ from adibas.simulation.figures import Figure, TrunkAngles
 from adibas.simulation.gestures import gesture_names, perform
 from adibas.simulation.looks import CLOTH_SRGB, HAIR_SRGB, SKIN_TONES_SRGB, Look
 from adibas.simulation.poses import ArmAngles, LegAngles, Pose
-from adibas.simulation.random_poses import random_figure
+from adibas.simulation.random_poses import DrawAngle, angle_drawer, random_figure
 
 KIND_SHARES: Mapping[str, float] = {
     "standing": 0.12,
@@ -34,7 +33,6 @@ ALIKE_SHARE = 0.35
 """Of people whose arms do about the same."""
 CHILDREN_SHARE = 0.3
 GROWN_YEARS = 18.0
-_Draw = Callable[[float, float], float]
 
 
 def random_shape(rng: np.random.Generator) -> BodyShape:
@@ -89,14 +87,10 @@ def wide_pose(rng: np.random.Generator, kind: str) -> Pose:
     return _perhaps_alike(_PLANS[kind](rng), rng).pose()
 
 
-def _drawer(rng: np.random.Generator) -> _Draw:
-    return lambda low_deg, high_deg: math.radians(float(rng.uniform(low_deg, high_deg)))
-
-
 def _perhaps_alike(figure: Figure, rng: np.random.Generator) -> Figure:
     if rng.random() > ALIKE_SHARE:
         return figure
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
     left = figure.left_arm
     right = replace(
         left,
@@ -109,7 +103,7 @@ def _perhaps_alike(figure: Figure, rng: np.random.Generator) -> Figure:
     return replace(figure, right_arm=right)
 
 
-def _upright(draw: _Draw) -> TrunkAngles:
+def _upright(draw: DrawAngle) -> TrunkAngles:
     return TrunkAngles(
         pelvis=draw(-8, 12),
         chest=draw(-12, 20),
@@ -125,7 +119,7 @@ def _any_arm(rng: np.random.Generator) -> ArmAngles:
     return random_figure(rng, "moving" if rng.random() < 0.6 else "standing").left_arm  # noqa: PLR2004
 
 
-def _standing_legs(draw: _Draw) -> tuple[LegAngles, LegAngles]:
+def _standing_legs(draw: DrawAngle) -> tuple[LegAngles, LegAngles]:
     def leg() -> LegAngles:
         return LegAngles(draw(-6, 15), draw(-1, 15), draw(0, 25), draw(-5, 25))
 
@@ -134,7 +128,7 @@ def _standing_legs(draw: _Draw) -> tuple[LegAngles, LegAngles]:
 
 def _overhead(rng: np.random.Generator) -> Figure:
     """Return one or both hands above the shoulders."""
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
 
     def arm() -> ArmAngles:
         return ArmAngles(
@@ -154,7 +148,7 @@ def _overhead(rng: np.random.Generator) -> Figure:
 
 def _at_body(rng: np.random.Generator) -> Figure:
     """Return hands at the body: folded, together, at the hips, the face, the other arm."""
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
 
     def arm() -> ArmAngles:
         return ArmAngles(
@@ -183,7 +177,7 @@ def _at_body(rng: np.random.Generator) -> Figure:
 
 def _stepping(rng: np.random.Generator) -> Figure:
     """Return a step, a lunge, a kick, or one leg up."""
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
     forward = draw(5, 75)
     knee = forward * float(rng.uniform(0.0, 1.4)) + draw(0, 50)
     leading = LegAngles(forward, draw(-3, 30), knee, draw(-10, 30))
@@ -195,7 +189,7 @@ def _stepping(rng: np.random.Generator) -> Figure:
 
 def _bending(rng: np.random.Generator) -> Figure:
     """Return a deep bend, hands anywhere between the knees and the floor or on the body."""
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
     depth = draw(50, 125)
     trunk = TrunkAngles(
         pelvis=depth * float(rng.uniform(0.4, 0.8)),
@@ -224,7 +218,7 @@ def _bending(rng: np.random.Generator) -> Figure:
 
 def _crouching(rng: np.random.Generator) -> Figure:
     """Return knees deeply bent."""
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
     flexion = draw(55, 110)
     legs = [
         LegAngles(

@@ -17,7 +17,8 @@ from adibas.simulation.poses import ArmAngles, LegAngles
 Kind: TypeAlias = Literal["standing", "moving", "seated"]
 KINDS: tuple[Kind, ...] = ("standing", "moving", "seated")
 
-_Draw: TypeAlias = Callable[[float, float], float]
+DrawAngle: TypeAlias = Callable[[float, float], float]
+"""Takes the least and the greatest angle in degrees; returns one between them in radians."""
 
 
 def random_figure(rng: np.random.Generator, kind: Kind) -> Figure:
@@ -32,7 +33,7 @@ def random_figure(rng: np.random.Generator, kind: Kind) -> Figure:
         ``moving``: anything that somebody on his feet does with arms, trunk and knees;
         ``seated``: on a chair, arms anywhere before the body.
     """
-    draw = _drawer(rng)
+    draw = angle_drawer(rng)
     if kind == "standing":
         return _standing(draw)
     trunk = _trunk(draw, widest=1.0 if kind == "moving" else 0.5)
@@ -43,14 +44,16 @@ def random_figure(rng: np.random.Generator, kind: Kind) -> Figure:
     return Figure(arms[0], arms[1], legs[0], legs[1], trunk)
 
 
-def _drawer(rng: np.random.Generator) -> _Draw:
+def angle_drawer(rng: np.random.Generator) -> DrawAngle:
+    """Return what draws angles evenly."""
+
     def draw(low_deg: float, high_deg: float) -> float:
         return math.radians(float(rng.uniform(low_deg, high_deg)))
 
     return draw
 
 
-def _standing(draw: _Draw) -> Figure:
+def _standing(draw: DrawAngle) -> Figure:
     def arm() -> ArmAngles:
         return ArmAngles(
             elevation=draw(3, 35),
@@ -75,7 +78,7 @@ def _standing(draw: _Draw) -> Figure:
     return Figure(arm(), arm(), leg(), leg(), trunk)
 
 
-def _trunk(draw: _Draw, widest: float) -> TrunkAngles:
+def _trunk(draw: DrawAngle, widest: float) -> TrunkAngles:
     return TrunkAngles(
         pelvis=draw(-10, 50 * widest),
         chest=draw(-15, 80 * widest),
@@ -87,7 +90,7 @@ def _trunk(draw: _Draw, widest: float) -> TrunkAngles:
     )
 
 
-def _arm(rng: np.random.Generator, draw: _Draw) -> ArmAngles:
+def _arm(rng: np.random.Generator, draw: DrawAngle) -> ArmAngles:
     """Hanging or raised: a limb drawn evenly over all it can do would hang in few poses."""
     is_hanging = rng.random() < 0.4  # noqa: PLR2004  (a share, ours)
     elevation = draw(3, 40) if is_hanging else draw(30, 165)
@@ -102,13 +105,13 @@ def _arm(rng: np.random.Generator, draw: _Draw) -> ArmAngles:
     )
 
 
-def _leg(draw: _Draw) -> LegAngles:
+def _leg(draw: DrawAngle) -> LegAngles:
     flexion = draw(-15, 60)
     knee = max(flexion, 0.0) * 0.7 + draw(0, 50)
     return LegAngles(flexion, draw(-3, 25), knee, draw(-10, 30), draw(0, 20))
 
 
-def _seated_leg(draw: _Draw) -> LegAngles:
+def _seated_leg(draw: DrawAngle) -> LegAngles:
     flexion = draw(75, 100)
     return LegAngles(flexion, draw(-2, 20), flexion + draw(-25, 15), draw(-10, 25))
 

@@ -24,6 +24,10 @@ VIEWS = ("anterior", "posterior", "lateral")
 """The last as the right side is seen; the left one is its mirror image."""
 N_PARTS = len(BODY_PART_NAMES) + 1
 """With what is no limb (furniture)."""
+OTHER_JOINTS = np.array(mirror_order(JOINT_NAMES))
+OTHER_PARTS = np.array([*mirror_order(BODY_PART_NAMES), len(BODY_PART_NAMES)])
+ACROSS = np.array([-1.0, 1.0, 1.0])
+"""What each joint and part is in the mirror image, and what becomes of a way there."""
 FOUND_ELSEWHERE = 0.1
 """How often a joint without markers is taken to be found somewhere else."""
 ROOM_M3 = 0.3
@@ -69,13 +73,10 @@ class ViewMarks:
 
     def mirrored(self) -> "ViewMarks":
         """Return what the mirror image would teach."""
-        joints = mirror_order(JOINT_NAMES)
-        parts = [*mirror_order(BODY_PART_NAMES), len(BODY_PART_NAMES)]
-        across = np.array([-1.0, 1.0, 1.0])
         return ViewMarks(
-            self.offsets_m[joints] * across,
-            self.covariances_m2[joints] * np.outer(across, across),
-            self.part_odds[np.ix_(joints, parts)],
+            self.offsets_m[OTHER_JOINTS] * ACROSS,
+            self.covariances_m2[OTHER_JOINTS] * np.outer(ACROSS, ACROSS),
+            self.part_odds[np.ix_(OTHER_JOINTS, OTHER_PARTS)],
         )
 
 
@@ -120,7 +121,7 @@ def mark_log_odds(
         Of the parts about each point; NaN where nothing of the body is there: that tells nothing.
     """
     odds = _beside_joints(marks, points_m, joints_m) + PART_WEIGHT * _on_parts(marks, shares)
-    of_other = odds[:, mirror_order(JOINT_NAMES)]
+    of_other = odds[:, OTHER_JOINTS]
     sure = np.log([1.0 - OTHER_SIDE, OTHER_SIDE])
     return np.asarray(np.logaddexp(sure[0] + odds, sure[1] + of_other))
 

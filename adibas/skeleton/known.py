@@ -38,7 +38,7 @@ class Known:
         """Return the (P,) log odds by size of (P, N) ways to name: each name's point, or -1."""
         return np.asarray(np.append(self.size_odds, 0.0)[partners].sum(axis=1))
 
-    def named_odds(self, n_names: int) -> FloatArray:
+    def label_odds(self, n_names: int) -> FloatArray:
         """Return the (M, N) log odds by where the body is; 0 where no body was looked for."""
         if self.body_odds is None:
             return np.zeros((len(self.size_odds), n_names))

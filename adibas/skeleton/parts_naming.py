@@ -91,8 +91,8 @@ def find_by_parts(
     origin_m = points_m.mean(axis=0)
     points = np.ascontiguousarray(points_m - origin_m)
     known = replace(known, seen=known.seen.about(origin_m))
-    named = known.named_odds(len(model.names))
-    expected = expected_odds(model, named, view, odds, QUICK)
+    label_odds = known.label_odds(len(model.names))
+    expected = expected_odds(model, label_odds, view, odds, QUICK)
     turns, shifts = list_turns(prepared.model, view)
     free = _by_neighbours(prepared, points, shifts, expected)[:, model.core.labels]
     starts = np.concatenate([free, _forced(free, known.given, model.core.labels)])
@@ -103,7 +103,7 @@ def find_by_parts(
         is_usual = pool.energies.min() < -odds.usual
         if is_usual and _is_settled(found, len(model.names)):
             return found
-    expected = expected_odds(model, named, view, odds, THOROUGH)
+    expected = expected_odds(model, label_odds, view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
     laid = np.concatenate([laid, _by_hips(points, model)])

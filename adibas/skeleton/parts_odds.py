@@ -109,10 +109,10 @@ class PartsOdds:
 
 
 def expected_odds(
-    model: PartsModel, named: FloatArray, view: str, odds: PartsOdds, effort: Effort
+    model: PartsModel, label_odds: FloatArray, view: str, odds: PartsOdds, effort: Effort
 ) -> Odds:
-    """Return what is expected of points of a view (empty: unknown); `named` as in `Odds`."""
-    n_points, n = named.shape
+    """Return what is expected of points of a view (empty: unknown); `label_odds` as in `Odds`."""
+    n_points, n = label_odds.shape
     counts = np.full(n + 1, np.inf)
     for n_missing in range(n + 1):
         n_spurious = n_points - (n - n_missing)
@@ -136,7 +136,7 @@ def expected_odds(
         gap=odds.gap * odds.temperature,
         side_divisor=odds.side_divisor,
         mixed=mixed,
-        named=named,
+        label_odds=label_odds,
         n_judged=effort.n_judged,
         n_varied=effort.n_varied,
         too_unlikely=effort.too_unlikely,
