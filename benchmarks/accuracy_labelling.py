@@ -23,7 +23,7 @@ from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
 from adibas.skeleton.starts import turn_back
-from adibas.skeleton.tracking import name_movement
+from adibas.skeleton.tracking import MovingPoints, name_movement
 from benchmarks.labelling_bands import band_rows
 from benchmarks.labelling_sets import marker_sets
 from benchmarks.mocap_files import c3d_rate_hz, read_c3d_joints, read_mocap_joints
@@ -200,9 +200,12 @@ def _followed(movements: list[FloatArray], rate_hz: float) -> Count:
         frames_m = movement[:: round(rate_hz / TRACKED_HZ)]
         orders = [rng.permutation(len(joints_m)) for joints_m in frames_m]
         shuffled_m = [joints_m[order] for joints_m, order in zip(frames_m, orders, strict=True)]
-        times_s = [number / TRACKED_HZ for number in range(len(frames_m))]
+        frames = [
+            MovingPoints(points_m, number / TRACKED_HZ)
+            for number, points_m in enumerate(shuffled_m)
+        ]
         begin = time.thread_time()
-        tracked = list(name_movement(shipped_namer(), shuffled_m, times_s))
+        tracked = name_movement(shipped_namer(), frames)
         count.seconds += time.thread_time() - begin
         for one, order in zip(tracked, orders, strict=True):
             count.add(one.names, tuple(JOINT_NAMES[i] for i in order))

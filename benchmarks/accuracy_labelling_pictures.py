@@ -12,7 +12,7 @@ import numpy as np
 
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.marked_people import KINDS, MarkedPicture, marked_pictures
-from adibas.pipeline.seen_body import body_in, knowing
+from adibas.pipeline.seen_body import body_in, body_odds
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
 from adibas.skeleton.namer import Namer
@@ -83,4 +83,4 @@ def rows(*, quick: bool) -> Iterable[Row]:
 
 def _who_sees(namer: Namer, picture: MarkedPicture, upright: RigidTransform) -> Namer | None:
     body = body_in(picture.depth_m, picture.mask, picture.view, picture.camera)
-    return None if body is None else knowing(namer, body, picture.view, upright)
+    return None if body is None else namer.who_sees(body_odds(body, picture.view, upright))

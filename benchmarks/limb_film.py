@@ -14,7 +14,13 @@ from adibas.data.joints import BODY_PART_NAMES
 from adibas.data.limbs import UPPER_BODY
 from adibas.limbs.training_set import TO_TORSO
 from adibas.simulation.figures import Figure
-from adibas.simulation.limb_frames import FrameSettings, LimbFrame, LimbFrames, dressed_person
+from adibas.simulation.limb_frames import (
+    Film,
+    FrameSettings,
+    LimbFrame,
+    LimbFrames,
+    dressed_person,
+)
 from adibas.simulation.limb_people import wide_pose
 from adibas.simulation.poses import Pose
 from adibas.simulation.random_poses import random_figure
@@ -88,7 +94,7 @@ class ThesisFrames:
         actor = session * ACTORS // SESSIONS
         dressed = dressed_person(ACTOR_SEED, actor)
         pose = film_pose(session, (index - first) / FRAMES_A_POSE)
-        return self._frames.seen(dressed, pose, (actor, "film"), index, session)
+        return self._frames.seen(dressed, pose, (actor, "film"), index, Film(session))
 
 
 def film_pose(session: int, time: float) -> Pose:

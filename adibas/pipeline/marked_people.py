@@ -5,7 +5,7 @@ chair, seen from one of the four sides. Where a joint is marked is drawn among t
 most markers; what the camera does not see is missing.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,6 +79,24 @@ class MarkedPicture:
     points_m: FloatArray
     names: tuple[str, ...]
     up: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointPlaces:
+    """Where one joint, or both of a pair, may be marked.
+
+    Attributes
+    ----------
+    names : tuple of str
+        One, or those of left and right.
+    options_m : (P, 1 or 2, 3) array
+        Places, in camera axes.
+    is_seen : (P, 1 or 2) bool array
+    """
+
+    names: tuple[str, ...]
+    options_m: FloatArray
+    is_seen: BoolArray
 
 
 def marked_pictures(seed: int, n_pictures: int, first: int = 0) -> Iterator[MarkedPicture]:
@@ -172,23 +190,46 @@ def _marked(
     camera: CameraCalibration,
     what: tuple[str, str],
 ) -> MarkedPicture:
-    depth_m = depth_in_metres(frame.depth_mm, DEPTH_UNIT_M)
-    is_body = (frame.labels > 0) & (frame.labels != CLUTTER)
     names: list[str] = []
     points_m: list[FloatArray] = []
-    places = _places_m(frame, dressed)
-    for joint, options in places.items():
-        sides = [f"{side}_{joint}" for side in ("left", "right")] if joint in PAIRED else [joint]
-        is_seen = _are_seen(options, depth_m, is_body, camera)
-        counts = is_seen.sum(axis=1)
+    for places in places_of(frame, dressed, camera):
+        counts = places.is_seen.sum(axis=1)
         chosen = int(rng.choice(np.flatnonzero(counts == counts.max())))
-        for side, name in enumerate(sides):
-            if is_seen[chosen, side]:
+        for side, name in enumerate(places.names):
+            if places.is_seen[chosen, side]:
                 names.append(name)
-                points_m.append(options[chosen, side] + rng.normal(scale=MARKER_SD_M, size=3))
+                noise_m = rng.normal(scale=MARKER_SD_M, size=3)
+                points_m.append(places.options_m[chosen, side] + noise_m)
+    return shown(rng, frame, camera, what, (points_m, names))
+
+
+def places_of(frame: LimbFrame, dressed: Dressed, camera: CameraCalibration) -> list[JointPlaces]:
+    """Return where each joint, or both of a pair, may be marked, and what of it is seen."""
+    depth_m = depth_in_metres(frame.depth_mm, DEPTH_UNIT_M)
+    is_body = (frame.labels > 0) & (frame.labels != CLUTTER)
+    return [
+        JointPlaces(
+            tuple(f"{side}_{joint}" for side in ("left", "right")) if joint in PAIRED else (joint,),
+            options_m,
+            _are_seen(options_m, depth_m, is_body, camera),
+        )
+        for joint, options_m in _places_m(frame, dressed).items()
+    ]
+
+
+def shown(
+    rng: np.random.Generator,
+    frame: LimbFrame,
+    camera: CameraCalibration,
+    what: tuple[str, str],
+    markers: tuple[Sequence[FloatArray], Sequence[str]],
+) -> MarkedPicture:
+    """Return the picture of a frame with markers, in any order; `what` are kind and view."""
+    points_m, names = markers
     order = rng.permutation(len(names))
     points = np.array(points_m).reshape(-1, 3)[order]
     named = tuple(names[i] for i in order)
+    depth_m = depth_in_metres(frame.depth_mm, DEPTH_UNIT_M)
     up = frame.camera_from_body.rotation @ np.array([0.0, -1.0, 0.0])
     return MarkedPicture(*what, depth_m, frame.labels > 0, camera, points, named, up)
 

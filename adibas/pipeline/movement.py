@@ -19,6 +19,7 @@ from adibas.data.protocol_measures import VerticalOrigin
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
 from adibas.errors import CalibrationError, LimbError, MarkerError, RecordingError
+from adibas.geometry.rigid import RigidTransform
 from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import MovementParams, MovementSource, measure_movement
 from adibas.pipeline.calibration_age import check_age
@@ -26,6 +27,7 @@ from adibas.pipeline.in_order import in_order
 from adibas.pipeline.learning import read_target
 from adibas.pipeline.movement_markers import (
     FrameMarkers,
+    SeenPerson,
     doubts_about_frames,
     markers_of_frame,
 )
@@ -33,6 +35,7 @@ from adibas.pipeline.pose import PoseRequest, pose_recording
 from adibas.pipeline.pose_following import PoseParams
 from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams
 from adibas.pipeline.provenance import provenance_of
+from adibas.pipeline.seen_body import body_odds, see_body
 from adibas.pipeline.session import calibration_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
@@ -44,8 +47,9 @@ from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.joints_csv import is_joint_table, read_joints_csv
 from adibas.recordings.ports import RecordingReader
 from adibas.recordings.reading import no_whole_frame
+from adibas.skeleton.body_marks import BodyOdds
 from adibas.skeleton.sides import BACK, FRONT
-from adibas.skeleton.tracking import TrackedNames, name_movement
+from adibas.skeleton.tracking import MovingPoints, SeenFrom, TrackedNames, name_movement
 from adibas.texts import message
 
 OTHER_PEOPLE = message(
@@ -239,19 +243,46 @@ def _follow(
     times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
     seen: list[FrameMarkers] = []
 
-    def work(frame: RgbdFrame) -> FrameMarkers:
+    def work(frame: RgbdFrame) -> tuple[FrameMarkers, SeenPerson | None]:
         return markers_of_frame(frame, calibration, target, request.posture)
 
-    def upright(found: Iterable[FrameMarkers]) -> Iterator[FloatArray]:
-        for of_frame in found:
+    def upright(
+        found: Iterable[tuple[FrameMarkers, SeenPerson | None]],
+    ) -> Iterator[MovingPoints]:
+        sees = _Bodies(calibration, upright_from_camera, request.posture.rotation_deg)
+        for time_s, (of_frame, person) in zip(times_s.tolist(), found, strict=True):
             seen.append(of_frame)
             progress(len(seen), n_frames)
-            yield of_frame.points_m @ upright_from_camera.T
+            points_m = of_frame.points_m @ upright_from_camera.T
+            yield MovingPoints(points_m, time_s, body=sees.of(person))
 
     with in_order(work, _frames(recording, calibration, kept), N_THREADS) as found:
-        named = name_movement(shipped_namer(), upright(found), times_s.tolist(), request.view)
+        named = name_movement(shipped_namer(), upright(found), request.view)
     joints = _joints(timestamps_ns, [one.points_m for one in seen], named)
     return joints, (*_spare(named), *doubts_about_frames(seen))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Bodies:
+    """What the bodies tell that the depth of a recording shows."""
+
+    calibration: RgbdCalibration
+    upright_from_color: FloatArray
+    rotation_deg: int
+
+    def of(self, person: SeenPerson | None) -> SeenFrom | None:
+        """Return what tells of a frame's body, once the view is known."""
+        if person is None:
+            return None
+        return lambda view: self._told(person, view)
+
+    def _told(self, person: SeenPerson, view: str) -> BodyOdds | None:
+        calibration = self.calibration
+        body = see_body(person.depth_m, view, calibration, self.rotation_deg, person.pixels)
+        if body is None:
+            return None
+        upright = RigidTransform(self.upright_from_color, np.zeros(3))
+        return body_odds(body, view, upright @ calibration.color_from_depth)
 
 
 def _joints(

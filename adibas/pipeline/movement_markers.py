@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import FloatArray, check_shape
+from adibas.arrays import BoolArray, Float32Array, FloatArray, check_shape
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.sentence import Sentence
@@ -56,10 +56,25 @@ class FrameMarkers:
         check_shape("points_m", self.points_m, (None, 3))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenPerson:
+    """Who wears the markers, in one frame of a depth camera.
+
+    Attributes
+    ----------
+    depth_m : (H, W) float32 array
+        Bias corrected; NaN where not measured.
+    pixels : (H, W) bool array
+    """
+
+    depth_m: Float32Array
+    pixels: BoolArray
+
+
 def markers_of_frame(
     frame: RgbdFrame, calibration: RgbdCalibration, target: MarkerTarget, params: PostureParams
-) -> FrameMarkers:
-    """Return the markers of one frame.
+) -> tuple[FrameMarkers, SeenPerson | None]:
+    """Return the markers of one frame, and who wears them; None where nobody is seen.
 
     Raises
     ------
@@ -68,7 +83,7 @@ def markers_of_frame(
     """
     sight = look_for_person(frame, calibration, params)
     if sight is None:
-        return FrameMarkers(np.empty((0, 3)))
+        return FrameMarkers(np.empty((0, 3))), None
     detections = find_markers(frame.color_rgb, sight, calibration, target, params)
     check_selective(detections, target, params)
     color, depth = cameras_of(calibration)
@@ -78,7 +93,8 @@ def markers_of_frame(
     n_people = count_people(sight.depth_m, depth, sight.floor, sight.body)
     widths_px = [2.0 * blob.radius_px for blob in detections.blobs]
     width_px = float(np.median(widths_px)) if widths_px else float("nan")
-    return FrameMarkers(kept_m, int(is_merged.sum()), n_people, width_px)
+    found = FrameMarkers(kept_m, int(is_merged.sum()), n_people, width_px)
+    return found, SeenPerson(sight.depth_m, sight.body.pixels)
 
 
 def doubts_about_frames(frames: Sequence[FrameMarkers]) -> tuple[Sentence, ...]:

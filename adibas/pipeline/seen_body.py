@@ -16,6 +16,7 @@ from adibas.data.joints import JOINT_NAMES
 from adibas.data.limbs import LimbParts
 from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import project_distorted
+from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.limbs.around_points import shares_around
 from adibas.limbs.judging import Judgement
@@ -28,7 +29,7 @@ from adibas.pipeline.pose_model import joint_model_for
 from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.skeleton_names import upright_turn
 from adibas.pipeline.upright import turn_to_upright, turned_camera, turned_floor, turned_parts
-from adibas.skeleton.body_marks import mark_log_odds
+from adibas.skeleton.body_marks import BodyOdds, mark_log_odds
 from adibas.skeleton.namer import Namer
 
 BEHIND = "posterior"
@@ -90,44 +91,59 @@ def with_body(
         return namer
     turn = upright_turn(vertical_of(calibration, rotation_deg).up)
     upright_from_color = RigidTransform(turn, np.zeros(3))
-    return knowing(namer, body, view, upright_from_color @ calibration.color_from_depth)
+    upright_from_depth = upright_from_color @ calibration.color_from_depth
+    return namer.who_sees(body_odds(body, view, upright_from_depth))
 
 
-def knowing(namer: Namer, body: SeenBody, view: str, upright_from_depth: RigidTransform) -> Namer:
-    """Return the namer of upright points of somebody whose body is known."""
+def body_odds(body: SeenBody, view: str, upright_from_depth: RigidTransform) -> BodyOdds:
+    """Return what a body that is seen from a view tells of upright points."""
     joints_m = upright_from_depth.apply(body.joints_m)
     depth_from_upright = upright_from_depth.inverse()
     marks = shipped_marks().of_view(view)
 
-    def body_odds(points_m: FloatArray) -> FloatArray:
+    def odds(points_m: FloatArray) -> FloatArray:
         shares = body.shares_around(depth_from_upright.apply(points_m))
         return mark_log_odds(marks, points_m, joints_m, shares)
 
-    return namer.who_sees(body_odds)
+    return odds
 
 
 def see_body(
-    depth_m: Float32Array, view: str, calibration: RgbdCalibration, rotation_deg: int = 0
+    depth_m: Float32Array,
+    view: str,
+    calibration: RgbdCalibration,
+    rotation_deg: int = 0,
+    pixels: BoolArray | None = None,
 ) -> SeenBody | None:
-    """Return the body in an (H, W) depth image; None where nobody is found."""
+    """Return the body in an (H, W) depth image; None where nobody is found.
+
+    `pixels` are those of the person, where they are known.
+    """
     if calibration.depth is None:
         return None
     turn = turn_to_upright(calibration, rotation_deg)
     camera = turned_camera(calibration.depth, turn)
-    floor = turned_floor(calibration.floor, turn)
     upright_m, said = mended(turn.picture(depth_m))
     if not said.is_person:
         return None
-    mask = find_body(upright_m, camera, floor or find_floor(upright_m, camera))
-    if mask is None:
-        return None
-    found = body_in(upright_m, mask.pixels, view, camera)
+    if pixels is None:
+        shown = _pixels_of_body(upright_m, camera, turned_floor(calibration.floor, turn))
+    else:
+        shown = turn.picture(pixels)
+    found = None if shown is None else body_in(upright_m, shown, view, camera)
     if found is None:
         return None
     back = turn.inverse()
     return SeenBody(
         depth_m, turned_parts(found.parts, back), back.points(found.joints_m), calibration.depth
     )
+
+
+def _pixels_of_body(
+    depth_m: Float32Array, camera: CameraCalibration, floor: Plane | None
+) -> BoolArray | None:
+    mask = find_body(depth_m, camera, floor or find_floor(depth_m, camera))
+    return None if mask is None else mask.pixels
 
 
 def body_in(

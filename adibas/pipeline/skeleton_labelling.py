@@ -14,7 +14,7 @@ from adibas.skeleton.model_files import read_model
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.points_csv import PointSet, read_points, write_points
 from adibas.skeleton.postures import NearestPosture
-from adibas.skeleton.tracking import TrackedNames, name_movement
+from adibas.skeleton.tracking import MovingPoints, TrackedNames, name_movement
 
 DIGITS = 3
 
@@ -158,11 +158,12 @@ def _all_words(
             "{file}: the frames of a movement must all have z_m, or none.",
             file=request.points.name,
         )
-    frames_m = [one.positions_m for one in sets]
-    times_s = [number / request.frames_per_s for number in range(len(sets))]
+    frames = [
+        MovingPoints(one.positions_m, number / request.frames_per_s, one.labels)
+        for number, one in enumerate(sets)
+    ]
     view = next((one.view for one in sets if one.view), request.view)
-    given = [one.labels for one in sets]
-    yield from zip(sets, name_movement(namer, frames_m, times_s, view, given=given), strict=True)
+    yield from zip(sets, name_movement(namer, frames, view), strict=True)
 
 
 def _with_given(one: PointSet, result: Labelling | TrackedNames) -> PointSet:

@@ -89,6 +89,22 @@ class FrameSettings:
     turned_rad: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Film:
+    """Which film an image belongs to.
+
+    Attributes
+    ----------
+    number : int
+    aim : Pose or None
+        The camera looks at, and furniture stands about, somebody in this pose; None: each image's
+        own, which the camera follows.
+    """
+
+    number: int
+    aim: Pose | None = None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LimbFrame:
     """One image and what it shows; (H, W) is (240, 320), or (480, 640) with a step of 1.
@@ -191,20 +207,25 @@ class LimbFrames:
         pose: Pose,
         what: tuple[int, str],
         index: int,
-        film: int | None = None,
+        film: Film | None = None,
     ) -> LimbFrame:
         """Return image `index` of somebody in a given pose; `what` are person and kind.
 
-        Images of one `film` share camera, heading and sensor; only the noise is each one's own.
+        Images of one `film` share heading and sensor; only the noise is each one's own.
         """
-        rng = np.random.default_rng([self._seed, 0x22, index if film is None else film])
+        number = index if film is None else film.number
+        rng = np.random.default_rng([self._seed, 0x22, number])
         settings, step = self._settings, self._settings.step
         is_far_turned = rng.random() < 0.1  # noqa: PLR2004  (a share, ours)
         most = settings.farthest_turn_rad if is_far_turned else _TURNED_RAD
         heading = rng.uniform(-1.0, 1.0) * min(most, settings.farthest_turn_rad)
-        posed = dressed.body.posed(_turned(pose, settings.turned_rad + heading))
-        from_world = _camera_pose(rng, posed, settings.distance_m)
-        things = random_things(rng, posed, what[1]) if settings.has_clutter else ()
+        turned_rad = settings.turned_rad + heading
+        posed = dressed.body.posed(_turned(pose, turned_rad))
+        aim = posed
+        if film is not None and film.aim is not None:
+            aim = dressed.body.posed(_turned(film.aim, turned_rad))
+        from_world = _camera_pose(rng, aim, settings.distance_m)
+        things = random_things(rng, aim, what[1]) if settings.has_clutter else ()
         scene = self._drawn(dressed, posed, from_world, things, rng)
         sensor = self._sensors[int(rng.integers(len(self._sensors)))]
         depth_mm = sensor.measure(scene.inverse_depth, scene.reflectance, index)[::step, ::step]
@@ -313,7 +334,7 @@ def _thickness_m(body: ShapedBody, covers: Float32Array, rng: np.random.Generato
 
 
 def _turned(pose: Pose, heading_rad: float) -> Pose:
-    return replace(pose, heading_rad=heading_rad)
+    return replace(pose, heading_rad=pose.heading_rad + heading_rad)
 
 
 def _camera_pose(

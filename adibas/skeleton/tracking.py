@@ -1,32 +1,66 @@
 """Names of the points of a movement: what a point is called before and after counts, too.
 
-Points are followed by where they would be next, forwards and backwards; each followed point gathers
-what every frame says of its name, so that one clear frame names it also in those where it is
-ambiguous. A point that comes back within a second where it was expected goes on with what had been
-gathered.
+Points are followed by where they would be next, forwards and backwards, and by what they are
+called; each followed point gathers what every frame says of its name, so that one clear frame names
+it also in those where it is ambiguous. A point that comes back within a second where it was
+expected goes on with what had been gathered.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.assignment_kernels import assign
+from adibas.skeleton.body_marks import BodyOdds
+from adibas.skeleton.followed_view import FollowedView
 from adibas.skeleton.namer import Namer
+
+SeenFrom: TypeAlias = Callable[[str], BodyOdds | None]
+"""Takes the view from which somebody is seen; returns what the body tells, None where nothing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MovingPoints:
+    """The points of one frame.
+
+    Attributes
+    ----------
+    points_m : (M, D) array
+        Upright, y down; M may be 0.
+    time_s : float
+    given : sequence of str
+        The name that each point has already, or an empty one; see `Namer.label`.
+    body : callable or None
+        Tells what is known of the body; None: nothing.
+    """
+
+    points_m: FloatArray
+    time_s: float
+    given: Sequence[str] = ()
+    body: SeenFrom | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class TrackingParams:
-    """Settings of following.
+    """Settings of following; most were chosen on simulated films (docs/skeleton.md).
 
     Attributes
     ----------
     reach_m : float
-        From where a point is expected: 60 mm, and
+        No point is taken for one that was expected farther away: 60 mm, and
     speed_m_per_s : float
         for each second since it was last seen so many metres more: 2.
+    spread_m : float
+        Of the way to where it was expected: 30 mm; far ones are more frequent than a normal
+        distribution has them.
+    nearness : float
+        Log odds of being the same that a point tells which is where one was expected: 5.
+    agreement : float
+        How much it counts that both are called the same: 0.7.
     lost_s : float
         After which a point is forgotten: 1.
     memory_s : float
@@ -41,11 +75,18 @@ class TrackingParams:
 
     reach_m: float = 0.06
     speed_m_per_s: float = 2.0
+    spread_m: float = 0.03
+    nearness: float = 5.0
+    agreement: float = 0.7
     lost_s: float = 1.0
     memory_s: float = 2.0
     evidence_per_s: float = 10.0
     least_mass: float = 0.01
     sure: float = 0.75
+
+
+TOO_FAR = 1.0
+"""What it costs to take a point for one that cannot be it; a new point costs nothing."""
 
 
 @dataclass(slots=True)
@@ -101,67 +142,90 @@ class _Tracks:
         params = self._params
         self._tracks = [t for t in self._tracks if time_s - t.seen_s <= params.lost_s]
         gathered = np.zeros_like(words)
-        for i, owner in enumerate(self._linked(points_m, time_s)):
+        for i, owner in enumerate(self._linked(points_m, time_s, words)):
             if owner < 0:
                 still = np.zeros_like(points_m[i])
                 self._tracks.append(_Track(points_m[i], time_s, still, words[i]))
                 continue
             track = self._tracks[owner]
-            passed_s = time_s - track.seen_s
-            gathered[i] = math.exp(-passed_s / params.memory_s) * track.evidence
-            weight = min(1.0, passed_s * params.evidence_per_s)
+            gathered[i] = self._left_of(track, time_s)
+            weight = min(1.0, (time_s - track.seen_s) * params.evidence_per_s)
             track.evidence = gathered[i] + weight * words[i]
             track.see(points_m[i], time_s)
         return gathered
 
-    def _linked(self, points_m: FloatArray, time_s: float) -> IntArray:
-        """Return for each point the index of its track, -1 for a new one."""
+    def _left_of(self, track: _Track, time_s: float) -> FloatArray:
+        """Return what is left of all that was said of a point."""
+        return math.exp(-(time_s - track.seen_s) / self._params.memory_s) * track.evidence
+
+    def _linked(self, points_m: FloatArray, time_s: float, words: FloatArray) -> IntArray:
+        """Return for each point the index of its track, -1 for a new one.
+
+        The likeliest assignment: the odds that a point is one of before are those of its place
+        (Student's t with three degrees of freedom, about), and of what both are called: sums of
+        p(n) q(n) / prior(n) over names, all names alike probable before.
+        """
         if not self._tracks or not len(points_m):
             return np.full(len(points_m), -1)
+        params = self._params
         expected = np.stack([track.expected_m(time_s) for track in self._tracks])
         since = np.array([time_s - track.seen_s for track in self._tracks])
-        reach = self._params.reach_m + self._params.speed_m_per_s * since
-        apart = np.linalg.norm(points_m[:, None] - expected[None], axis=-1)
-        return assign(np.ascontiguousarray((apart / reach) ** 2 - 1.0))
+        apart_m = np.linalg.norm(points_m[:, None] - expected[None], axis=-1)
+        said = _shares(np.stack([self._left_of(track, time_s) for track in self._tracks]))
+        alike = np.log(_shares(words) @ said.T * words.shape[1])
+        odds = params.nearness - 2.0 * np.log1p((apart_m / params.spread_m) ** 2)
+        odds += params.agreement * alike
+        is_in_reach = apart_m < params.reach_m + params.speed_m_per_s * since
+        return assign(np.where(is_in_reach, -odds, TOO_FAR))
+
+
+def _shares(logs: FloatArray) -> FloatArray:
+    """Return (M, N) logarithms as shares of one in each row."""
+    shares = np.exp(logs - logs.max(axis=1, keepdims=True))
+    return np.asarray(shares / shares.sum(axis=1, keepdims=True))
 
 
 def name_movement(
     namer: Namer,
-    frames_m: Iterable[FloatArray],
-    times_s: Iterable[float],
+    frames: Iterable[MovingPoints],
     view: str = "",
     params: TrackingParams | None = None,
-    given: Sequence[Sequence[str]] | None = None,
 ) -> tuple[TrackedNames, ...]:
     """Name the points of a whole recording: what earlier and later frames say of each counts.
 
     Parameters
     ----------
-    frames_m : iterable of (M, D) arrays
-        Of each frame, metres, y down; M may differ, and be 0.
-    times_s : iterable of float
-        Ascending.
+    frames : iterable of MovingPoints
+        In the order of time; each is asked for its body before the next one is taken.
     view : str
-        As declared; empty: inferred.
-    given : sequence of sequence of str, or None
-        Of each point of each frame the name that it has already, or an empty one; see
-        `Namer.label`.
+        Which side is seen in the first frame, as declared; empty: inferred in each.
     """
     params = params or TrackingParams()
     onward, backward = _Tracks(params), _Tracks(params)
-    frames = []
+    seen_from = FollowedView(view)
+    said = []
     before = []
-    for number, (points_m, time_s) in enumerate(zip(frames_m, times_s, strict=True)):
-        known = () if given is None else given[number]
-        masses = namer.label(points_m, view, given=known).masses
+    for frame in frames:
+        masses = _masses(namer, frame, seen_from)
         words = np.log(np.maximum(masses, params.least_mass))
-        frames.append((points_m, time_s, words))
-        before.append(onward.follow(points_m, time_s, words))
-    after = [backward.follow(points_m, -time_s, words) for points_m, time_s, words in frames[::-1]]
+        said.append((frame.points_m, frame.time_s, words))
+        before.append(onward.follow(frame.points_m, frame.time_s, words))
+    after = [backward.follow(points_m, -time_s, words) for points_m, time_s, words in said[::-1]]
     return tuple(
         _named(earlier + words + later, namer.names, params.sure)
-        for (_points, _time, words), earlier, later in zip(frames, before, after[::-1], strict=True)
+        for (_points, _time, words), earlier, later in zip(said, before, after[::-1], strict=True)
     )
+
+
+def _masses(namer: Namer, frame: MovingPoints, seen_from: FollowedView) -> FloatArray:
+    """Return what a frame says of its points, and go on to the view that it shows."""
+    body = None
+    if frame.body is not None and seen_from.is_square and len(frame.points_m):
+        body = frame.body(seen_from.view)
+    teller = namer if body is None else namer.who_sees(body)
+    labelling = teller.label(frame.points_m, seen_from.view, given=frame.given)
+    seen_from.learn(labelling, frame.time_s)
+    return labelling.masses
 
 
 def _named(evidence: FloatArray, names: tuple[str, ...], sure: float) -> TrackedNames:
@@ -169,9 +233,9 @@ def _named(evidence: FloatArray, names: tuple[str, ...], sure: float) -> Tracked
     if not len(evidence):
         return TrackedNames((), (), np.zeros(0))
     chosen = assign(np.ascontiguousarray(evidence[:, -1:] - evidence[:, :-1]))
-    shares = np.exp(evidence - evidence.max(axis=1, keepdims=True))
-    shares /= shares.sum(axis=1, keepdims=True)
-    confidences = shares[np.arange(len(evidence)), chosen]  # -1, no name, is the last one as well
+    confidences = _shares(evidence)[
+        np.arange(len(evidence)), chosen
+    ]  # -1, no name, is the last one as well
     guesses = tuple(names[i] if i >= 0 else None for i in chosen)
     given = tuple(
         guess if c >= sure else None for guess, c in zip(guesses, confidences, strict=True)

@@ -28,7 +28,7 @@ from adibas.skeleton.points_csv import PointSet, read_points, write_points
 from adibas.skeleton.prototype_search import LabelParams
 from adibas.skeleton.stance_training import StanceParams
 from adibas.skeleton.starts import HEADINGS_RAD, heading_of_turn, list_turns, turn_back
-from adibas.skeleton.tracking import name_movement
+from adibas.skeleton.tracking import MovingPoints, name_movement
 from adibas.skeleton.training import TrainingParams, learn_points
 
 NAMES = ("head", "neck", "left_hand", "right_hand", "left_foot", "right_foot", "torso", "pelvis")
@@ -146,7 +146,8 @@ def test_a_heading_survives_its_rotation(heading_rad):
 def walked(person, orders):
     """Return the points of each frame: somebody who moves on, in any order, some points hidden."""
     return [
-        person[order] + np.array([0.01 * number, 0.0, 0.0]) for number, order in enumerate(orders)
+        MovingPoints(person[order] + np.array([0.01 * number, 0.0, 0.0]), number / 30)
+        for number, order in enumerate(orders)
     ]
 
 
@@ -159,8 +160,7 @@ def test_names_last_through_frames_that_are_ambiguous(namer):
     ]
     # Of one point alone no frame can tell what it is; who followed it knows.
     orders += [np.array([2]), np.array([], int)]
-    times_s = np.arange(len(orders)) / 30
-    tracked = name_movement(namer, walked(person, orders), times_s, "anterior")
+    tracked = name_movement(namer, walked(person, orders), "anterior")
     for one, order in zip(tracked, orders, strict=True):
         assert one.names == tuple(NAMES[i] for i in order)
 
@@ -168,21 +168,22 @@ def test_names_last_through_frames_that_are_ambiguous(namer):
 def test_later_frames_name_a_point_that_was_alone_at_first(namer):
     person = people(1, seed=11)[0]
     orders = [np.array([2])] * 3 + [np.arange(len(NAMES))] * 6
-    tracked = name_movement(namer, walked(person, orders), np.arange(9) / 30, "anterior")
+    tracked = name_movement(namer, walked(person, orders), "anterior")
     assert [one.names for one in tracked[:3]] == [("left_hand",)] * 3
 
 
 def test_a_single_frame_is_as_sure_as_it_is_alone(namer):
     points, _ = shuffled(people(1, seed=8, n_dimensions=2)[0])
     alone = namer.label(points)
-    (tracked,) = name_movement(namer, [points], [0.0])
+    (tracked,) = name_movement(namer, [MovingPoints(points, 0.0)])
     assert tracked.confidences.max() < 0.99  # which side is which nobody can tell
     np.testing.assert_allclose(tracked.confidences, alone.masses.max(axis=1), atol=0.08)
 
 
 def test_a_point_that_was_away_too_long_is_forgotten(namer):
     person = people(1, seed=12)[0]
-    tracked = name_movement(namer, [person, person[[2]]], [0.0, 5.0], "anterior")
+    frames = [MovingPoints(person, 0.0), MovingPoints(person[[2]], 5.0)]
+    tracked = name_movement(namer, frames, "anterior")
     assert tracked[0].names == NAMES
     assert tracked[1].names == (None,)
 

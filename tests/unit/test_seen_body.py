@@ -25,7 +25,7 @@ from adibas.pipeline.marked_people import (
     SHOWN_M,
     marked_pictures,
 )
-from adibas.pipeline.seen_body import body_in, knowing, see_body, with_body
+from adibas.pipeline.seen_body import body_in, body_odds, see_body, with_body
 from adibas.pipeline.shipped_limbs import shipped_model
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn, with_names
@@ -283,7 +283,7 @@ def found_by(picture):
     if body is None:
         return None
     turn = RigidTransform(upright_turn(picture.up), np.zeros(3))
-    return knowing(shipped_namer().holding_still(), body, picture.view, turn)
+    return shipped_namer().holding_still().who_sees(body_odds(body, picture.view, turn))
 
 
 def test_more_people_who_sit_are_named_right_and_fewer_wrongly_where_their_body_is_known():
@@ -320,7 +320,7 @@ def test_the_body_tells_the_same_of_markers_in_colour_axes_as_in_the_depth_camer
     assert not np.isnan(shares).any()
     marks, joints_m = shipped_marks().of_view(view), upright.apply(body.joints_m)
     expected = mark_log_odds(marks, upright.apply(points_m), joints_m, shares)
-    from_depth = knowing(namer, body, view, upright)._body_odds
+    from_depth = body_odds(body, view, upright)
     np.testing.assert_allclose(from_depth(upright.apply(points_m)), expected, atol=1e-6)
     in_color_m = color_from_depth.apply(points_m) @ upright_turn(up).T
     np.testing.assert_allclose(from_color(in_color_m), expected, atol=0.1)

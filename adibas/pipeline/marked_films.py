@@ -1,0 +1,149 @@
+"""Simulated people with markers who move before a depth camera: films of `marked_people`.
+
+Where a joint is marked stays the same in a film: a place that the camera sees in most of its
+frames. In each frame what is hidden is missing.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from adibas.arrays import FloatArray
+from adibas.data.calibration import CameraCalibration
+from adibas.pipeline.marked_people import (
+    DISTANCE_M,
+    MARKER_SD_M,
+    VIEW_OFF_RAD,
+    JointPlaces,
+    MarkedPicture,
+    places_of,
+    shown,
+)
+from adibas.simulation.figures import Figure
+from adibas.simulation.gestures import gesture_names, perform
+from adibas.simulation.limb_frames import (
+    Film,
+    FrameSettings,
+    LimbFrame,
+    LimbFrames,
+    dressed_person,
+)
+from adibas.simulation.poses import Pose
+from adibas.simulation.random_poses import random_figure
+from adibas.skeleton.starts import HEADINGS_RAD
+
+ANYHOW, GESTURE, SEATED, TURNING = "moving anyhow", "a gesture", "seated", "turning round"
+FILM_KINDS = (ANYHOW, GESTURE, SEATED, TURNING)
+RATE_HZ, N_FRAMES = 15.0, 30
+FILMS_A_PERSON = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MarkedFilm:
+    """One movement.
+
+    Attributes
+    ----------
+    kind : str
+        One of `FILM_KINDS`.
+    view : str
+        Which side the camera sees at first.
+    times_s : (T,) array
+    pictures : tuple of MarkedPicture
+    """
+
+    kind: str
+    view: str
+    times_s: FloatArray
+    pictures: tuple[MarkedPicture, ...]
+
+
+def marked_films(seed: int, n_films: int, first: int = 0) -> Iterator[MarkedFilm]:
+    """Give films `first` to `n_films`, of kinds and views in turn.
+
+    Film i depends on the seed and i alone.
+    """
+    views = list(HEADINGS_RAD)
+    for number in range(first, n_films):
+        kind = FILM_KINDS[number % len(FILM_KINDS)]
+        view = views[number // len(FILM_KINDS) % len(views)]
+        yield _film(seed, number, kind, view)
+
+
+def _film(seed: int, number: int, kind: str, view: str) -> MarkedFilm:
+    rng = np.random.default_rng([seed, 0x55, number])
+    person = number // FILMS_A_PERSON
+    dressed = dressed_person(seed, person)
+    settings = FrameSettings(
+        has_damage=False,
+        farthest_turn_rad=VIEW_OFF_RAD,
+        distance_m=DISTANCE_M,
+        step=1,
+        turned_rad=HEADINGS_RAD[view],
+    )
+    camera_of = LimbFrames(seed, settings)
+    posture = "seated" if kind == SEATED else "moving"
+    frames, places = [], []
+    poses = list(_poses(rng, kind))
+    film = Film(number, poses[0])
+    for index, pose in enumerate(poses, number * N_FRAMES):
+        frame = camera_of.seen(dressed, pose, (person, posture), index, film)
+        frames.append(frame)
+        places.append(places_of(frame, dressed, camera_of.camera))
+    pictures = _marked(rng, frames, places, camera_of.camera, (kind, view))
+    return MarkedFilm(kind, view, np.arange(len(frames)) / RATE_HZ, tuple(pictures))
+
+
+def _poses(rng: np.random.Generator, kind: str) -> Iterator[Pose]:
+    """Give the poses of a film's frames."""
+    if kind == GESTURE:
+        names = [name for name in gesture_names() if name != "idle"]
+        gesture = perform(str(rng.choice(names)), int(rng.integers(2**31)))
+        for index in range(N_FRAMES):
+            yield gesture.pose(index / RATE_HZ)
+        return
+    if kind == TURNING:
+        stands, way = random_figure(rng, "standing").pose(), float(rng.choice([-1.0, 1.0]))
+        for index in range(N_FRAMES):
+            yield replace(stands, heading_rad=way * 2.0 * math.pi * index / N_FRAMES)
+        return
+    first, other = (_figure(rng, kind, is_first=is_first) for is_first in (True, False))
+    if kind == SEATED:
+        other = replace(other, left_leg=first.left_leg, right_leg=first.right_leg)
+    ends = first.vector(), other.vector()
+    for index in range(N_FRAMES):
+        share = 0.5 - 0.5 * math.cos(2.0 * math.pi * index / N_FRAMES)
+        yield Figure.from_vector((1.0 - share) * ends[0] + share * ends[1]).pose()
+
+
+def _figure(rng: np.random.Generator, kind: str, *, is_first: bool) -> Figure:
+    if kind == SEATED:
+        return random_figure(rng, "seated")
+    return random_figure(rng, "standing" if is_first else "moving")
+
+
+def _marked(
+    rng: np.random.Generator,
+    frames: list[LimbFrame],
+    places: list[list[JointPlaces]],
+    camera: CameraCalibration,
+    what: tuple[str, str],
+) -> Iterator[MarkedPicture]:
+    chosen = [_most_seen(rng, over_time) for over_time in zip(*places, strict=True)]
+    for frame, of_frame in zip(frames, places, strict=True):
+        names: list[str] = []
+        points_m: list[FloatArray] = []
+        for own, which in zip(of_frame, chosen, strict=True):
+            for side, name in enumerate(own.names):
+                if own.is_seen[which, side]:
+                    names.append(name)
+                    noise_m = rng.normal(scale=MARKER_SD_M, size=3)
+                    points_m.append(own.options_m[which, side] + noise_m)
+        yield shown(rng, frame, camera, what, (points_m, names))
+
+
+def _most_seen(rng: np.random.Generator, over_time: tuple[JointPlaces, ...]) -> int:
+    counts = np.sum([one.is_seen.sum(axis=1) for one in over_time], axis=0)
+    return int(rng.choice(np.flatnonzero(counts == counts.max())))
