@@ -107,7 +107,7 @@ def _poses(rng: np.random.Generator, kind: str) -> Iterator[Pose]:
     if kind == TURNING:
         stands, way = random_figure(rng, "standing").pose(), float(rng.choice([-1.0, 1.0]))
         for index in range(N_FRAMES):
-            yield replace(stands, heading_rad=way * 2.0 * math.pi * index / N_FRAMES)
+            yield replace(stands, heading_rad=way * math.pi * index / N_FRAMES)
         return
     first, other = (_figure(rng, kind, is_first=is_first) for is_first in (True, False))
     if kind == SEATED:

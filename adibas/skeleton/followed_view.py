@@ -1,16 +1,37 @@
-"""From which side somebody is seen who turns: the declared view holds at the beginning."""
+"""From which side somebody is seen who turns: the declared view holds at the beginning.
+
+A Kalman filter (Kalman 1960) of heading and turning rate, which changes by white noise. It takes in
+the headings that named frames tell, and how the points turn about the vertical from frame to frame,
+whatever they are called. Where it is not known any more how far somebody has turned, the view is
+not known either.
+"""
 
 import math
 
+import numpy as np
+
+from adibas.arrays import FloatArray
 from adibas.skeleton.labelling import Labelling
-from adibas.skeleton.starts import HEADINGS_RAD
+from adibas.skeleton.starts import HEADINGS_RAD, SPACE
 
 SQUARE_RAD = math.radians(35.0)
 """Farther from a view than this nothing was learned of bodies."""
-LEAST_NAMES, LEAST_SHARE = 6, 0.5
+KNOWN_SD_RAD = math.radians(30.0)
+"""A heading that is less sure than this tells no view."""
+DECLARED_SD_RAD, RATE_SD_RAD_S = math.radians(15.0), math.radians(60.0)
+"""Of somebody at the beginning."""
+RATE_CHANGE = math.radians(120.0)
+"""How much the rate changes in a second, standard deviation, radians per second."""
+LEAST_NAMES, LEAST_SHARE = 4, 0.5
 """A frame with fewer names tells no heading."""
-SETTLED_S = 0.2
-"""Time in which two thirds of a turn are believed."""
+TOLD_SD_RAD = math.radians(40.0)
+"""Of the heading that names tell, by the square root of how many of them there are."""
+LEAST_TURNED = 4
+"""Fewer points tell no turn."""
+LEAST_WIDE_M2, LEAST_TURN_RAD = 0.05, math.radians(0.5)
+"""Of squared ways to the middle, and of what a turn from frame to frame is off at least."""
+GATE = 3.0
+"""A heading so many standard deviations from the expected one is not believed."""
 
 
 class FollowedView:
@@ -23,32 +44,69 @@ class FollowedView:
     """
 
     def __init__(self, view: str) -> None:
-        self.view = view
-        self._heading_rad = HEADINGS_RAD.get(view, math.nan)
-        self._told_s = math.nan
+        self._is_declared = bool(view)
+        self._state = np.array([HEADINGS_RAD.get(view, math.nan), 0.0])
+        self._covariance = np.diag([DECLARED_SD_RAD**2, RATE_SD_RAD_S**2])
+        self._time_s, self._passed_s = math.nan, 0.0
+
+    @property
+    def view(self) -> str:
+        """Return the view that is seen; empty where it is not known."""
+        if not self._is_declared or self._covariance[0, 0] > KNOWN_SD_RAD**2:
+            return ""
+        return min(HEADINGS_RAD, key=lambda view: abs(self._off_rad(view)))
 
     @property
     def is_square(self) -> bool:
         """Say whether the view is known and seen squarely enough."""
-        if not self.view:
-            return False
-        return abs(_turn_rad(HEADINGS_RAD[self.view], self._heading_rad)) < SQUARE_RAD
+        view = self.view
+        return bool(view) and abs(self._off_rad(view)) < SQUARE_RAD
 
-    def learn(self, labelling: Labelling, time_s: float) -> None:
-        """Go on to the heading that a frame's names tell, if they do."""
+    def go_to(self, time_s: float) -> None:
+        """Expect what is seen at a later time."""
+        passed_s = 0.0 if math.isnan(self._time_s) else time_s - self._time_s
+        self._time_s, self._passed_s = time_s, passed_s
+        onward = np.array([[1.0, passed_s], [0.0, 1.0]])
+        self._state = onward @ self._state
+        noise = np.array([[passed_s**3 / 3.0, passed_s**2 / 2.0], [passed_s**2 / 2.0, passed_s]])
+        self._covariance = onward @ self._covariance @ onward.T + RATE_CHANGE**2 * noise
+
+    def learn(self, labelling: Labelling) -> None:
+        """Take in the heading that the names of this frame tell, if they do."""
         n_named = sum(name is not None for name in labelling.names)
         tells = n_named >= max(LEAST_NAMES, LEAST_SHARE * len(labelling.names))
-        if not self.view or not tells or math.isnan(labelling.heading_rad):
+        if not self._is_declared or not tells or math.isnan(labelling.heading_rad):
             return
-        passed_s = 0.0 if math.isnan(self._told_s) else time_s - self._told_s
-        believed = 1.0 - math.exp(-passed_s / SETTLED_S)
-        self._told_s = time_s
-        self._heading_rad += believed * _turn_rad(self._heading_rad, labelling.heading_rad)
-        self.view = min(
-            HEADINGS_RAD, key=lambda view: abs(_turn_rad(HEADINGS_RAD[view], self._heading_rad))
-        )
+        off_rad = math.remainder(labelling.heading_rad - self._state[0], 2.0 * math.pi)
+        variance = TOLD_SD_RAD**2 / n_named
+        if off_rad**2 < GATE**2 * (self._covariance[0, 0] + variance):
+            self._correct(0, off_rad, variance)
 
+    def turn(self, before_m: FloatArray, points_m: FloatArray) -> None:
+        """Take in where the (M, D) points of this frame were in the one before; NaN: unknown.
 
-def _turn_rad(before_rad: float, after_rad: float) -> float:
-    """Return the way from one heading to another, within half a turn."""
-    return math.remainder(after_rad - before_rad, 2.0 * math.pi)
+        The turn about the vertical that lays one onto the other best, and its error by what is left
+        (Kabsch 1976, in the plane of the floor).
+        """
+        was_seen = ~np.isnan(before_m).any(axis=1)
+        if before_m.shape[1] != SPACE or was_seen.sum() < LEAST_TURNED or self._passed_s <= 0.0:
+            return
+        before, after = (one[was_seen][:, [0, 2]] for one in (before_m, points_m))
+        before, after = (one - one.mean(axis=0) for one in (before, after))
+        across = float((before[:, 1] * after[:, 0] - before[:, 0] * after[:, 1]).sum())
+        along = float((before * after).sum())
+        angle_rad = math.atan2(across, along)
+        wide_m2 = float((before**2).sum())
+        left_m2 = float((after**2).sum()) + wide_m2 - 2.0 * math.hypot(across, along)
+        n_free = 2 * was_seen.sum() - 3
+        variance = max(left_m2, 0.0) / n_free / max(wide_m2, LEAST_WIDE_M2) + LEAST_TURN_RAD**2
+        self._correct(1, angle_rad / self._passed_s - self._state[1], variance / self._passed_s**2)
+
+    def _correct(self, which: int, off: float, variance: float) -> None:
+        """Take in a measurement of heading (0) or rate (1) that is so far from the expected one."""
+        gain = self._covariance[:, which] / (self._covariance[which, which] + variance)
+        self._state = self._state + gain * off
+        self._covariance = self._covariance - np.outer(gain, self._covariance[which])
+
+    def _off_rad(self, view: str) -> float:
+        return math.remainder(float(self._state[0]) - HEADINGS_RAD[view], 2.0 * math.pi)

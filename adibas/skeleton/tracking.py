@@ -127,32 +127,45 @@ class TrackedNames:
     confidences: FloatArray
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Followed:
+    """Of the M points of a frame: what frames before said of them, and where they were.
+
+    `gathered`: logarithms (M, N + 1), 0 of new points; `before_m`: (M, D) in the frame right
+    before, NaN where they were not seen.
+    """
+
+    gathered: FloatArray
+    before_m: FloatArray
+
+
 class _Tracks:
     """Points that are followed one way through time, and what was said of each."""
 
     def __init__(self, params: TrackingParams) -> None:
         self._params = params
         self._tracks: list[_Track] = []
+        self._latest_s = math.nan
 
-    def follow(self, points_m: FloatArray, time_s: float, words: FloatArray) -> FloatArray:
-        """Return what frames before said of (M, D) points: logarithms (M, N + 1), 0 of new ones.
-
-        `words` is what this frame says of them.
-        """
+    def follow(self, points_m: FloatArray, time_s: float, words: FloatArray) -> _Followed:
+        """Go on to the (M, D) points of the next frame; `words` is what it says of them."""
         params = self._params
         self._tracks = [t for t in self._tracks if time_s - t.seen_s <= params.lost_s]
-        gathered = np.zeros_like(words)
+        gathered, before_m = np.zeros_like(words), np.full_like(points_m, np.nan)
         for i, owner in enumerate(self._linked(points_m, time_s, words)):
             if owner < 0:
                 still = np.zeros_like(points_m[i])
                 self._tracks.append(_Track(points_m[i], time_s, still, words[i]))
                 continue
             track = self._tracks[owner]
+            if track.seen_s == self._latest_s:
+                before_m[i] = track.position_m
             gathered[i] = self._left_of(track, time_s)
             weight = min(1.0, (time_s - track.seen_s) * params.evidence_per_s)
             track.evidence = gathered[i] + weight * words[i]
             track.see(points_m[i], time_s)
-        return gathered
+        self._latest_s = time_s
+        return _Followed(gathered, before_m)
 
     def _left_of(self, track: _Track, time_s: float) -> FloatArray:
         """Return what is left of all that was said of a point."""
@@ -206,11 +219,14 @@ def name_movement(
     said = []
     before = []
     for frame in frames:
-        masses = _masses(namer, frame, seen_from)
-        words = np.log(np.maximum(masses, params.least_mass))
+        words = np.log(np.maximum(_masses(namer, frame, seen_from), params.least_mass))
         said.append((frame.points_m, frame.time_s, words))
-        before.append(onward.follow(frame.points_m, frame.time_s, words))
-    after = [backward.follow(points_m, -time_s, words) for points_m, time_s, words in said[::-1]]
+        followed = onward.follow(frame.points_m, frame.time_s, words)
+        seen_from.turn(followed.before_m, frame.points_m)
+        before.append(followed.gathered)
+    after = [
+        backward.follow(points_m, -time_s, words).gathered for points_m, time_s, words in said[::-1]
+    ]
     return tuple(
         _named(earlier + words + later, namer.names, params.sure)
         for (_points, _time, words), earlier, later in zip(said, before, after[::-1], strict=True)
@@ -219,12 +235,13 @@ def name_movement(
 
 def _masses(namer: Namer, frame: MovingPoints, seen_from: FollowedView) -> FloatArray:
     """Return what a frame says of its points, and go on to the view that it shows."""
+    seen_from.go_to(frame.time_s)
     body = None
     if frame.body is not None and seen_from.is_square and len(frame.points_m):
         body = frame.body(seen_from.view)
     teller = namer if body is None else namer.who_sees(body)
     labelling = teller.label(frame.points_m, seen_from.view, given=frame.given)
-    seen_from.learn(labelling, frame.time_s)
+    seen_from.learn(labelling)
     return labelling.masses
 
 
