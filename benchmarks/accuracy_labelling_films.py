@@ -7,7 +7,7 @@ found in the depth, once without.
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -27,7 +27,7 @@ SHARE_OF_QUICK = 8
 
 
 @dataclass(slots=True)
-class _Count:
+class Count:
     """What became of the frames of one kind of film."""
 
     n_frames: int = 0
@@ -46,6 +46,11 @@ class _Count:
         self.n_right += n_right
         self.n_wrong += n_wrong
 
+    def __iadd__(self, other: "Count") -> "Count":
+        for field in fields(self):
+            setattr(self, field.name, getattr(self, field.name) + getattr(other, field.name))
+        return self
+
     def rows(self, told: str) -> Iterator[Row]:
         """Give the shares."""
         for what, n, of in (
@@ -58,19 +63,24 @@ class _Count:
 
 def rows(*, quick: bool) -> Iterable[Row]:
     """Name each film without the body and with it; `quick`: an eighth of them."""
-    counts: defaultdict[tuple[str, str], _Count] = defaultdict(_Count)
+    counts: defaultdict[tuple[str, str], Count] = defaultdict(Count)
     n_films = N_FILMS // SHARE_OF_QUICK if quick else N_FILMS
     for film in marked_films(SEED, n_films):
         for body in ("not known", "known"):
-            named = name_movement(
-                shipped_namer(), _frames(film, knows_body=body == "known"), film.view
-            )
-            for one, picture in zip(named, film.pictures, strict=True):
-                counts[film.kind, body].add(one.names, picture.names)
+            counts[film.kind, body] += count_of(film, knows_body=body == "known")
     for kind in FILM_KINDS:
         for body in ("not known", "known"):
             told = f"{kind}, films as a depth camera sees them, seed {SEED}, body {body}"
             yield from counts[kind, body].rows(told)
+
+
+def count_of(film: MarkedFilm, *, knows_body: bool) -> Count:
+    """Name a film, and compare with the names of its markers."""
+    count = Count()
+    named = name_movement(shipped_namer(), _frames(film, knows_body=knows_body), film.view)
+    for one, picture in zip(named, film.pictures, strict=True):
+        count.add(one.names, picture.names)
+    return count
 
 
 def _frames(film: MarkedFilm, *, knows_body: bool) -> Iterator[MovingPoints]:
