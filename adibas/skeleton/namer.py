@@ -25,6 +25,8 @@ EXTENTS_M = 1e-3, 1e4
 """Points that are all nearer to their middle, or some of them farther from it, are no person's."""
 SURE_BY_BODY = 0.9
 """Least confidence of a name where a body is known: of names from 0.5 to 0.9 a third is wrong."""
+PLAUSIBLE_BY_BODY = 1.5
+"""Least nats for each named point there: that somebody is a person is known already."""
 STANDS = 0.5
 """Where somebody more probably than this stands still, nobody else is asked for names."""
 
@@ -51,7 +53,13 @@ class Namer:
 
     def who_sees(self, body_odds: BodyOdds) -> "Namer":
         """Return a namer that knows where a body is; both share what they know."""
-        return self._alike(replace(self._odds, sure=SURE_BY_BODY), body_odds)
+        odds = replace(
+            self._odds,
+            sure=SURE_BY_BODY,
+            plausible=PLAUSIBLE_BY_BODY,
+            plausible_by_sight=PLAUSIBLE_BY_BODY,
+        )
+        return self._alike(odds, body_odds)
 
     def _alike(self, odds: PartsOdds, body_odds: BodyOdds | None) -> "Namer":
         other = Namer(self._model, self._params, odds)
