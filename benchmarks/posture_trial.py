@@ -99,7 +99,7 @@ def analyse(analysis: Analysis) -> Result:
 
 def _named(found: MarkerFindings, calibration: RgbdCalibration) -> tuple[Marker, ...]:
     """Name markers as a capture does."""
-    namer = with_body(shipped_namer(), found.surface, VIEW, calibration)
+    namer = with_body(shipped_namer(), found.surface.depth_m, VIEW, calibration)
     return with_names(namer, found.markers, VIEW, calibration)
 
 

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from adibas.arrays import Float32Array, IntArray, check_shape, read_only
 
 
@@ -29,3 +31,8 @@ class BurstDisparity:
         check_shape("n_readings", self.n_readings, self.mean_per_m.shape)
         read_only(self.mean_per_m)
         read_only(self.n_readings)
+
+    @property
+    def depth_m(self) -> Float32Array:
+        """Return the (H, W) depth of which these are the means, metres; NaN where not known."""
+        return np.asarray(1.0 / self.mean_per_m, np.float32)

@@ -156,7 +156,7 @@ def take_capture(
     markers, doubts, rotation_deg = findings.markers, findings.notices, params.rotation_deg
     if namer is not None:
         by_places = namer
-        namer = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
+        namer = with_body(namer, findings.surface.depth_m, request.view, calibration, rotation_deg)
         markers = with_names(namer, markers, request.view, calibration, rotation_deg=rotation_deg)
         doubts += doubts_about_view(by_places, markers, request.view, calibration, rotation_deg)
     new = NewCapture(

@@ -14,6 +14,8 @@ from adibas.markers.blobs import Blob, long_radius_px
 from adibas.measures.protocol_store import find_protocol
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.namers import namer_of
+from adibas.pipeline.posture import Sight
+from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.skeleton_names import with_names
 
 ABOUT = 3.0
@@ -24,7 +26,7 @@ ROUGH_M = 0.01
 
 def joints_among(
     blobs: tuple[Blob, ...],
-    depth_in_color_m: Float32Array,
+    sight: Sight,
     calibration: RgbdCalibration,
     naming: Naming,
     rotation_deg: int = 0,
@@ -35,8 +37,8 @@ def joints_among(
     ----------
     blobs : tuple of Blob
         The markers in the colour image.
-    depth_in_color_m : (H, W) float32 array
-        In the colour camera's axes, metres; NaN where not measured.
+    sight : Sight
+        Who wears them: where the body is tells which is which.
     calibration : RgbdCalibration
         With the colour camera.
     naming : Naming
@@ -62,8 +64,12 @@ def joints_among(
             ROUGH_M**2 * np.eye(3),
         )
         for number, blob in enumerate(blobs, 1)
-        if (position_m := _place_m(blob, depth_in_color_m, calibration.color)) is not None
+        if (position_m := _place_m(blob, sight.registration.depth_m, calibration.color)) is not None
     )
+    if 0 < len(markers) < len(JOINT_NAMES):  # of all of them places tell enough, and sooner
+        namer = with_body(
+            namer, sight.depth_m, naming.view, calibration, rotation_deg, sight.body.pixels
+        )
     named = with_names(namer, markers, naming.view, calibration, rotation_deg=rotation_deg)
     return {one.label: (one.u, one.v) for one in named if one.label in JOINT_NAMES}
 

@@ -114,7 +114,7 @@ def _seen(
         depth_in_color_m=registration.depth_m,
         outline=None if sight is None else sight.outline,
         detections=detections,
-        joints=_joints(detections, registration.depth_m, calibration, look),
+        joints=_joints(detections, sight, calibration, look),
         plumb=plumb,
         hints=stance + told,
     )
@@ -149,16 +149,11 @@ def _markers(
 
 
 def _joints(
-    found: Detections | None,
-    depth_in_color_m: Float32Array,
-    calibration: RgbdCalibration,
-    look: Look,
+    found: Detections | None, sight: Sight | None, calibration: RgbdCalibration, look: Look
 ) -> Mapping[str, tuple[float, float]]:
-    if found is None or look.naming is None:
+    if found is None or sight is None or look.naming is None:
         return {}
-    return joints_among(
-        found.blobs, depth_in_color_m, calibration, look.naming, look.params.rotation_deg
-    )
+    return joints_among(found.blobs, sight, calibration, look.naming, look.params.rotation_deg)
 
 
 def _up(floor: Plane | None, calibration: RgbdCalibration) -> FloatArray | None:

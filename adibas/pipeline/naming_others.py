@@ -49,7 +49,7 @@ def names_of_others(
         )
     named = frozenset(one.label for one in markers if not is_numbered(one.label))
     if surface is not None:
-        namer = with_body(namer, surface, view, calibration, rotation_deg)
+        namer = with_body(namer, surface.depth_m, view, calibration, rotation_deg)
     found = with_names(namer, markers, view, calibration, named, rotation_deg)
     pairs = zip(markers, found, strict=True)
     return {before.label: after for before, after in pairs if before.label != after.label}

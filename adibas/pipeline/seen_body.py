@@ -14,7 +14,6 @@ from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.limbs import LimbParts
-from adibas.data.surface import BurstDisparity
 from adibas.geometry.distortion import project_distorted
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
@@ -63,10 +62,11 @@ class SeenBody:
 
 def with_body(
     namer: Namer,
-    surface: BurstDisparity,
+    depth_m: Float32Array,
     view: str,
     calibration: RgbdCalibration,
     rotation_deg: int = 0,
+    pixels: BoolArray | None = None,
 ) -> Namer:
     """Return the namer of a capture, who knows where the body is, if that tells anything.
 
@@ -75,18 +75,19 @@ def with_body(
     namer : Namer
         Comes back as it is where it names other landmarks than the joints, where no view is
         declared, and where nobody is seen.
-    surface : BurstDisparity
-        Of the burst.
+    depth_m : (H, W) float32 array
+        Of the depth camera, bias corrected, metres; NaN where not measured.
     view : str
         As declared.
     calibration : RgbdCalibration
     rotation_deg : int
         How far the picture is turned clockwise to be upright.
+    pixels : (H, W) bool array or None
+        Of the person, where they are known.
     """
     if namer.names != JOINT_NAMES or not view:
         return namer
-    depth_m = np.asarray(1.0 / surface.mean_per_m, np.float32)
-    body = see_body(depth_m, view, calibration, rotation_deg)
+    body = see_body(depth_m, view, calibration, rotation_deg, pixels)
     if body is None:
         return namer
     turn = upright_turn(vertical_of(calibration, rotation_deg).up)

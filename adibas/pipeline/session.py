@@ -153,7 +153,7 @@ def find_in_recording(
     if namer is not None:
         by_hand = frozenset(line.label for line in labels)
         by_places = namer
-        namer = with_body(namer, findings.surface, request.view, calibration, rotation_deg)
+        namer = with_body(namer, findings.surface.depth_m, request.view, calibration, rotation_deg)
         markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
         view_doubts = doubts_about_view(by_places, markers, request.view, calibration, rotation_deg)
         doubts = (*view_doubts, *doubts)

@@ -11,7 +11,6 @@ from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import BODY_PART_NAMES, JOINT_NAMES, mirror_order, other_side
 from adibas.data.limbs import FULL_BODY, LimbParts
 from adibas.data.markers import Marker
-from adibas.data.surface import BurstDisparity
 from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
@@ -248,12 +247,6 @@ def test_hands_on_thighs_are_hidden_by_nothing_and_lie_between_hip_and_knee(pict
                 assert np.linalg.norm(off_m) < 0.45
 
 
-def of_depth(picture, depth_m=None):
-    depth_m = picture.depth_m if depth_m is None else depth_m
-    readings = np.isfinite(depth_m).astype(np.int64)
-    return BurstDisparity(1.0 / depth_m, readings, 1)
-
-
 def calibration_of(picture, camera=None, up=None):
     color = CameraCalibration(1280, 1024, Intrinsics(1050.0, 1050.0, 639.5, 511.5))
     return RgbdCalibration(
@@ -312,7 +305,7 @@ def test_the_body_tells_the_same_of_markers_in_colour_axes_as_in_the_depth_camer
     picture = next(one for one in pictures if one.view == "anterior" and found_by(one) is not None)
     calibration = replace(calibration_of(picture), color_from_depth=color_from_depth)
     namer, view = shipped_namer(), picture.view
-    from_color = with_body(namer, of_depth(picture), view, calibration)._body_odds
+    from_color = with_body(namer, picture.depth_m, view, calibration)._body_odds
     body = see_body(picture.depth_m, view, calibration)
     upright = RigidTransform(upright_turn(picture.up), np.zeros(3))
     points_m, up = picture.points_m, rotation @ picture.up
@@ -331,7 +324,7 @@ def test_markers_are_named_with_the_body_of_their_capture(pictures):
     n_named = n_markers = 0
     for picture in pictures[:16]:
         calibration = calibration_of(picture)
-        namer = with_body(shipped_namer(), of_depth(picture), picture.view, calibration)
+        namer = with_body(shipped_namer(), picture.depth_m, picture.view, calibration)
         names = labels_of(namer, picture, calibration)
         n_named += sum(name == own for name, own in zip(names, picture.names, strict=True))
         n_markers += len(names)
@@ -373,12 +366,12 @@ def test_the_back_has_left_and_right_as_it_is_declared(pictures):
 def test_nothing_is_known_of_nobody_of_no_view_and_of_other_landmarks(pictures):
     picture = next(one for one in pictures if found_by(one) is not None)
     namer, calibration = shipped_namer(), calibration_of(picture)
-    wall = of_depth(picture, np.full_like(picture.depth_m, 3.0))
+    wall = np.full_like(picture.depth_m, 3.0)
     assert with_body(namer, wall, "anterior", calibration) is namer
-    assert with_body(namer, of_depth(picture), "", calibration) is namer
-    nothing = of_depth(picture, np.full_like(picture.depth_m, np.nan))
+    assert with_body(namer, picture.depth_m, "", calibration) is namer
+    nothing = np.full_like(picture.depth_m, np.nan)
     assert with_body(namer, nothing, "anterior", calibration) is namer
-    assert with_body(namer, of_depth(picture), "anterior", calibration) is not namer
+    assert with_body(namer, picture.depth_m, "anterior", calibration) is not namer
 
 
 def test_half_of_what_teaches_is_the_mirror_image(pictures):
