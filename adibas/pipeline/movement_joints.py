@@ -1,11 +1,13 @@
 """The joints of a moving patient, by the names of the markers."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
-from adibas.arrays import FloatArray, IntArray
+from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.calibration.files import check_fits
 from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
@@ -41,6 +43,9 @@ VIEW_HELPS = message(
     "Say with --view which side is seen in the first frame: more markers get a name then, as the "
     "body is looked for in the depth, too."
 )
+
+
+_Found: TypeAlias = tuple[FrameMarkers, SeenPerson | None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,28 +99,52 @@ def joints_of_markers(
     timestamps_ns = every_ns[kept]
     times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
     bodies = _Bodies(calibration, upright_from_camera, params.rotation_deg)
-    seen: list[FrameMarkers] = []
+    namer, seen = shipped_namer(), []
 
-    def work(frame: RgbdFrame) -> tuple[FrameMarkers, SeenPerson | None]:
-        return markers_of_frame(frame, calibration, target, params)
-
-    def upright(
-        found: Iterable[tuple[FrameMarkers, SeenPerson | None]],
-    ) -> Iterator[MovingPoints]:
+    def moving(found: Iterable[_Found]) -> Iterator[MovingPoints]:
         for time_s, (of_frame, person) in zip(times_s.tolist(), found, strict=True):
             seen.append(of_frame)
             progress(len(seen), len(kept))
             points_m = of_frame.points_m @ upright_from_camera.T
             yield MovingPoints(points_m, time_s, body=bodies.of(person))
 
-    namer = shipped_namer()
-    with in_order(work, _frames(recording, calibration, kept), N_THREADS) as found:
-        named = name_movement(namer, upright(found), view)
+    with _found_in(recording, kept, calibration, target, params) as found:
+        named = name_movement(namer, moving(found), view)
     return MarkedJoints(
         _track(timestamps_ns, [one.points_m for one in seen], named),
         (*_spare(named, view), *doubts_about_frames(seen)),
         {"model": namer.identity, "n_frames_with_body": bodies.n_known},
     )
+
+
+@contextmanager
+def _found_in(
+    recording: RecordingReader,
+    kept: IntArray,
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    params: PostureParams,
+) -> Iterator[Iterator[_Found]]:
+    """Give what each frame shows, in their order.
+
+    Frames are looked at side by side, each by itself; where nobody is tall enough to be seen so,
+    whoever stood there a moment ago may have bent down.
+    """
+
+    def alone(frame: RgbdFrame) -> tuple[RgbdFrame, _Found]:
+        return frame, markers_of_frame(frame, calibration, target, params)
+
+    def one_after_the_other(looked: Iterable[tuple[RgbdFrame, _Found]]) -> Iterator[_Found]:
+        before: BoolArray | None = None
+        for frame, by_itself in looked:
+            markers, person = by_itself
+            if person is None and before is not None:
+                markers, person = markers_of_frame(frame, calibration, target, params, before)
+            before = before if person is None else person.pixels
+            yield markers, person
+
+    with in_order(alone, _frames(recording, calibration, kept), N_THREADS) as looked:
+        yield one_after_the_other(looked)
 
 
 class _Bodies:

@@ -72,16 +72,22 @@ class SeenPerson:
 
 
 def markers_of_frame(
-    frame: RgbdFrame, calibration: RgbdCalibration, target: MarkerTarget, params: PostureParams
+    frame: RgbdFrame,
+    calibration: RgbdCalibration,
+    target: MarkerTarget,
+    params: PostureParams,
+    before: BoolArray | None = None,
 ) -> tuple[FrameMarkers, SeenPerson | None]:
     """Return the markers of one frame, and who wears them; None where nobody is seen.
+
+    `before`: the (H, W) pixels of who was seen a moment ago; see `find_body`.
 
     Raises
     ------
     MarkerError
         The colour model fits everything.
     """
-    sight = look_for_person(frame, calibration, params)
+    sight = look_for_person(frame, calibration, params, before)
     if sight is None:
         return FrameMarkers(np.empty((0, 3))), None
     detections = find_markers(frame.color_rgb, sight, calibration, target, params)

@@ -268,11 +268,15 @@ def _look_about(
 
 
 def look_for_person(
-    frame: RgbdFrame, calibration: RgbdCalibration, params: PostureParams
+    frame: RgbdFrame,
+    calibration: RgbdCalibration,
+    params: PostureParams,
+    before: BoolArray | None = None,
 ) -> Sight | None:
-    """Return the person in one frame; None where nobody is seen."""
+    """Return the person in one frame; None where nobody is seen; `before`: see `find_body`."""
     depth_m = calibration.corrected_depth(frame.depth_m)
-    return see_person(depth_m, floor_below(depth_m, calibration, params), calibration, params)
+    floor = floor_below(depth_m, calibration, params)
+    return see_person(depth_m, floor, calibration, params, before)
 
 
 def floor_below(
@@ -291,6 +295,7 @@ def see_person(
     floor: Plane | None,
     calibration: RgbdCalibration,
     params: PostureParams,
+    before: BoolArray | None = None,
 ) -> Sight | None:
     """Return where the person is; None where nobody is seen.
 
@@ -300,9 +305,11 @@ def see_person(
         Of the depth camera, bias corrected, metres; NaN where not measured.
     floor : Plane or None
         In the depth camera's axes; None where no floor is seen.
+    before : (H, W) bool array or None
+        Pixels of who was seen a moment ago; see `find_body`.
     """
     color, depth = cameras_of(calibration)
-    body = find_body(depth_m, depth, floor)
+    body = find_body(depth_m, depth, floor, before=before)
     if body is None:
         return None
     registration = register_pixels(depth_m, calibration)
