@@ -23,7 +23,6 @@ def find_body(
     depth_camera: CameraCalibration,
     floor: Plane | None = None,
     params: BodyParams | None = None,
-    before: BoolArray | None = None,
 ) -> BodyMask | None:
     """Return the pixels of the largest person, or None where there is nobody.
 
@@ -36,8 +35,6 @@ def find_body(
     floor : Plane or None
         In the depth camera's axes, normal up; see `adibas.body.floor.find_floor`. None where no
         floor is in view.
-    before : (H, W) bool array or None
-        Pixels of who was seen a moment ago: whoever is there still need not be tall.
     """
     params = params or BodyParams()
     check_shape("depth_m", depth_m, (depth_camera.height, depth_camera.width))
@@ -48,7 +45,7 @@ def find_body(
     moments = surface_moments(labels, n_labels, inverse_depth, rays)
     pixel_rad = float(rays[0, 1, 0] - rays[0, 0, 0])
     surfaces = Surfaces(labels, moments, inverse_depth, heights_m, pixel_rad)
-    body = find_person(surfaces, params, before)
+    body = find_person(surfaces, params)
     if body is None:
         return None
     belongs = bodies_parts(surfaces, body, params)

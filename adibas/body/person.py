@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, Int32Array, IntArray
+from adibas.arrays import Float32Array, FloatArray, Int32Array, IntArray
 from adibas.body.component_kernels import gaps_to_body
 
 TOP_PERCENTILE = 98.0
@@ -68,8 +68,6 @@ class BodyParams:
     alone_share : float
         Of the outline along which something may be before what stands alone, with nothing measured
         behind it: noise of the floor about the feet. 0.1.
-    stays_share : float
-        Of a surface that lies where somebody was seen a moment ago: 0.5. It is that person still.
     """
 
     range_m: tuple[float, float] = (0.4, 4.5)
@@ -95,7 +93,6 @@ class BodyParams:
     bay_px: int = 2
     max_hole_share: float = 0.03
     alone_share: float = 0.1
-    stays_share: float = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,22 +146,9 @@ class Surfaces:
         return known
 
 
-def find_person(
-    surfaces: Surfaces, params: BodyParams, before: BoolArray | None = None
-) -> int | None:
-    """Return the label of the largest surface that can be a person; None where there is none.
-
-    `before`: the (H, W) pixels of who was seen a moment ago. Where nobody else is, that is who
-    stays there, bent so that nothing is tall, and with the arms before the rest.
-    """
-    found = next(_candidates(surfaces, params, _nobody_else), None)
-    if found is not None or before is None:
-        return found
-    for label, shape in _large(surfaces, params):
-        stays = before.ravel()[surfaces.pixels_of(label)].mean() > params.stays_share
-        if stays and shape.fits_a_person(params):
-            return label
-    return None
+def find_person(surfaces: Surfaces, params: BodyParams) -> int | None:
+    """Return the label of the largest surface that can be a person; None where there is none."""
+    return next(_candidates(surfaces, params, _nobody_else), None)
 
 
 def find_persons(
@@ -187,20 +171,15 @@ def could_be_of_a_person(moments: FloatArray, params: BodyParams) -> bool:
 def _candidates(
     surfaces: Surfaces, params: BodyParams, is_seated: Callable[[int], bool]
 ) -> Iterator[int]:
-    for label, shape in _large(surfaces, params):
+    area_m2 = surfaces.moments[:, 0]
+    large = np.flatnonzero((area_m2 > params.min_area_m2) & (area_m2 < params.max_area_m2))
+    for label in sorted(large.tolist(), key=lambda label: -area_m2[label]):
+        shape = _Shape(surfaces.moments[label])
         if not shape.fits_a_person(params):
             continue
         is_person = _is_tall(surfaces, label, shape, params) or is_seated(label)
         if is_person and _stands_before(surfaces, label, params):
-            yield label
-
-
-def _large(surfaces: Surfaces, params: BodyParams) -> Iterator[tuple[int, "_Shape"]]:
-    """Give the surfaces as large as a person's, and their shapes, the largest first."""
-    area_m2 = surfaces.moments[:, 0]
-    large = np.flatnonzero((area_m2 > params.min_area_m2) & (area_m2 < params.max_area_m2))
-    for label in sorted(large.tolist(), key=lambda label: -area_m2[label]):
-        yield label, _Shape(surfaces.moments[label])
+            yield int(label)
 
 
 def _nobody_else(_label: int) -> bool:

@@ -7,7 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray, IntArray
+from adibas.arrays import FloatArray, IntArray
+from adibas.body.staying import Moment
 from adibas.calibration.files import check_fits
 from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
@@ -44,6 +45,9 @@ VIEW_HELPS = message(
     "body is looked for in the depth, too."
 )
 
+
+STAYS_WHOLE = 0.8
+"""Share of the pixels of a moment ago; of who shows fewer a part may not have been seen."""
 
 _Found: TypeAlias = tuple[FrameMarkers, SeenPerson | None]
 
@@ -127,24 +131,32 @@ def _found_in(
 ) -> Iterator[Iterator[_Found]]:
     """Give what each frame shows, in their order.
 
-    Frames are looked at side by side, each by itself; where nobody is tall enough to be seen so,
-    whoever stood there a moment ago may have bent down.
+    Frames are looked at side by side, each by itself; where less is seen of the person than a
+    moment ago they are looked at again, together with that moment: who bends down falls apart.
     """
 
     def alone(frame: RgbdFrame) -> tuple[RgbdFrame, _Found]:
         return frame, markers_of_frame(frame, calibration, target, params)
 
     def one_after_the_other(looked: Iterable[tuple[RgbdFrame, _Found]]) -> Iterator[_Found]:
-        before: BoolArray | None = None
+        before: SeenPerson | None = None
         for frame, by_itself in looked:
             markers, person = by_itself
-            if person is None and before is not None:
-                markers, person = markers_of_frame(frame, calibration, target, params, before)
-            before = before if person is None else person.pixels
+            if before is not None and _fell_apart(person, before):
+                moment = Moment(before.depth_m, [before.pixels])
+                markers, person = markers_of_frame(frame, calibration, target, params, moment)
+            before = person or before
             yield markers, person
 
     with in_order(alone, _frames(recording, calibration, kept), N_THREADS) as looked:
         yield one_after_the_other(looked)
+
+
+def _fell_apart(person: SeenPerson | None, before: SeenPerson) -> bool:
+    if person is None:
+        return True
+    n_now, n_before = (int(np.count_nonzero(one.pixels)) for one in (person, before))
+    return n_now < STAYS_WHOLE * n_before
 
 
 class _Bodies:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray, check_shape
+from adibas.body.staying import Moment
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.sentence import Sentence
@@ -76,11 +77,11 @@ def markers_of_frame(
     calibration: RgbdCalibration,
     target: MarkerTarget,
     params: PostureParams,
-    before: BoolArray | None = None,
+    before: Moment | None = None,
 ) -> tuple[FrameMarkers, SeenPerson | None]:
     """Return the markers of one frame, and who wears them; None where nobody is seen.
 
-    `before`: the (H, W) pixels of who was seen a moment ago; see `find_body`.
+    `before`: the person a moment ago; see `see_person`.
 
     Raises
     ------

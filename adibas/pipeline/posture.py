@@ -1,7 +1,7 @@
 """One burst of frames to markers in space: the order of the stages."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
@@ -11,6 +11,8 @@ from adibas.alignment.registration import Registration, register_pixels
 from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
+from adibas.body.people import find_people
+from adibas.body.staying import Moment
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker, RejectedBlob, pixels_uv
@@ -271,9 +273,9 @@ def look_for_person(
     frame: RgbdFrame,
     calibration: RgbdCalibration,
     params: PostureParams,
-    before: BoolArray | None = None,
+    before: Moment | None = None,
 ) -> Sight | None:
-    """Return the person in one frame; None where nobody is seen; `before`: see `find_body`."""
+    """Return the person in one frame; None where nobody is seen; `before`: see `see_person`."""
     depth_m = calibration.corrected_depth(frame.depth_m)
     floor = floor_below(depth_m, calibration, params)
     return see_person(depth_m, floor, calibration, params, before)
@@ -295,7 +297,7 @@ def see_person(
     floor: Plane | None,
     calibration: RgbdCalibration,
     params: PostureParams,
-    before: BoolArray | None = None,
+    before: Moment | None = None,
 ) -> Sight | None:
     """Return where the person is; None where nobody is seen.
 
@@ -305,16 +307,25 @@ def see_person(
         Of the depth camera, bias corrected, metres; NaN where not measured.
     floor : Plane or None
         In the depth camera's axes; None where no floor is seen.
-    before : (H, W) bool array or None
-        Pixels of who was seen a moment ago; see `find_body`.
+    before : Moment or None
+        The person a moment ago, who stays whole: who bends down falls apart, and is not tall.
     """
     color, depth = cameras_of(calibration)
-    body = find_body(depth_m, depth, floor, before=before)
+    body = find_body(depth_m, depth, floor)
+    if before is not None:
+        body = _who_stays(find_people(depth_m, depth, floor, before=before), before) or body
     if body is None:
         return None
     registration = register_pixels(depth_m, calibration)
     outline = body_in_color(body.pixels, registration, color, params.margin_m)
     return Sight(depth_m, floor, body, registration, outline)
+
+
+def _who_stays(people: Sequence[BodyMask], before: Moment) -> BodyMask | None:
+    """Return who was there before; None where nobody is."""
+    (pixels,) = before.people
+    shared_px = [int(np.count_nonzero(one.pixels & pixels)) for one in people]
+    return people[int(np.argmax(shared_px))] if any(shared_px) else None
 
 
 def find_markers(
