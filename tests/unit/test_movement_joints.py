@@ -1,0 +1,93 @@
+"""The joints of a moving patient by the names of the markers, frame by frame."""
+
+import numpy as np
+import pytest
+
+from adibas.data.joints import JOINT_NAMES
+from adibas.markers.led import LedParams
+from adibas.pipeline import movement_joints
+from adibas.pipeline.movement_joints import SPARE_MARKERS, VIEW_HELPS, joints_of_markers
+from adibas.pipeline.posture import PostureParams
+from adibas.recordings import create_recording, open_recording
+from adibas.simulation.patient import MarkerSettings
+from adibas.simulation.scenes import open_scene
+
+BENT = range(22, 58, 2)
+NEAR_M = 0.05
+
+
+def filmed(path, frames, view="anterior", **changes):
+    """Record frames of a simulated patient; return what is true of the markers in each."""
+    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
+    scene = open_scene(
+        f"{view}_led", markers=markers, color_size=(480, 640), distance_m=2.8, **changes
+    )
+    truth = []
+    with create_recording(path, scene.info) as writer:
+        for index in frames:
+            simulated = scene.frame(index)
+            writer.write(simulated.sensor_frame)
+            truth.append({one.name: one for one in simulated.truth.markers})
+    return truth
+
+
+def measured(path, view):
+    with open_recording(path) as recording:
+        return joints_of_markers(
+            recording,
+            recording.info.calibration,
+            LedParams(),
+            PostureParams(),
+            view,
+            lambda _done, _all: None,
+        )
+
+
+def compared(found, truth):
+    """Return how many joints are where they should be, elsewhere, and in view."""
+    n_right = n_wrong = n_visible = 0
+    for joints_m, markers in zip(found.track.joints_m, truth, strict=True):
+        for name, place_m in zip(JOINT_NAMES, joints_m, strict=True):
+            n_visible += name in markers and markers[name].is_visible
+            if np.isfinite(place_m[0]):
+                is_there = np.linalg.norm(place_m - markers[name].position_m) < NEAR_M
+                n_right += is_there
+                n_wrong += not is_there
+    return n_right, n_wrong, n_visible
+
+
+@pytest.fixture(scope="module")
+def bending(tmp_path_factory):
+    path = tmp_path_factory.mktemp("movement") / "bend.mcap"
+    return path, filmed(path, BENT, seed=7, gesture="bend")
+
+
+def test_who_bends_down_keeps_all_markers(bending):
+    """Bent forwards nobody is tall, and head, arms and legs fall apart in the depth."""
+    path, truth = bending
+    n_right, n_wrong, n_visible = compared(measured(path, "anterior"), truth)
+    assert n_wrong == 0
+    assert n_right > 0.95 * n_visible
+
+
+def test_without_the_frame_before_most_of_a_bend_is_lost(bending, monkeypatch):
+    monkeypatch.setattr(movement_joints, "_fell_apart", lambda _now, _before: False)
+    path, truth = bending
+    n_right, _n_wrong, n_visible = compared(measured(path, "anterior"), truth)
+    assert n_right < 0.6 * n_visible
+
+
+def test_it_is_told_by_what_the_markers_were_named(bending):
+    path, truth = bending
+    assert measured(path, "anterior").names["n_frames_with_body"] > 0.8 * len(truth)
+    assert measured(path, "").names["n_frames_with_body"] == 0
+
+
+def test_markers_without_a_name_and_without_a_view_are_told_what_would_help(tmp_path):
+    """Seen from the side, places alone do not tell what the few markers are."""
+    path = tmp_path / "side.mcap"
+    filmed(path, range(2), view="left_lateral", seed=7)
+    said = [one.message for one in measured(path, "").doubts]
+    assert SPARE_MARKERS in said
+    assert VIEW_HELPS in said
+    assert VIEW_HELPS not in [one.message for one in measured(path, "left_lateral").doubts]
