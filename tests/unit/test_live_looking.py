@@ -16,7 +16,7 @@ from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 from adibas.markers.color_model import LearningParams, grow_region, learn_colors
 from adibas.markers.lab import rgb_to_lab
 from adibas.markers.led import LedParams
-from adibas.pipeline import hints
+from adibas.pipeline import hints, live_joints
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.looking import Look, look_at
@@ -191,6 +191,20 @@ def test_markers_on_joints_are_named_in_the_live_picture(joints_marked):
     assert len(joints) >= 12
     for name, place in joints.items():
         assert place == pytest.approx(truth[name], abs=2.0)
+
+
+def test_few_markers_from_the_side_are_named_by_the_body_in_the_depth(monkeypatch):
+    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
+    scene = open_scene("left_lateral_led", seed=7, distance_m=2.8, markers=markers)
+    look = Look(target=LedParams(), naming=Naming("joints-15", "left_lateral"))
+    arrival = arrival_of(scene, scene.frame(15).sensor_frame)
+    truth = {one.name: (one.u, one.v) for one in scene.frame(15).truth.markers}
+    joints = look_at(arrival, look).joints
+    assert len(joints) >= 5
+    for name, place in joints.items():
+        assert place == pytest.approx(truth[name], abs=3.0)
+    monkeypatch.setattr(live_joints, "with_body", lambda namer, *_known: namer)
+    assert look_at(arrival, look).joints == {}
 
 
 @pytest.mark.parametrize("naming", [None, Naming("sapo-1", "anterior"), Naming("lost", "anterior")])
