@@ -26,7 +26,7 @@ LEAST_NAMES, LEAST_SHARE = 4, 0.5
 """A frame with fewer names tells no heading."""
 TOLD_SD_RAD = math.radians(40.0)
 """Of the heading that names tell, by the square root of how many of them there are."""
-LEAST_TURNED = 4
+LEAST_TURNED = 3
 """Fewer points tell no turn."""
 LEAST_WIDE_M2, LEAST_TURN_RAD = 0.05, math.radians(0.5)
 """Of squared ways to the middle, and of what a turn from frame to frame is off at least."""

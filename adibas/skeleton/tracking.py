@@ -18,6 +18,7 @@ from adibas.shapes.assignment_kernels import assign
 from adibas.skeleton.body_marks import BodyOdds
 from adibas.skeleton.followed_view import FollowedView
 from adibas.skeleton.namer import Namer
+from adibas.skeleton.starts import SPACE
 
 SeenFrom: TypeAlias = Callable[[str], BodyOdds | None]
 """Takes the view from which somebody is seen; returns what the body tells, None where nothing."""
@@ -235,7 +236,8 @@ def name_movement(
 
 def _masses(namer: Namer, frame: MovingPoints, seen_from: FollowedView) -> FloatArray:
     """Return what a frame says of its points, and go on to the view that it shows."""
-    seen_from.go_to(frame.time_s)
+    if frame.points_m.shape[1] == SPACE:  # in a plane nobody turns
+        seen_from.go_to(frame.time_s)
     body = None
     if frame.body is not None and seen_from.is_square and len(frame.points_m):
         body = frame.body(seen_from.view)

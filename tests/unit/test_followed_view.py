@@ -85,10 +85,12 @@ def test_points_without_names_tell_it_as_well():
     assert np.mean(rates[5:]) == pytest.approx(100.0, abs=3.0)
 
 
-def test_somebody_who_stands_still_without_names_is_still_seen_from_there():
+@pytest.mark.parametrize("n_points", [3, 8])
+def test_somebody_who_stands_still_without_names_is_still_seen_from_there(n_points):
     rng = np.random.default_rng(3)
     seen = FollowedView("left_lateral")
-    frames = [points_at(90.0) + rng.normal(scale=0.005, size=(8, 3)) for _ in range(150)]
+    place_m = points_at(90.0, n=n_points)
+    frames = [place_m + rng.normal(scale=0.005, size=place_m.shape) for _ in range(150)]
     for number, (before_m, points_m) in enumerate(pairwise(frames)):
         seen.go_to(number / RATE_HZ)
         seen.turn(before_m, points_m)
@@ -147,6 +149,6 @@ def test_new_points_and_a_flat_picture_tell_no_turn():
     seen.go_to(0.0)
     seen.go_to(0.1)
     seen.turn(np.full((5, 3), np.nan), points_at(30.0, n=5))
-    seen.turn(points_at(0.0, n=3), points_at(30.0, n=3))
+    seen.turn(points_at(0.0, n=2), points_at(30.0, n=2))
     seen.turn(points_at(0.0)[:, :2], points_at(30.0)[:, :2])
     assert seen._state.tolist() == [0.0, 0.0]

@@ -119,6 +119,13 @@ def test_no_body_is_asked_for_where_no_view_is_known_or_no_point_is_seen(view):
     assert len(name_movement(Teller(said), frames, view)) == 1
 
 
+def test_in_a_plane_the_declared_view_stays():
+    frames = [MovingPoints(np.array([[0.0, 0.0], [0.0, 0.2]]), float(t)) for t in range(6)]
+    teller = Teller([sure("head", "neck")] * 6)
+    name_movement(teller, frames, "posterior")
+    assert teller.views == ["posterior"] * 6
+
+
 def test_who_turns_round_keeps_left_and_right():
     """Until the view was followed, a patient who stands was named as a front from behind."""
     people = simulate_shapes(6, 4, 6200, lambda _done, _all: None)
