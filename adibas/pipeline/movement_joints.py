@@ -1,5 +1,6 @@
 """The joints of a moving patient, by the names of the markers."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from adibas.pipeline.movement_markers import (
     doubts_about_frames,
     markers_of_frame,
 )
+from adibas.pipeline.pose_following import LONGEST_APART_S, SOON_S
 from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams
 from adibas.pipeline.seen_body import body_odds, see_body
 from adibas.pipeline.skeleton_labelling import shipped_namer
@@ -138,25 +140,45 @@ def _found_in(
     def alone(frame: RgbdFrame) -> tuple[RgbdFrame, _Found]:
         return frame, markers_of_frame(frame, calibration, target, params)
 
+    together = _Together()
+
     def one_after_the_other(looked: Iterable[tuple[RgbdFrame, _Found]]) -> Iterator[_Found]:
-        before: SeenPerson | None = None
         for frame, by_itself in looked:
-            markers, person = by_itself
-            if before is not None and _fell_apart(person, before):
-                moment = Moment(before.depth_m, [before.pixels])
-                markers, person = markers_of_frame(frame, calibration, target, params, moment)
-            before = person or before
-            yield markers, person
+            found, moment = by_itself, together.moment_of(by_itself[1], frame.timestamp_ns)
+            if moment is not None:
+                found = markers_of_frame(frame, calibration, target, params, moment)
+            together.saw(found[1], frame.timestamp_ns, by_itself=moment is None)
+            yield found
 
     with in_order(alone, _frames(recording, calibration, kept), N_THREADS) as looked:
         yield one_after_the_other(looked)
 
 
-def _fell_apart(person: SeenPerson | None, before: SeenPerson) -> bool:
-    if person is None:
-        return True
-    n_now, n_before = (int(np.count_nonzero(one.pixels)) for one in (person, before))
-    return n_now < STAYS_WHOLE * n_before
+class _Together:
+    """Who was seen a moment ago, by which a person who falls apart is put together."""
+
+    def __init__(self) -> None:
+        self._before: SeenPerson | None = None
+        self._before_s = self._by_itself_s = -math.inf
+
+    def moment_of(self, person: SeenPerson | None, timestamp_ns: int) -> Moment | None:
+        """Return that moment where less is seen of the person now, else None."""
+        before, time_s = self._before, timestamp_ns / NS_PER_S
+        is_soon = time_s - self._before_s <= SOON_S
+        if before is None or not is_soon or time_s - self._by_itself_s > LONGEST_APART_S:
+            return None
+        n_now = 0 if person is None else np.count_nonzero(person.pixels)
+        if n_now >= STAYS_WHOLE * np.count_nonzero(before.pixels):
+            return None
+        return Moment(before.depth_m, [before.pixels])
+
+    def saw(self, person: SeenPerson | None, timestamp_ns: int, *, by_itself: bool) -> None:
+        """Go on to what was seen in a frame."""
+        if person is None:
+            return
+        self._before, self._before_s = person, timestamp_ns / NS_PER_S
+        if by_itself:
+            self._by_itself_s = self._before_s
 
 
 class _Bodies:

@@ -71,7 +71,14 @@ def test_who_bends_down_keeps_all_markers(bending):
 
 
 def test_without_the_frame_before_most_of_a_bend_is_lost(bending, monkeypatch):
-    monkeypatch.setattr(movement_joints, "_fell_apart", lambda _now, _before: False)
+    monkeypatch.setattr(movement_joints, "SOON_S", 0.0)
+    path, truth = bending
+    n_right, _n_wrong, n_visible = compared(measured(path, "anterior"), truth)
+    assert n_right < 0.6 * n_visible
+
+
+def test_nobody_is_put_together_for_ever(bending, monkeypatch):
+    monkeypatch.setattr(movement_joints, "LONGEST_APART_S", 0.0)
     path, truth = bending
     n_right, _n_wrong, n_visible = compared(measured(path, "anterior"), truth)
     assert n_right < 0.6 * n_visible
