@@ -22,9 +22,9 @@ class Teller:
 
     names = NAMES
 
-    def __init__(self, said, heading_rad=math.nan):
+    def __init__(self, said, headings_rad=()):
         self._said = iter(said)
-        self._heading_rad = heading_rad
+        self._headings_rad = iter(headings_rad)
         self.views, self.bodies = [], []
 
     def who_sees(self, body_odds):
@@ -36,7 +36,8 @@ class Teller:
         masses = np.array(next(self._said), float).reshape(len(points_m), len(NAMES) + 1)
         masses /= masses.sum(axis=1, keepdims=True)
         names = tuple(JOINT_NAMES[: len(points_m)])
-        return Labelling(names, names, masses.max(axis=1), self._heading_rad, masses)
+        heading_rad = next(self._headings_rad, math.nan)
+        return Labelling(names, names, masses.max(axis=1), heading_rad, masses)
 
 
 def sure(*names):
@@ -69,10 +70,10 @@ def test_one_frame_that_exchanges_two_names_is_overruled():
 
 def test_a_point_that_appears_where_another_hid_does_not_take_its_name():
     """The head is hidden and the neck appears 8 cm beside: both are called what they are."""
-    places_m = [[0.0]] * 8 + [[0.08]] * 8
-    said = [sure("head")] * 8 + [sure("neck")] * 8
+    places_m = [[0.0]] * 12 + [[0.08]] * 3
+    said = [sure("head")] * 12 + [sure("neck")] * 3
     tracked = name_movement(Teller(said), frames_of(places_m))
-    assert [one.names for one in tracked] == [("head",)] * 8 + [("neck",)] * 8
+    assert [one.names for one in tracked] == [("head",)] * 12 + [("neck",)] * 3
 
 
 def test_a_point_of_which_nothing_is_said_takes_the_name_from_near_not_from_far():
@@ -117,6 +118,29 @@ def test_no_body_is_asked_for_where_no_view_is_known_or_no_point_is_seen(view):
     frames += [] if view else [MovingPoints(np.zeros((2, 3)), 0.0, body=body)]
     said = [np.empty((0, 4))] if view else [sure("head", "neck")]
     assert len(name_movement(Teller(said), frames, view)) == 1
+
+
+def turning(n_frames, *, jumps_m=0.0):
+    """Return frames of eight points that turn by 90 degrees a second, away from the camera."""
+    rng = np.random.default_rng(5)
+    place_m = rng.normal(scale=(0.25, 0.5, 0.2), size=(8, 3))
+    for number in range(n_frames):
+        turned_m = place_m @ turn_back(0.5 * math.pi * number / RATE_HZ)
+        away_m = np.array([jumps_m * (number % 2), 0.0, 2.0])
+        yield MovingPoints(turned_m + away_m, number / RATE_HZ)
+
+
+def test_the_view_follows_points_that_turn_whatever_they_are_called():
+    teller = Teller([np.ones((8, 4))] * 34)
+    name_movement(teller, turning(34), "anterior")
+    assert list(dict.fromkeys(teller.views)) == ["anterior", "left_lateral", "posterior"]
+
+
+def test_the_view_follows_what_names_tell_of_points_that_are_new_in_each_frame():
+    headings = [0.5 * math.pi * number / RATE_HZ for number in range(34)]
+    teller = Teller([np.ones((8, 4))] * 34, headings)
+    name_movement(teller, turning(34, jumps_m=3.0), "anterior")
+    assert list(dict.fromkeys(teller.views)) == ["anterior", "left_lateral", "posterior"]
 
 
 def test_in_a_plane_the_declared_view_stays():
