@@ -10,6 +10,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, Float32Array, FloatArray
 from adibas.body.floor import find_floor
+from adibas.body.holes import fill_gaps
 from adibas.body.mask import find_body
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
@@ -18,7 +19,7 @@ from adibas.geometry.distortion import project_distorted
 from adibas.geometry.planes import Plane
 from adibas.geometry.rigid import RigidTransform
 from adibas.limbs.around_points import shares_around
-from adibas.limbs.judging import Judgement
+from adibas.limbs.judging import Judgement, judge_mask
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.body_marks_file import shipped_marks
 from adibas.pipeline.mending import mended
@@ -152,8 +153,11 @@ def body_in(
 ) -> SeenBody | None:
     """Return the body in an upright (H, W) picture, whose pixels are known.
 
-    Who wears markers is a person, however much of a chair is among the pixels.
+    Who wears markers is a person, however much of a chair is among the pixels, and however much of
+    dark clothes has no depth: small gaps are filled then.
     """
+    if not judge_mask(depth_m, mask).is_person:
+        depth_m = fill_gaps(depth_m)
     model = shipped_model()
     shown = BEHIND if view == BEHIND else "anterior"
     estimator = PoseEstimator(

@@ -15,6 +15,7 @@ from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.quarter_turns import QuarterTurn
 from adibas.geometry.rigid import RigidTransform, rotation_from_vector
 from adibas.limbs.around_points import shares_around
+from adibas.limbs.judging import judge_mask
 from adibas.pipeline.body_marks_file import shipped_marks
 from adibas.pipeline.body_marks_training import Example, examples_of, learn_marks
 from adibas.pipeline.marked_people import (
@@ -372,6 +373,19 @@ def test_nothing_is_known_of_nobody_of_no_view_and_of_other_landmarks(pictures):
     nothing = np.full_like(picture.depth_m, np.nan)
     assert with_body(namer, nothing, "anterior", calibration) is namer
     assert with_body(namer, picture.depth_m, "anterior", calibration) is not namer
+
+
+def test_a_body_in_dark_clothes_is_found_as_well(pictures):
+    """Two of five pixels have no depth, which is too little for a skeleton, not to tell markers."""
+    picture = next(one for one in pictures if one.view == "anterior" and found_by(one) is not None)
+    depth_m = picture.depth_m.copy()
+    depth_m[picture.mask & (np.random.default_rng(4).random(depth_m.shape) < 0.4)] = np.nan
+    assert not judge_mask(depth_m, picture.mask).is_person
+    found = body_in(depth_m, picture.mask, picture.view, picture.camera)
+    whole = body_in(picture.depth_m, picture.mask, picture.view, picture.camera)
+    off_m = np.linalg.norm(found.joints_m - whole.joints_m, axis=1)
+    assert np.nanmedian(off_m) < 0.03
+    assert np.isfinite(found.joints_m).all(axis=1).sum() >= 12
 
 
 def test_half_of_what_teaches_is_the_mirror_image(pictures):
