@@ -176,7 +176,7 @@ class _Tracks:
         """Return for each point the index of its track, -1 for a new one.
 
         The likeliest assignment: the odds that a point is one of before are those of its place
-        (Student's t with three degrees of freedom, about), and of what both are called: sums of
+        (Cauchy's distribution in three dimensions), and of what both are called: the sum of
         p(n) q(n) / prior(n) over names, all names alike probable before.
         """
         if not self._tracks or not len(points_m):
@@ -252,9 +252,8 @@ def _named(evidence: FloatArray, names: tuple[str, ...], sure: float) -> Tracked
     if not len(evidence):
         return TrackedNames((), (), np.zeros(0))
     chosen = assign(np.ascontiguousarray(evidence[:, -1:] - evidence[:, :-1]))
-    confidences = _shares(evidence)[
-        np.arange(len(evidence)), chosen
-    ]  # -1, no name, is the last one as well
+    # -1, no name, is the last one as well.
+    confidences = _shares(evidence)[np.arange(len(evidence)), chosen]
     guesses = tuple(names[i] if i >= 0 else None for i in chosen)
     given = tuple(
         guess if c >= sure else None for guess, c in zip(guesses, confidences, strict=True)

@@ -64,8 +64,9 @@ def test_a_protocol_that_no_model_knows_is_told(markers):
 
 
 def test_the_surface_of_the_capture_tells_the_other_names_as_well(markers, monkeypatch):
-    def on_nobody(namer, surface, view, calibration, rotation_deg):
-        assert (surface, view, calibration, rotation_deg) == (SURFACE, "anterior", CALIBRATION, 0)
+    def on_nobody(namer, depth_m, view, calibration, rotation_deg):
+        assert (view, calibration, rotation_deg) == ("anterior", CALIBRATION, 0)
+        np.testing.assert_allclose(depth_m, 2.0)
         return namer.who_sees(lambda points_m: np.full((len(points_m), len(JOINT_NAMES)), -20.0))
 
     monkeypatch.setattr(naming_others, "with_body", on_nobody)

@@ -192,8 +192,8 @@ def test_markers_of_a_capture_get_no_name_against_the_body_that_its_depth_shows(
 ):
     seen = []
 
-    def on_nobody(namer, surface, view, calibration, rotation_deg):
-        seen.append((surface.mean_per_m.shape, view, calibration.depth is not None, rotation_deg))
+    def on_nobody(namer, depth_m, view, calibration, rotation_deg):
+        seen.append((depth_m.shape, view, calibration.depth is not None, rotation_deg))
         return namer.who_sees(lambda points_m: np.full((len(points_m), len(namer.names)), -20.0))
 
     monkeypatch.setattr(capturing, "with_body", on_nobody)
