@@ -11,25 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.calibration import CameraCalibration
 from adibas.pipeline.marked_people import (
-    DISTANCE_M,
-    MARKER_SD_M,
-    VIEW_OFF_RAD,
-    JointPlaces,
     MarkedPicture,
+    frame_settings,
+    marked,
+    most_seen,
     places_of,
-    shown,
 )
 from adibas.simulation.figures import Figure
 from adibas.simulation.gestures import gesture_names, perform
-from adibas.simulation.limb_frames import (
-    Film,
-    FrameSettings,
-    LimbFrame,
-    LimbFrames,
-    dressed_person,
-)
+from adibas.simulation.limb_frames import Film, LimbFrames, dressed_person
 from adibas.simulation.poses import Pose
 from adibas.simulation.random_poses import random_figure
 from adibas.skeleton.starts import HEADINGS_RAD
@@ -76,24 +67,21 @@ def _film(seed: int, number: int, kind: str, view: str) -> MarkedFilm:
     rng = np.random.default_rng([seed, 0x55, number])
     person = number // FILMS_A_PERSON
     dressed = dressed_person(seed, person)
-    settings = FrameSettings(
-        has_damage=False,
-        farthest_turn_rad=VIEW_OFF_RAD,
-        distance_m=DISTANCE_M,
-        step=1,
-        turned_rad=HEADINGS_RAD[view],
-    )
-    camera_of = LimbFrames(seed, settings)
+    sensor = LimbFrames(seed, frame_settings(HEADINGS_RAD[view]))
     posture = "seated" if kind == SEATED else "moving"
-    frames, places = [], []
     poses = list(_poses(rng, kind))
     film = Film(number, poses[0])
-    for index, pose in enumerate(poses, number * N_FRAMES):
-        frame = camera_of.seen(dressed, pose, (person, posture), index, film)
-        frames.append(frame)
-        places.append(places_of(frame, dressed, camera_of.camera))
-    pictures = _marked(rng, frames, places, camera_of.camera, (kind, view))
-    return MarkedFilm(kind, view, np.arange(len(frames)) / RATE_HZ, tuple(pictures))
+    frames = [
+        sensor.seen(dressed, pose, (person, posture), index, film)
+        for index, pose in enumerate(poses, number * N_FRAMES)
+    ]
+    places = [places_of(frame, dressed, sensor.camera) for frame in frames]
+    chosen = [most_seen(rng, moments) for moments in zip(*places, strict=True)]
+    pictures = tuple(
+        marked(rng, frame, sensor.camera, (kind, view), zip(own, chosen, strict=True))
+        for frame, own in zip(frames, places, strict=True)
+    )
+    return MarkedFilm(kind, view, np.arange(len(frames)) / RATE_HZ, pictures)
 
 
 def _poses(rng: np.random.Generator, kind: str) -> Iterator[Pose]:
@@ -109,41 +97,12 @@ def _poses(rng: np.random.Generator, kind: str) -> Iterator[Pose]:
         for index in range(N_FRAMES):
             yield replace(stands, heading_rad=way * math.pi * index / N_FRAMES)
         return
-    first, other = (_figure(rng, kind, is_first=is_first) for is_first in (True, False))
     if kind == SEATED:
+        first, other = (random_figure(rng, "seated") for _ in range(2))
         other = replace(other, left_leg=first.left_leg, right_leg=first.right_leg)
+    else:
+        first, other = random_figure(rng, "standing"), random_figure(rng, "moving")
     ends = first.vector(), other.vector()
     for index in range(N_FRAMES):
         share = 0.5 - 0.5 * math.cos(2.0 * math.pi * index / N_FRAMES)
         yield Figure.from_vector((1.0 - share) * ends[0] + share * ends[1]).pose()
-
-
-def _figure(rng: np.random.Generator, kind: str, *, is_first: bool) -> Figure:
-    if kind == SEATED:
-        return random_figure(rng, "seated")
-    return random_figure(rng, "standing" if is_first else "moving")
-
-
-def _marked(
-    rng: np.random.Generator,
-    frames: list[LimbFrame],
-    places: list[list[JointPlaces]],
-    camera: CameraCalibration,
-    what: tuple[str, str],
-) -> Iterator[MarkedPicture]:
-    chosen = [_most_seen(rng, over_time) for over_time in zip(*places, strict=True)]
-    for frame, of_frame in zip(frames, places, strict=True):
-        names: list[str] = []
-        points_m: list[FloatArray] = []
-        for own, which in zip(of_frame, chosen, strict=True):
-            for side, name in enumerate(own.names):
-                if own.is_seen[which, side]:
-                    names.append(name)
-                    noise_m = rng.normal(scale=MARKER_SD_M, size=3)
-                    points_m.append(own.options_m[which, side] + noise_m)
-        yield shown(rng, frame, camera, what, (points_m, names))
-
-
-def _most_seen(rng: np.random.Generator, over_time: tuple[JointPlaces, ...]) -> int:
-    counts = np.sum([one.is_seen.sum(axis=1) for one in over_time], axis=0)
-    return int(rng.choice(np.flatnonzero(counts == counts.max())))

@@ -5,7 +5,7 @@ chair, seen from one of the four sides. Where a joint is marked is drawn among t
 most markers; what the camera does not see is missing.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,7 +106,8 @@ def marked_pictures(seed: int, n_pictures: int, first: int = 0) -> Iterator[Mark
     left out.
     """
     frames = {
-        view: LimbFrames(seed, _settings(heading_rad)) for view, heading_rad in HEADINGS_RAD.items()
+        view: LimbFrames(seed, frame_settings(heading_rad))
+        for view, heading_rad in HEADINGS_RAD.items()
     }
     views = list(HEADINGS_RAD)
     for number in range(first, n_pictures):
@@ -120,10 +121,14 @@ def marked_pictures(seed: int, n_pictures: int, first: int = 0) -> Iterator[Mark
             continue
         posture = "seated" if kind == ON_THIGHS else kind
         frame = frames[view].seen(dressed, pose, (person, posture), number)
-        yield _marked(rng, frame, dressed, frames[view].camera, (kind, view))
+        camera = frames[view].camera
+        places = places_of(frame, dressed, camera)
+        chosen = (most_seen(rng, [one]) for one in places)
+        yield marked(rng, frame, camera, (kind, view), zip(places, chosen, strict=True))
 
 
-def _settings(heading_rad: float) -> FrameSettings:
+def frame_settings(heading_rad: float) -> FrameSettings:
+    """Return how people are seen whose heading is about that one."""
     return FrameSettings(
         has_damage=False,
         farthest_turn_rad=VIEW_OFF_RAD,
@@ -183,26 +188,6 @@ def _is_on_thigh(centres_m: dict[str, FloatArray], side: str) -> bool:
     return bool(is_near and along > ALONG_THIGH and beside_m[1] < 0.0)
 
 
-def _marked(
-    rng: np.random.Generator,
-    frame: LimbFrame,
-    dressed: Dressed,
-    camera: CameraCalibration,
-    what: tuple[str, str],
-) -> MarkedPicture:
-    names: list[str] = []
-    points_m: list[FloatArray] = []
-    for places in places_of(frame, dressed, camera):
-        counts = places.is_seen.sum(axis=1)
-        chosen = int(rng.choice(np.flatnonzero(counts == counts.max())))
-        for side, name in enumerate(places.names):
-            if places.is_seen[chosen, side]:
-                names.append(name)
-                noise_m = rng.normal(scale=MARKER_SD_M, size=3)
-                points_m.append(places.options_m[chosen, side] + noise_m)
-    return shown(rng, frame, camera, what, (points_m, names))
-
-
 def places_of(frame: LimbFrame, dressed: Dressed, camera: CameraCalibration) -> list[JointPlaces]:
     """Return where each joint, or both of a pair, may be marked, and what of it is seen."""
     depth_m = depth_in_metres(frame.depth_mm, DEPTH_UNIT_M)
@@ -217,15 +202,31 @@ def places_of(frame: LimbFrame, dressed: Dressed, camera: CameraCalibration) -> 
     ]
 
 
-def shown(
+def most_seen(rng: np.random.Generator, moments: Sequence[JointPlaces]) -> int:
+    """Return which place shows most markers over some frames; one of them by chance."""
+    counts = np.sum([one.is_seen.sum(axis=1) for one in moments], axis=0)
+    return int(rng.choice(np.flatnonzero(counts == counts.max())))
+
+
+def marked(
     rng: np.random.Generator,
     frame: LimbFrame,
     camera: CameraCalibration,
     what: tuple[str, str],
-    markers: tuple[Sequence[FloatArray], Sequence[str]],
+    markings: Iterable[tuple[JointPlaces, int]],
 ) -> MarkedPicture:
-    """Return the picture of a frame with markers, in any order; `what` are kind and view."""
-    points_m, names = markers
+    """Return the picture of a frame with the markers that are seen, in any order.
+
+    `what` are kind and view, `markings` the places of each joint and which of them is marked.
+    """
+    names: list[str] = []
+    points_m: list[FloatArray] = []
+    for places, chosen in markings:
+        for side, name in enumerate(places.names):
+            if places.is_seen[chosen, side]:
+                names.append(name)
+                noise_m = rng.normal(scale=MARKER_SD_M, size=3)
+                points_m.append(places.options_m[chosen, side] + noise_m)
     order = rng.permutation(len(names))
     points = np.array(points_m).reshape(-1, 3)[order]
     named = tuple(names[i] for i in order)

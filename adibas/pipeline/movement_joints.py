@@ -17,18 +17,16 @@ from adibas.data.frames import RgbdFrame
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.geometry.rigid import RigidTransform
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.in_order import in_order
 from adibas.pipeline.movement_markers import (
     FrameMarkers,
-    SeenPerson,
     doubts_about_frames,
     markers_of_frame,
 )
 from adibas.pipeline.pose_following import LONGEST_APART_S, SOON_S
-from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams
-from adibas.pipeline.seen_body import body_odds, see_body
+from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams, Sight
+from adibas.pipeline.seen_body import body_odds, see_body, upright_from_depth
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
 from adibas.progress import Progress
@@ -51,7 +49,7 @@ VIEW_HELPS = message(
 STAYS_WHOLE = 0.8
 """Share of the pixels of a moment ago; of who shows fewer a part may not have been seen."""
 
-_Found: TypeAlias = tuple[FrameMarkers, SeenPerson | None]
+_Found: TypeAlias = tuple[FrameMarkers, Sight | None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,7 +102,7 @@ def joints_of_markers(
     kept = np.flatnonzero(np.diff(np.maximum.accumulate(every_ns), prepend=every_ns[0] - 1))
     timestamps_ns = every_ns[kept]
     times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
-    bodies = _Bodies(calibration, upright_from_camera, params.rotation_deg)
+    bodies = _Bodies(calibration, params.rotation_deg)
     namer, seen = shipped_namer(), []
 
     def moving(found: Iterable[_Found]) -> Iterator[MovingPoints]:
@@ -158,21 +156,21 @@ class _Together:
     """Who was seen a moment ago, by which a person who falls apart is put together."""
 
     def __init__(self) -> None:
-        self._before: SeenPerson | None = None
+        self._before: Sight | None = None
         self._before_s = self._by_itself_s = -math.inf
 
-    def moment_of(self, person: SeenPerson | None, timestamp_ns: int) -> Moment | None:
+    def moment_of(self, person: Sight | None, timestamp_ns: int) -> Moment | None:
         """Return that moment where less is seen of the person now, else None."""
         before, time_s = self._before, timestamp_ns / NS_PER_S
         is_soon = time_s - self._before_s <= SOON_S
         if before is None or not is_soon or time_s - self._by_itself_s > LONGEST_APART_S:
             return None
-        n_now = 0 if person is None else np.count_nonzero(person.pixels)
-        if n_now >= STAYS_WHOLE * np.count_nonzero(before.pixels):
+        n_now = 0 if person is None else np.count_nonzero(person.body.pixels)
+        if n_now >= STAYS_WHOLE * np.count_nonzero(before.body.pixels):
             return None
-        return Moment(before.depth_m, [before.pixels])
+        return Moment(before.depth_m, [before.body.pixels])
 
-    def saw(self, person: SeenPerson | None, timestamp_ns: int, *, by_itself: bool) -> None:
+    def saw(self, person: Sight | None, timestamp_ns: int, *, by_itself: bool) -> None:
         """Go on to what was seen in a frame."""
         if person is None:
             return
@@ -184,20 +182,18 @@ class _Together:
 class _Bodies:
     """What the bodies tell that the depth of a recording shows."""
 
-    def __init__(
-        self, calibration: RgbdCalibration, upright_from_color: FloatArray, rotation_deg: int
-    ) -> None:
-        upright = RigidTransform(upright_from_color, np.zeros(3))
+    def __init__(self, calibration: RgbdCalibration, rotation_deg: int) -> None:
         self._calibration, self._rotation_deg = calibration, rotation_deg
-        self._upright_from_depth = upright @ calibration.color_from_depth
+        self._upright_from_depth = upright_from_depth(calibration, rotation_deg)
         self.n_known = 0
 
-    def of(self, person: SeenPerson | None) -> SeenFrom | None:
+    def of(self, person: Sight | None) -> SeenFrom | None:
         """Return what tells of a frame's body, once the view is known."""
         return None if person is None else lambda view: self._told(person, view)
 
-    def _told(self, person: SeenPerson, view: str) -> BodyOdds | None:
-        body = see_body(person.depth_m, view, self._calibration, self._rotation_deg, person.pixels)
+    def _told(self, person: Sight, view: str) -> BodyOdds | None:
+        pixels = person.body.pixels
+        body = see_body(person.depth_m, view, self._calibration, self._rotation_deg, pixels)
         if body is None:
             return None
         self.n_known += 1

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adibas.arrays import BoolArray, Float32Array, FloatArray, check_shape
+from adibas.arrays import FloatArray, check_shape
 from adibas.body.staying import Moment
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame
@@ -21,6 +21,7 @@ from adibas.pipeline.posture import (
     TOO_FEW_PIXELS,
     MarkerTarget,
     PostureParams,
+    Sight,
     cameras_of,
     check_selective,
     find_markers,
@@ -57,28 +58,13 @@ class FrameMarkers:
         check_shape("points_m", self.points_m, (None, 3))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SeenPerson:
-    """Who wears the markers, in one frame of a depth camera.
-
-    Attributes
-    ----------
-    depth_m : (H, W) float32 array
-        Bias corrected; NaN where not measured.
-    pixels : (H, W) bool array
-    """
-
-    depth_m: Float32Array
-    pixels: BoolArray
-
-
 def markers_of_frame(
     frame: RgbdFrame,
     calibration: RgbdCalibration,
     target: MarkerTarget,
     params: PostureParams,
     before: Moment | None = None,
-) -> tuple[FrameMarkers, SeenPerson | None]:
+) -> tuple[FrameMarkers, Sight | None]:
     """Return the markers of one frame, and who wears them; None where nobody is seen.
 
     `before`: the person a moment ago; see `see_person`.
@@ -100,8 +86,7 @@ def markers_of_frame(
     n_people = count_people(sight.depth_m, depth, sight.floor, sight.body)
     widths_px = [2.0 * blob.radius_px for blob in detections.blobs]
     width_px = float(np.median(widths_px)) if widths_px else float("nan")
-    found = FrameMarkers(kept_m, int(is_merged.sum()), n_people, width_px)
-    return found, SeenPerson(sight.depth_m, sight.body.pixels)
+    return FrameMarkers(kept_m, int(is_merged.sum()), n_people, width_px), sight
 
 
 def doubts_about_frames(frames: Sequence[FrameMarkers]) -> tuple[Sentence, ...]:

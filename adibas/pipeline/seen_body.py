@@ -91,16 +91,20 @@ def with_body(
     body = see_body(depth_m, view, calibration, rotation_deg, pixels)
     if body is None:
         return namer
+    upright = upright_from_depth(calibration, rotation_deg)
+    return namer.who_sees(body_odds(body, view, upright))
+
+
+def upright_from_depth(calibration: RgbdCalibration, rotation_deg: int) -> RigidTransform:
+    """Return what turns the depth camera's axes into the upright ones of the colour camera."""
     turn = upright_turn(vertical_of(calibration, rotation_deg).up)
-    upright_from_color = RigidTransform(turn, np.zeros(3))
-    upright_from_depth = upright_from_color @ calibration.color_from_depth
-    return namer.who_sees(body_odds(body, view, upright_from_depth))
+    return RigidTransform(turn, np.zeros(3)) @ calibration.color_from_depth
 
 
-def body_odds(body: SeenBody, view: str, upright_from_depth: RigidTransform) -> BodyOdds:
-    """Return what a body that is seen from a view tells of upright points."""
-    joints_m = upright_from_depth.apply(body.joints_m)
-    depth_from_upright = upright_from_depth.inverse()
+def body_odds(body: SeenBody, view: str, upright: RigidTransform) -> BodyOdds:
+    """Return what a body that is seen from a view tells of points; `upright` from the depth's."""
+    joints_m = upright.apply(body.joints_m)
+    depth_from_upright = upright.inverse()
     marks = shipped_marks().of_view(view)
 
     def odds(points_m: FloatArray) -> FloatArray:
