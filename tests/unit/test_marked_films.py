@@ -17,7 +17,8 @@ from adibas.pipeline.marked_films import (
 )
 from adibas.pipeline.marked_people import MARKER_SD_M, SHOWN_M
 from adibas.pipeline.skeleton_names import upright_turn
-from benchmarks import accuracy_labelling_films
+from benchmarks.accuracy_labelling_films import count_film
+from benchmarks.labelling_names import NamesCount
 
 SEED = 6150
 """Of people that nothing was learned from."""
@@ -37,6 +38,12 @@ def seated():
 @pytest.fixture(scope="module")
 def turning():
     return film_number(TURNED_ASIDE)
+
+
+def counted(film, *, knows_body):
+    count = NamesCount()
+    count_film(count, film, knows_body=knows_body)
+    return count
 
 
 def paths_of(film):
@@ -109,9 +116,7 @@ def test_who_turns_round_shows_the_other_side_at_last(turning):
 @pytest.mark.parametrize(("which", "gain"), [("seated", 100), ("turning", 0)])
 def test_with_the_body_nearly_all_are_named_and_more_than_by_places(which, gain, request):
     film = request.getfixturevalue(which)
-    known, unknown = (
-        accuracy_labelling_films.count_of(film, knows_body=knows) for knows in (True, False)
-    )
+    known, unknown = (counted(film, knows_body=knows) for knows in (True, False))
     assert known.n_right > 0.95 * known.n_markers
     assert known.n_wrong < 0.01 * known.n_markers
     assert known.n_right >= unknown.n_right + gain
@@ -121,6 +126,6 @@ def test_of_whom_a_body_is_known_few_markers_from_the_side_are_plausible():
     """By places alone they could as well be chance points: in half of the frames fewer than 2.5
     nats for each."""
     film = film_number(MOVING_ASIDE)
-    known = accuracy_labelling_films.count_of(film, knows_body=True)
+    known = counted(film, knows_body=True)
     assert known.n_right > 0.9 * known.n_markers
     assert known.n_wrong < 0.01 * known.n_markers
