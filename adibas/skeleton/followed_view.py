@@ -3,7 +3,7 @@
 A Kalman filter (Kalman 1960) of heading and turning rate, which changes by white noise. It takes in
 the headings that named frames tell, and how the points turn about the vertical from frame to frame,
 whatever they are called. Where it is not known any more how far somebody has turned, the view is
-not known either.
+not known either; who is seen by too few points to tell, and did not turn, is taken to stay.
 """
 
 import math
@@ -30,6 +30,8 @@ LEAST_TURNED = 3
 """Fewer points tell no turn."""
 LEAST_WIDE_M2, LEAST_TURN_RAD = 0.05, math.radians(0.5)
 """Of squared ways to the middle, and of what a turn from frame to frame is off at least."""
+STAYS_RAD_S = math.radians(30.0)
+"""Who turned more slowly, and is seen by too few points to tell, is taken to stay as he was."""
 GATE = 3.0
 """A heading so many standard deviations from the expected one is not believed."""
 
@@ -48,6 +50,7 @@ class FollowedView:
         self._state = np.array([HEADINGS_RAD.get(view, math.nan), 0.0])
         self._covariance = np.diag([DECLARED_SD_RAD**2, RATE_SD_RAD_S**2])
         self._time_s, self._passed_s = math.nan, 0.0
+        self._is_told = False
 
     @property
     def view(self) -> str:
@@ -66,6 +69,9 @@ class FollowedView:
         """Expect what is seen at a later time."""
         passed_s = 0.0 if math.isnan(self._time_s) else time_s - self._time_s
         self._time_s, self._passed_s = time_s, passed_s
+        is_told, self._is_told = self._is_told, False
+        if not is_told and abs(self._state[1]) < STAYS_RAD_S:
+            return
         onward = np.array([[1.0, passed_s], [0.0, 1.0]])
         self._state = onward @ self._state
         noise = np.array([[passed_s**3 / 3.0, passed_s**2 / 2.0], [passed_s**2 / 2.0, passed_s]])
@@ -104,6 +110,7 @@ class FollowedView:
 
     def _correct(self, which: int, off: float, variance: float) -> None:
         """Take in a measurement of heading (0) or rate (1) that is so far from the expected one."""
+        self._is_told = True
         gain = self._covariance[:, which] / (self._covariance[which, which] + variance)
         self._state = self._state + gain * off
         self._covariance = self._covariance - np.outer(gain, self._covariance[which])

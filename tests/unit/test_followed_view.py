@@ -113,6 +113,27 @@ def test_arms_that_swing_do_not_turn_the_body():
         assert seen.view == "anterior"
 
 
+def test_who_is_seen_by_one_point_and_did_not_turn_stays():
+    """Of a patient from the side few markers are seen; the declared view had been lost in 0.4 s."""
+    seen = FollowedView("left_lateral")
+    for number in range(90):
+        seen.go_to(number / RATE_HZ)
+        seen.turn(np.zeros((1, 3)), np.zeros((1, 3)))
+    assert seen.view == "left_lateral"
+    assert seen.is_square
+
+
+def test_who_turned_when_too_few_points_were_left_is_lost():
+    seen, before_m = FollowedView("anterior"), None
+    for number in range(30):
+        points_m = points_at(100.0 * number / RATE_HZ)
+        seen.go_to(number / RATE_HZ)
+        if before_m is not None and number < 12:
+            seen.turn(before_m, points_m)
+        before_m = points_m
+    assert seen.view == ""
+
+
 def test_who_is_lost_for_a_time_is_seen_from_nowhere():
     seen = FollowedView("anterior")
     seen.go_to(0.0)
