@@ -13,7 +13,7 @@ from adibas.data.printed_boards import PRINTED_BOARDS
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.calibration_watch import MomentWatch
 from adibas.pipeline.live_frames import LiveFrame
-from adibas.pipeline.looking import Look, look_at
+from adibas.pipeline.looking import Look, Looker
 from adibas.simulation.boards_scenes import BoardScene, BoardSceneSettings
 from benchmarks.table import Row
 
@@ -34,14 +34,14 @@ def arrivals(n: int) -> list[Arrival]:
 def rows(*, quick: bool) -> Iterator[Row]:
     """Measure; with `quick` ten frames."""
     n = 10 if quick else 100
-    some = arrivals(n)
-    look_at(some[0], Look(board=BOARD))  # compiles
+    some, looker = arrivals(n), Looker()
+    looker.look(some[0], Look(board=BOARD))  # compiles
     watch = MomentWatch(BOARD)
     spent_s = []
     n_found = 0
     for arrival in some:
         start_s = time.thread_time()
-        frame = look_at(arrival, Look(board=BOARD))
+        frame = looker.look(arrival, Look(board=BOARD))
         watch.see(frame, ())
         spent_s.append(time.thread_time() - start_s)
         n_found += frame.board is not None and frame.board.corners is not None
@@ -64,5 +64,6 @@ def _drawn_s(n: int) -> float:
 
 def live_frames(n: int) -> list[LiveFrame]:
     """Return the same as the live view tells it."""
-    frames = [look_at(arrival, Look(board=BOARD)) for arrival in arrivals(n)]
+    looker = Looker()
+    frames = [looker.look(arrival, Look(board=BOARD)) for arrival in arrivals(n)]
     return [replace(frame, sequence=index) for index, frame in enumerate(frames)]

@@ -16,7 +16,7 @@ from adibas.pipeline.acquisition import Arrival, Opener, Source
 from adibas.pipeline.burst_recording import Burst, BurstRecording
 from adibas.pipeline.live_frames import LiveFrame, LiveListener, Naming, SensorState
 from adibas.pipeline.live_threads import LiveThreads
-from adibas.pipeline.looking import Look, look_at
+from adibas.pipeline.looking import Look, Looker
 from adibas.pipeline.posture import MarkerTarget, PostureParams
 from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
@@ -53,6 +53,7 @@ class LiveView:
         self._look = Look(params=params or PostureParams())
         self._lock = threading.RLock()
         self._look_lock = threading.Lock()
+        self._looker = Looker()
         self._running: LiveThreads | None = None
 
     @property
@@ -191,7 +192,7 @@ class LiveView:
             running.cancel_burst()
 
     def _show(self, arrival: Arrival) -> None:
-        self._listener.frame_arrived(look_at(arrival, self._look))
+        self._listener.frame_arrived(self._looker.look(arrival, self._look))
 
     def _tell(self, state: SensorState) -> None:
         self._listener.state_changed(state)

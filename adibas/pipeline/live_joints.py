@@ -1,4 +1,4 @@
-"""Which markers of a live frame are which joints, to be drawn: their places are taken roughly."""
+"""Which markers of live frames are which joints, to be drawn: their places are taken roughly."""
 
 from collections.abc import Mapping
 
@@ -7,38 +7,29 @@ import numpy as np
 from adibas.arrays import Float32Array, FloatArray
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.joints import JOINT_NAMES
-from adibas.data.markers import Marker
 from adibas.errors import ProtocolError
 from adibas.geometry.distortion import undistort_pixels
 from adibas.markers.blobs import Blob, long_radius_px
 from adibas.measures.protocol_store import find_protocol
+from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.namers import namer_of
 from adibas.pipeline.posture import Sight
 from adibas.pipeline.seen_body import with_body
-from adibas.pipeline.skeleton_names import with_names
+from adibas.pipeline.seen_spaces import seen_spaces
+from adibas.pipeline.skeleton_names import upright_turn
+from adibas.skeleton.namer import Namer
+from adibas.skeleton.tracking import NamesSoFar
 
 ABOUT = 3.0
 """The depth about a marker is taken from so many of its radii, since its own may be missing."""
-ROUGH_M = 0.01
-"""A burst measures better than a glance."""
 
 
-def joints_among(
-    blobs: tuple[Blob, ...],
-    sight: Sight,
-    calibration: RgbdCalibration,
-    naming: Naming,
-    rotation_deg: int = 0,
-) -> Mapping[str, tuple[float, float]]:
-    """Return the pixel (u, v) of each joint that a marker surely marks.
+class LiveJoints:
+    """Names the markers of one live frame after the other; for one thread.
 
     Parameters
     ----------
-    blobs : tuple of Blob
-        The markers in the colour image.
-    sight : Sight
-        Who wears them: where the body is tells which is which.
     calibration : RgbdCalibration
         With the colour camera.
     naming : Naming
@@ -46,32 +37,71 @@ def joints_among(
     rotation_deg : int
         How far the picture is turned clockwise to be upright.
     """
-    try:
-        protocol = find_protocol(naming.protocol)
-    except ProtocolError:  # told where it is measured
-        return {}
-    namer = namer_of(protocol, naming.view)
-    if calibration.color is None or namer is None:
-        return {}
-    markers = tuple(
-        Marker(
-            f"m{number}",
-            blob.u,
-            blob.v,
-            long_radius_px(blob.radius_px, blob.axis_ratio),
-            np.eye(2),
-            position_m,
-            ROUGH_M**2 * np.eye(3),
-        )
-        for number, blob in enumerate(blobs, 1)
-        if (position_m := _place_m(blob, sight.registration.depth_m, calibration.color)) is not None
-    )
-    if 0 < len(markers) < len(JOINT_NAMES):  # of all of them places tell enough, and sooner
-        namer = with_body(
-            namer, sight.depth_m, naming.view, calibration, rotation_deg, sight.body.pixels
-        )
-    named = with_names(namer, markers, naming.view, calibration, rotation_deg=rotation_deg)
-    return {one.label: (one.u, one.v) for one in named if one.label in JOINT_NAMES}
+
+    def __init__(self, calibration: RgbdCalibration, naming: Naming, rotation_deg: int = 0) -> None:
+        self._calibration, self._naming = calibration, naming
+        self._rotation_deg = rotation_deg
+        self._turn = upright_turn(vertical_of(calibration, rotation_deg).up)
+        _in_color, in_both = seen_spaces(calibration)
+        self._seen = in_both.turned(self._turn)
+        self._namer: Namer | None = None
+        self._names = NamesSoFar(())
+
+    def among(
+        self, blobs: tuple[Blob, ...], sight: Sight, time_s: float
+    ) -> Mapping[str, tuple[float, float]]:
+        """Return the pixel (u, v) of each joint that a marker surely marks.
+
+        Parameters
+        ----------
+        blobs : tuple of Blob
+            The markers in the colour image.
+        sight : Sight
+            Who wears them: where the body is tells which is which.
+        time_s : float
+            Later than that of the frame before.
+        """
+        camera, namer = self._calibration.color, self._namer_now()
+        if camera is None or namer is None:
+            return {}
+        placed = [
+            (blob, place_m)
+            for blob in blobs
+            if (place_m := _place_m(blob, sight.registration.depth_m, camera)) is not None
+        ]
+        if not placed:
+            return {}
+        places_m = np.stack([place_m for _blob, place_m in placed])
+        if len(placed) < len(JOINT_NAMES):  # of all of them places tell enough, and sooner
+            namer = with_body(
+                namer,
+                sight.depth_m,
+                self._naming.view,
+                self._calibration,
+                self._rotation_deg,
+                sight.body.pixels,
+            )
+        upright_m = places_m @ self._turn.T
+        radii_px = np.array([long_radius_px(b.radius_px, b.axis_ratio) for b, _place in placed])
+        diameters_m = 2.0 * radii_px * places_m[:, 2] / camera.intrinsics.fx
+        labelling = namer.label(upright_m, self._naming.view, diameters_m, seen=self._seen)
+        named = self._names.hear(upright_m, time_s, labelling)
+        return {
+            name: (blob.u, blob.v)
+            for name, (blob, _place) in zip(named.names, placed, strict=True)
+            if name in JOINT_NAMES
+        }
+
+    def _namer_now(self) -> Namer | None:
+        """Return who names; with another model than before what it said is forgotten."""
+        try:
+            protocol = find_protocol(self._naming.protocol)
+        except ProtocolError:  # told where it is measured
+            return None
+        namer = namer_of(protocol, self._naming.view)
+        if namer is not self._namer:
+            self._namer, self._names = namer, NamesSoFar(() if namer is None else namer.names)
+        return None if namer is None else namer.holding_still()
 
 
 def _place_m(

@@ -8,6 +8,7 @@ from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.body.absence import why_nobody
 from adibas.calibration.files import check_fits
 from adibas.calibration.finder import as_gray, search_board
+from adibas.clock import NS_PER_S
 from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SensorFrame, SourceInfo, depth_in_metres
@@ -18,7 +19,7 @@ from adibas.markers.led import LedParams
 from adibas.pipeline import hints
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.live_frames import LiveFrame, Naming
-from adibas.pipeline.live_joints import joints_among
+from adibas.pipeline.live_joints import LiveJoints
 from adibas.pipeline.plumb import plumb_line
 from adibas.pipeline.posture import (
     MarkerTarget,
@@ -29,6 +30,7 @@ from adibas.pipeline.posture import (
     floor_below,
     see_person,
 )
+from adibas.pipeline.put_together import PutTogether
 from adibas.recordings.decoding import decode_color
 from adibas.texts import Message
 
@@ -65,14 +67,36 @@ class Look:
         return self.calibration or info.calibration
 
 
-def look_at(arrival: Arrival, look: Look) -> LiveFrame:
-    """Return what is seen in a frame; what cannot be seen is left out and told as a hint."""
+class Looker:
+    """Looks at one live frame after the other; for one thread at a time."""
+
+    def __init__(self) -> None:
+        self._watch: _Watch | None = None
+
+    def look(self, arrival: Arrival, look: Look) -> LiveFrame:
+        """Return what is seen in a frame; what cannot be seen is left out and told as a hint."""
+        plain = _plain(arrival, look)
+        color_rgb, depth_m = plain.color_rgb, plain.depth_m
+        if look.board is not None and color_rgb is not None:
+            return replace(plain, board=search_board(as_gray(color_rgb), look.board, BOARD_IMAGE))
+        if color_rgb is None or depth_m is None:
+            return plain
+        calibration = look.calibration_of(arrival.info)
+        if calibration is None or not _fits(calibration, color_rgb, depth_m):
+            return replace(plain, hints=(hints.NO_CALIBRATION,))
+        if self._watch is None or not self._watch.goes_on(look, calibration, plain.timestamp_ns):
+            self._watch = _Watch(look, calibration)
+        return self._watch.seen(plain, color_rgb, calibration.corrected_depth(depth_m))
+
+
+def _plain(arrival: Arrival, look: Look) -> LiveFrame:
+    """Return a frame of which nothing is known but what the sensor tells."""
     frame = arrival.frame
     color_rgb = _color(frame)
     depth_m = None
     if frame.depth_raw is not None:
         depth_m = depth_in_metres(frame.depth_raw, arrival.info.depth_unit_m)
-    plain = LiveFrame(
+    return LiveFrame(
         sequence=frame.sequence,
         timestamp_ns=frame.timestamp_ns,
         color_rgb=color_rgb,
@@ -82,42 +106,69 @@ def look_at(arrival: Arrival, look: Look) -> LiveFrame:
         n_dropped=arrival.n_dropped,
         rotation_deg=look.params.rotation_deg,
     )
-    if look.board is not None and color_rgb is not None:
-        return replace(plain, board=search_board(as_gray(color_rgb), look.board, BOARD_IMAGE))
-    if color_rgb is None or depth_m is None:
-        return plain
-    calibration = look.calibration_of(arrival.info)
-    if calibration is None or not _fits(calibration, color_rgb, depth_m):
-        return replace(plain, hints=(hints.NO_CALIBRATION,))
-    return _seen(plain, color_rgb, calibration.corrected_depth(depth_m), calibration, look)
 
 
-def _seen(
-    plain: LiveFrame,
-    color_rgb: UInt8Array,
-    depth_m: Float32Array,
-    calibration: RgbdCalibration,
-    look: Look,
-) -> LiveFrame:
-    floor = floor_below(depth_m, calibration, look.params)
-    sight = see_person(depth_m, floor, calibration, look.params)
-    registration = register_pixels(depth_m, calibration) if sight is None else sight.registration
-    detections, told = _markers(color_rgb, sight, calibration, look)
-    up = _up(floor, calibration)
-    stance = _stance(depth_m, sight, floor, calibration, look.params.up if up is None else up)
-    plumb = None
-    if up is not None and calibration.color is not None:
-        plumb = plumb_line(calibration.color_from_depth.rotation @ up, calibration.color)
-    return replace(
-        plain,
-        depth_m=depth_m,
-        depth_in_color_m=registration.depth_m,
-        outline=None if sight is None else sight.outline,
-        detections=detections,
-        joints=_joints(detections, sight, calibration, look),
-        plumb=plumb,
-        hints=stance + told,
-    )
+class _Watch:
+    """Looks for the same things, by one calibration, in frames that follow one another.
+
+    Who bends down is put together by the frame before, and names of markers are carried on.
+    """
+
+    def __init__(self, look: Look, calibration: RgbdCalibration) -> None:
+        self._look, self._calibration = look, calibration
+        self._before_ns: int | None = None
+        self._person = PutTogether()
+        self._joints: LiveJoints | None = None
+        if look.naming is not None:
+            self._joints = LiveJoints(calibration, look.naming, look.params.rotation_deg)
+
+    def goes_on(self, look: Look, calibration: RgbdCalibration, timestamp_ns: int) -> bool:
+        """Say whether a frame follows; where the clock was set back the sensor was opened anew."""
+        is_same = look is self._look and calibration is self._calibration
+        return is_same and (self._before_ns is None or timestamp_ns > self._before_ns)
+
+    def seen(self, plain: LiveFrame, color_rgb: UInt8Array, depth_m: Float32Array) -> LiveFrame:
+        """Return what is seen; the depth is bias corrected."""
+        self._before_ns = plain.timestamp_ns
+        look, calibration = self._look, self._calibration
+        floor = floor_below(depth_m, calibration, look.params)
+        sight = self._sight(depth_m, floor, plain.timestamp_ns)
+        registration = (
+            register_pixels(depth_m, calibration) if sight is None else sight.registration
+        )
+        detections, told = _markers(color_rgb, sight, calibration, look)
+        up = _up(floor, calibration)
+        stance = _stance(depth_m, sight, floor, calibration, look.params.up if up is None else up)
+        plumb = None
+        if up is not None and calibration.color is not None:
+            plumb = plumb_line(calibration.color_from_depth.rotation @ up, calibration.color)
+        return replace(
+            plain,
+            depth_m=depth_m,
+            depth_in_color_m=registration.depth_m,
+            outline=None if sight is None else sight.outline,
+            detections=detections,
+            joints=self._joints_among(detections, sight, plain.timestamp_ns),
+            plumb=plumb,
+            hints=stance + told,
+        )
+
+    def _sight(self, depth_m: Float32Array, floor: Plane | None, timestamp_ns: int) -> Sight | None:
+        """Return where the person is."""
+        calibration, params = self._calibration, self._look.params
+        sight = see_person(depth_m, floor, calibration, params)
+        moment = self._person.moment_of(sight, timestamp_ns)
+        if moment is not None:
+            sight = see_person(depth_m, floor, calibration, params, moment)
+        self._person.saw(sight, timestamp_ns, by_itself=moment is None)
+        return sight
+
+    def _joints_among(
+        self, found: Detections | None, sight: Sight | None, timestamp_ns: int
+    ) -> Mapping[str, tuple[float, float]]:
+        if found is None or sight is None or self._joints is None:
+            return {}
+        return self._joints.among(found.blobs, sight, timestamp_ns / NS_PER_S)
 
 
 def _stance(
@@ -146,14 +197,6 @@ def _markers(
         is_led = isinstance(look.target, LedParams)
         return None, (hints.TOO_BRIGHT if is_led else hints.COLOR_FITS_ALL,)
     return found, ()
-
-
-def _joints(
-    found: Detections | None, sight: Sight | None, calibration: RgbdCalibration, look: Look
-) -> Mapping[str, tuple[float, float]]:
-    if found is None or sight is None or look.naming is None:
-        return {}
-    return joints_among(found.blobs, sight, calibration, look.naming, look.params.rotation_deg)
 
 
 def _up(floor: Plane | None, calibration: RgbdCalibration) -> FloatArray | None:

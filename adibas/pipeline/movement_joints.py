@@ -1,6 +1,5 @@
 """The joints of a moving patient, by the names of the markers."""
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,7 +8,6 @@ from typing import TypeAlias
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
-from adibas.body.staying import Moment
 from adibas.calibration.files import check_fits
 from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
@@ -24,8 +22,8 @@ from adibas.pipeline.movement_markers import (
     doubts_about_frames,
     markers_of_frame,
 )
-from adibas.pipeline.pose_following import LONGEST_APART_S, SOON_S
 from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams, Sight
+from adibas.pipeline.put_together import PutTogether
 from adibas.pipeline.seen_body import body_odds, see_body, upright_from_depth
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
@@ -45,9 +43,6 @@ VIEW_HELPS = message(
     "body is looked for in the depth, too."
 )
 
-
-STAYS_WHOLE = 0.8
-"""Share of the pixels of a moment ago; of who shows fewer a part may not have been seen."""
 
 _Found: TypeAlias = tuple[FrameMarkers, Sight | None]
 
@@ -138,7 +133,7 @@ def _found_in(
     def alone(frame: RgbdFrame) -> tuple[RgbdFrame, _Found]:
         return frame, markers_of_frame(frame, calibration, target, params)
 
-    together = _Together()
+    together = PutTogether()
 
     def one_after_the_other(looked: Iterable[tuple[RgbdFrame, _Found]]) -> Iterator[_Found]:
         for frame, by_itself in looked:
@@ -150,33 +145,6 @@ def _found_in(
 
     with in_order(alone, _frames(recording, calibration, kept), N_THREADS) as looked:
         yield one_after_the_other(looked)
-
-
-class _Together:
-    """Who was seen a moment ago, by which a person who falls apart is put together."""
-
-    def __init__(self) -> None:
-        self._before: Sight | None = None
-        self._before_s = self._by_itself_s = -math.inf
-
-    def moment_of(self, person: Sight | None, timestamp_ns: int) -> Moment | None:
-        """Return that moment where less is seen of the person now, else None."""
-        before, time_s = self._before, timestamp_ns / NS_PER_S
-        is_soon = time_s - self._before_s <= SOON_S
-        if before is None or not is_soon or time_s - self._by_itself_s > LONGEST_APART_S:
-            return None
-        n_now = 0 if person is None else np.count_nonzero(person.body.pixels)
-        if n_now >= STAYS_WHOLE * np.count_nonzero(before.body.pixels):
-            return None
-        return Moment(before.depth_m, [before.body.pixels])
-
-    def saw(self, person: Sight | None, timestamp_ns: int, *, by_itself: bool) -> None:
-        """Go on to what was seen in a frame."""
-        if person is None:
-            return
-        self._before, self._before_s = person, timestamp_ns / NS_PER_S
-        if by_itself:
-            self._by_itself_s = self._before_s
 
 
 class _Bodies:

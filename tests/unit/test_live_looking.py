@@ -19,11 +19,13 @@ from adibas.markers.led import LedParams
 from adibas.pipeline import hints, live_joints
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.live_frames import Naming
-from adibas.pipeline.looking import Look, look_at
+from adibas.pipeline.looking import Look, Looker
 from adibas.pipeline.posture import PostureParams
 from adibas.simulation.boards import render_board
 from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
+from adibas.skeleton.labelling import nothing_told
+from adibas.skeleton.namer import Namer
 
 
 def arrival_of(scene, sensor_frame=None):
@@ -48,7 +50,7 @@ def whole():
 
 def test_a_patient_is_outlined_and_the_markers_are_found(whole):
     simulated = whole.frame(0)
-    live = look_at(arrival_of(whole), Look(target=learned(simulated)))
+    live = Looker().look(arrival_of(whole), Look(target=learned(simulated)))
     visible = [one for one in simulated.truth.markers if one.is_visible]
     found = np.array([[blob.u, blob.v] for blob in live.detections.blobs])
     distances = [np.hypot(*(found - [one.u, one.v]).T).min() for one in visible]
@@ -60,7 +62,7 @@ def test_a_patient_is_outlined_and_the_markers_are_found(whole):
 
 
 def test_the_depth_is_shown_in_both_pictures(whole):
-    live = look_at(arrival_of(whole), Look())
+    live = Looker().look(arrival_of(whole), Look())
     assert live.detections is None
     expected_m = register_depth(live.depth_m, whole.info.calibration)
     np.testing.assert_array_equal(live.depth_in_color_m, expected_m)
@@ -77,7 +79,7 @@ def test_the_camera_looks_down_as_it_was_put_up(whole, knows):
         "gravity": replace(given, floor=None),
         "nothing": replace(given, floor=None, gravity=None),
     }[knows]
-    live = look_at(arrival_of(whole), Look(calibration=known))
+    live = Looker().look(arrival_of(whole), Look(calibration=known))
     # The colour camera is turned against the depth camera by some milliradians.
     up_color = -given.color_from_depth.rotation @ given.gravity
     assert live.plumb.pitch_rad == pytest.approx(np.arcsin(up_color[2]), abs=0.01)
@@ -87,7 +89,7 @@ def test_the_camera_looks_down_as_it_was_put_up(whole, knows):
 def test_without_floor_and_gravity_there_is_no_plumb_line():
     scene = open_scene("empty", color_size=(480, 640), tilt_rad=-0.5)
     bare = replace(scene.info.calibration, floor=None, gravity=None)
-    live = look_at(arrival_of(scene), Look(calibration=bare))
+    live = Looker().look(arrival_of(scene), Look(calibration=bare))
     assert live.plumb is None
     assert live.outline is None
     assert hints.NOBODY in live.hints
@@ -97,7 +99,7 @@ def test_a_sensor_on_its_side_finds_the_floor_by_its_mounting():
     scene = open_scene("anterior", seed=2, mounting="portrait", color_size=(480, 640))
     bare = replace(scene.info.calibration, floor=None, gravity=None)
     turned = Look(calibration=bare, params=PostureParams(rotation_deg=90))
-    live = look_at(arrival_of(scene), turned)
+    live = Looker().look(arrival_of(scene), turned)
     assert abs(live.plumb.roll_rad) < 0.02
     assert live.plumb.vertical[0][0] < live.plumb.vertical[1][0], "up is at the picture's left"
     assert live.outline is not None
@@ -106,21 +108,21 @@ def test_a_sensor_on_its_side_finds_the_floor_by_its_mounting():
 
 def test_leds_are_found(whole):
     scene = open_scene("anterior_led", seed=7, distance_m=2.7)
-    live = look_at(arrival_of(scene), Look(target=LedParams()))
+    live = Looker().look(arrival_of(scene), Look(target=LedParams()))
     visible = [one for one in scene.frame(0).truth.markers if one.is_visible]
     assert len(live.detections.blobs) >= len(visible) - 1
-    bright = look_at(arrival_of(whole), Look(target=LedParams(rim_share=0.01)))
+    bright = Looker().look(arrival_of(whole), Look(target=LedParams(rim_share=0.01)))
     assert bright.detections is None
     assert hints.TOO_BRIGHT in bright.hints
 
 
 def test_a_colour_that_fits_everything_is_told(whole):
     lab = rgb_to_lab(whole.frame(0).sensor_frame.color)
-    outline = look_at(arrival_of(whole), Look()).outline
+    outline = Looker().look(arrival_of(whole), Look()).outline
     skin = learn_colors(
         lab[outline][::50].astype(float), np.random.default_rng(0), LearningParams(), {}
     )
-    live = look_at(arrival_of(whole), Look(target=skin))
+    live = Looker().look(arrival_of(whole), Look(target=skin))
     assert live.detections is None
     assert hints.COLOR_FITS_ALL in live.hints
     assert live.outline is not None
@@ -129,11 +131,11 @@ def test_a_colour_that_fits_everything_is_told(whole):
 def test_what_cannot_be_measured_is_shown_and_told(whole):
     frame = whole.frame(0).sensor_frame
     bare = replace(whole.info, calibration=None)
-    live = look_at(Arrival(frame, bare, 0.0, 0), Look())
+    live = Looker().look(Arrival(frame, bare, 0.0, 0), Look())
     assert live.hints == (hints.NO_CALIBRATION,)
     assert live.depth_in_color_m is None
     small = SensorFrame(0, 0, frame.depth_raw[:-1], frame.color, 0)
-    assert look_at(arrival_of(whole, small), Look()).hints == (hints.NO_CALIBRATION,)
+    assert Looker().look(arrival_of(whole, small), Look()).hints == (hints.NO_CALIBRATION,)
 
 
 @pytest.mark.parametrize("color", [None, EncodedImage("jpeg", b"no picture")])
@@ -141,7 +143,7 @@ def test_a_frame_without_a_whole_colour_picture_shows_its_depth(whole, color):
     frame = replace(
         whole.frame(0).sensor_frame, color=color, color_timestamp_ns=None if color is None else 5
     )
-    live = look_at(arrival_of(whole, frame), Look())
+    live = Looker().look(arrival_of(whole, frame), Look())
     assert live.color_rgb is None
     assert live.hints == (hints.NO_COLOR,)
     assert np.isfinite(live.depth_m).any()
@@ -159,7 +161,7 @@ def board_frame(whole, board):
 def test_a_board_is_found_in_place_of_a_person(whole):
     board = Board(9, 6, 0.025)
     sensor_frame, truth_px = board_frame(whole, board)
-    live = look_at(arrival_of(whole, sensor_frame), Look(board=board))
+    live = Looker().look(arrival_of(whole, sensor_frame), Look(board=board))
     assert np.abs(live.board.corners.pixels - truth_px).max() < 0.2
     assert (live.outline, live.plumb, live.hints) == (None, None, ())
     measured_m = sensor_frame.depth_raw * np.float32(whole.info.depth_unit_m)
@@ -168,11 +170,11 @@ def test_a_board_is_found_in_place_of_a_person(whole):
 
 def test_why_no_board_is_found_is_told(whole):
     sensor_frame, _truth_px = board_frame(whole, Board(9, 6, 0.025))
-    live = look_at(arrival_of(whole, sensor_frame), Look(board=Board(8, 5, 0.025)))
+    live = Looker().look(arrival_of(whole, sensor_frame), Look(board=Board(8, 5, 0.025)))
     assert live.board.corners is None
     assert live.board.problem is BoardProblem.ANOTHER_SIZE
     without_color = replace(sensor_frame, color=None, color_timestamp_ns=None)
-    blind = look_at(arrival_of(whole, without_color), Look(board=Board(8, 5, 0.025)))
+    blind = Looker().look(arrival_of(whole, without_color), Look(board=Board(8, 5, 0.025)))
     assert blind.board is None
     assert hints.NO_COLOR in blind.hints
 
@@ -186,7 +188,7 @@ def joints_marked():
 def test_markers_on_joints_are_named_in_the_live_picture(joints_marked):
     simulated = joints_marked.frame(0)
     look = Look(target=learned(simulated), naming=Naming("joints-15", "anterior"))
-    joints = look_at(arrival_of(joints_marked), look).joints
+    joints = Looker().look(arrival_of(joints_marked), look).joints
     truth = {one.name: (one.u, one.v) for one in simulated.truth.markers}
     assert len(joints) >= 12
     for name, place in joints.items():
@@ -199,15 +201,100 @@ def test_few_markers_from_the_side_are_named_by_the_body_in_the_depth(monkeypatc
     look = Look(target=LedParams(), naming=Naming("joints-15", "left_lateral"))
     arrival = arrival_of(scene, scene.frame(15).sensor_frame)
     truth = {one.name: (one.u, one.v) for one in scene.frame(15).truth.markers}
-    joints = look_at(arrival, look).joints
+    joints = Looker().look(arrival, look).joints
     assert len(joints) >= 5
     for name, place in joints.items():
         assert place == pytest.approx(truth[name], abs=3.0)
     monkeypatch.setattr(live_joints, "with_body", lambda namer, *_known: namer)
-    assert look_at(arrival, look).joints == {}
+    assert Looker().look(arrival, look).joints == {}
 
 
 @pytest.mark.parametrize("naming", [None, Naming("sapo-1", "anterior"), Naming("lost", "anterior")])
 def test_nothing_is_named_without_a_protocol_of_joints(joints_marked, naming):
     look = Look(target=learned(joints_marked.frame(0)), naming=naming)
-    assert look_at(arrival_of(joints_marked), look).joints == {}
+    assert Looker().look(arrival_of(joints_marked), look).joints == {}
+
+
+@pytest.fixture(scope="module")
+def bending():
+    """Frames of a patient with LEDs who bends down, and an arrival of each."""
+    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
+    scene = open_scene(
+        "anterior_led",
+        markers=markers,
+        color_size=(480, 640),
+        distance_m=2.8,
+        seed=7,
+        gesture="bend",
+    )
+    frames = [scene.frame(index) for index in range(22, 58, 4)]
+    return [(one, arrival_of(scene, one.sensor_frame)) for one in frames]
+
+
+LEDS_ON_JOINTS = Look(target=LedParams(), naming=Naming("joints-15", "anterior"))
+
+
+def counted(lives, bending):
+    """Return how many joints are drawn at their marker, elsewhere, and have one in view."""
+    n_right = n_wrong = n_visible = 0
+    for live, (simulated, _arrival) in zip(lives, bending, strict=True):
+        truth = {one.name: (one.u, one.v) for one in simulated.truth.markers}
+        n_visible += sum(one.is_visible for one in simulated.truth.markers)
+        is_right = [
+            place == pytest.approx(truth[name], abs=3.0) for name, place in live.joints.items()
+        ]
+        n_right += sum(is_right)
+        n_wrong += len(is_right) - sum(is_right)
+    return n_right, n_wrong, n_visible
+
+
+def test_who_bends_down_is_still_seen_and_named(bending):
+    looker = Looker()
+    lives = [looker.look(arrival, LEDS_ON_JOINTS) for _frame, arrival in bending]
+    n_right, n_wrong, n_visible = counted(lives, bending)
+    assert n_wrong == 0
+    assert n_right >= n_visible
+    assert all(hints.NOBODY not in live.hints and live.outline is not None for live in lives)
+
+
+def test_each_frame_of_a_bend_by_itself_shows_nobody(bending):
+    """Head, arms and legs fall apart in the depth, and nobody is tall."""
+    lives = [Looker().look(arrival, LEDS_ON_JOINTS) for _frame, arrival in bending]
+    assert [live.outline is not None for live in lives] == [True] + [False] * 8
+
+
+def test_with_other_things_to_look_for_the_frame_before_is_forgotten(bending):
+    upright, bent = bending[0][1], bending[1][1]
+    for other in (replace(LEDS_ON_JOINTS), replace(LEDS_ON_JOINTS, naming=None)):
+        looker = Looker()
+        assert looker.look(upright, LEDS_ON_JOINTS).outline is not None
+        assert looker.look(bent, other).outline is None
+
+
+def test_a_clock_that_is_set_back_begins_anew(bending):
+    upright, bent = bending[0][1], bending[1][1]
+    earlier = replace(upright.frame, timestamp_ns=bent.frame.timestamp_ns)
+    looker = Looker()
+    assert looker.look(replace(upright, frame=earlier), LEDS_ON_JOINTS).outline is not None
+    assert looker.look(bent, LEDS_ON_JOINTS).outline is None
+
+
+def test_a_name_is_carried_over_a_frame_that_does_not_tell_it(joints_marked, monkeypatch):
+    """The second frame alone is sure of nothing: its markers are where those of the first were."""
+    look = Look(target=learned(joints_marked.frame(0)), naming=Naming("joints-15", "anterior"))
+    first, second = (
+        arrival_of(joints_marked, joints_marked.frame(index).sensor_frame) for index in (0, 1)
+    )
+    looker = Looker()
+    named = looker.look(first, look).joints
+
+    def unsure(_namer, points_m, *_told, **_more):
+        return nothing_told(len(points_m), len(JOINT_NAMES))
+
+    monkeypatch.setattr(Namer, "label", unsure)
+    carried = looker.look(second, look).joints
+    assert len(named) >= 12
+    assert carried.keys() == named.keys()
+    for name, place in carried.items():
+        assert place == pytest.approx(named[name], abs=2.0)
+    assert Looker().look(second, look).joints == {}

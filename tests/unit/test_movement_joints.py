@@ -5,7 +5,7 @@ import pytest
 
 from adibas.data.joints import JOINT_NAMES
 from adibas.markers.led import LedParams
-from adibas.pipeline import movement_joints
+from adibas.pipeline import put_together
 from adibas.pipeline.movement_joints import SPARE_MARKERS, VIEW_HELPS, joints_of_markers
 from adibas.pipeline.posture import PostureParams
 from adibas.recordings import create_recording, open_recording
@@ -71,14 +71,14 @@ def test_who_bends_down_keeps_all_markers(bending):
 
 
 def test_without_the_frame_before_most_of_a_bend_is_lost(bending, monkeypatch):
-    monkeypatch.setattr(movement_joints, "SOON_S", 0.0)
+    monkeypatch.setattr(put_together, "SOON_S", 0.0)
     path, truth = bending
     n_right, _n_wrong, n_visible = compared(measured(path, "anterior"), truth)
     assert n_right < 0.6 * n_visible
 
 
 def test_nobody_is_put_together_for_ever(bending, monkeypatch):
-    monkeypatch.setattr(movement_joints, "LONGEST_APART_S", 0.0)
+    monkeypatch.setattr(put_together, "LONGEST_APART_S", 0.0)
     path, truth = bending
     n_right, _n_wrong, n_visible = compared(measured(path, "anterior"), truth)
     assert n_right < 0.6 * n_visible

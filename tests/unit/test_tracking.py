@@ -10,7 +10,7 @@ from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_simulator import simulate_shapes
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.starts import turn_back
-from adibas.skeleton.tracking import MovingPoints, name_movement
+from adibas.skeleton.tracking import MovingPoints, NamesSoFar, name_movement
 
 NAMES = ("head", "neck", "torso")
 RATE_HZ = 15.0
@@ -48,7 +48,7 @@ def sure(*names):
         if name:
             row[NAMES.index(name)] = SURE
         else:
-            row[:] = 1.0
+            row[:] = 1.0 / len(row)
         rows.append(row)
     return np.array(rows)
 
@@ -90,6 +90,57 @@ def test_two_points_that_pass_each_other_keep_their_names():
     said = [sure("", "") if abs(n - 8) <= 1 else sure("head", "neck") for n in numbers]
     tracked = name_movement(Teller(said), frames_of(places_m))
     assert {one.names for one in tracked} == {("head", "neck")}
+
+
+def test_a_frame_in_which_nobody_is_found_says_nothing_against_names():
+    """Every second frame finds no person; counted as words, no name would be left."""
+    nobody = np.full((2, len(NAMES) + 1), (1.0 - SURE) / len(NAMES))
+    nobody[:, -1] = SURE
+    said = [nobody if n % 2 else sure("head", "neck") for n in range(12)]
+    tracked = name_movement(Teller(said), frames_of([[0.0, 0.15]] * 12))
+    assert [one.names for one in tracked] == [("head", "neck")] * 12
+    alone = name_movement(Teller([nobody] * 3), frames_of([[0.0, 0.15]] * 3))
+    assert [one.guesses for one in alone] == [(None, None)] * 3
+
+
+UNSURE = np.array([[0.6, 0.38, 0.01, 0.01], [0.38, 0.6, 0.01, 0.01]])
+
+
+def heard(said, places_m, sure_from=0.9):
+    """Return the names so far in each frame; a frame alone names from `sure_from` on."""
+    so_far, named = NamesSoFar(NAMES), []
+    for masses, frame in zip(said, frames_of(places_m), strict=True):
+        names = tuple(
+            (*NAMES, None)[int(row.argmax())] if row.max() >= sure_from else None for row in masses
+        )
+        alone = Labelling(names, names, masses.max(axis=1), math.nan, masses)
+        named.append(so_far.hear(frame.points_m, frame.time_s, alone).names)
+    return named
+
+
+def test_many_frames_that_are_not_sure_do_not_make_a_name():
+    """Who holds still says the same in all of them; as a recording they would name it."""
+    assert heard([UNSURE] * 30, [[0.0, 0.15]] * 30) == [(None, None)] * 30
+    as_recorded = name_movement(Teller([UNSURE] * 30), frames_of([[0.0, 0.15]] * 30))
+    assert as_recorded[15].names == ("head", "neck")
+
+
+def test_a_name_that_was_sure_is_carried_on_for_two_seconds():
+    said = [sure("head", "neck")] * 3 + [UNSURE] * 40
+    named = heard(said, [[0.0, 0.15]] * 43)
+    assert named[:33] == [("head", "neck")] * 33
+    assert named[-1] == (None, None)
+
+
+def test_a_point_that_was_hidden_goes_on_with_its_name():
+    said = [sure("head", "neck")] * 3 + [sure("head")] * 5 + [UNSURE]
+    named = heard(said, [[0.0, 0.15]] * 3 + [[0.0]] * 5 + [[0.0, 0.15]])
+    assert named[-1] == ("head", "neck")
+
+
+def test_a_frame_that_exchanges_two_names_does_not_exchange_what_is_shown():
+    said = [sure("head", "neck")] * 6 + [sure("neck", "head")] + [sure("head", "neck")] * 6
+    assert heard(said, [[0.0, 0.15]] * 13) == [("head", "neck")] * 13
 
 
 def test_a_body_is_asked_for_what_is_seen_of_it_and_told_to_the_namer():
