@@ -40,9 +40,9 @@ def turning():
     return film_number(TURNED_ASIDE)
 
 
-def counted(film, *, knows_body):
+def counted(film, way="body known"):
     count = NamesCount()
-    count_film(count, film, knows_body=knows_body)
+    count_film(count, film, way)
     return count
 
 
@@ -116,7 +116,7 @@ def test_who_turns_round_shows_the_other_side_at_last(turning):
 @pytest.mark.parametrize(("which", "gain"), [("seated", 100), ("turning", 0)])
 def test_with_the_body_nearly_all_are_named_and_more_than_by_places(which, gain, request):
     film = request.getfixturevalue(which)
-    known, unknown = (counted(film, knows_body=knows) for knows in (True, False))
+    known, unknown = counted(film), counted(film, "body not known")
     assert known.n_right > 0.95 * known.n_markers
     assert known.n_wrong < 0.01 * known.n_markers
     assert known.n_right >= unknown.n_right + gain
@@ -126,6 +126,12 @@ def test_of_whom_a_body_is_known_few_markers_from_the_side_are_plausible():
     """By places alone they could as well be chance points: in half of the frames fewer than 2.5
     nats for each."""
     film = film_number(MOVING_ASIDE)
-    known = counted(film, knows_body=True)
+    known = counted(film)
     assert known.n_right > 0.9 * known.n_markers
     assert known.n_wrong < 0.01 * known.n_markers
+
+
+def test_live_names_are_carried_on_over_frames_that_are_not_sure(seated):
+    alone, live = (counted(seated, f"{way}, body known") for way in ("each frame alone", "live"))
+    assert live.n_right > alone.n_right
+    assert live.n_wrong <= alone.n_wrong
