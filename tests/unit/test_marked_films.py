@@ -22,7 +22,7 @@ from benchmarks.labelling_names import NamesCount
 
 SEED = 6150
 """Of people that nothing was learned from."""
-MOVING_ASIDE, SEATED_ASIDE, TURNED_ASIDE = 4, 6, 7
+MOVING_ASIDE, SEATED_ASIDE, TURNED_ASIDE = 20, 6, 7
 
 
 def film_number(number):
@@ -113,25 +113,32 @@ def test_who_turns_round_shows_the_other_side_at_last(turning):
     assert turned == pytest.approx(math.pi / N_FRAMES, rel=0.15)
 
 
-@pytest.mark.parametrize(("which", "gain"), [("seated", 100), ("turning", 0)])
-def test_with_the_body_nearly_all_are_named_and_more_than_by_places(which, gain, request):
-    film = request.getfixturevalue(which)
-    known, unknown = counted(film), counted(film, "body not known")
+@pytest.fixture(scope="module")
+def aside():
+    return film_number(MOVING_ASIDE)
+
+
+@pytest.mark.parametrize("which", ["seated", "turning", "aside"])
+def test_with_the_body_nearly_all_are_named(which, request):
+    known = counted(request.getfixturevalue(which))
     assert known.n_right > 0.95 * known.n_markers
     assert known.n_wrong < 0.01 * known.n_markers
-    assert known.n_right >= unknown.n_right + gain
 
 
-def test_of_whom_a_body_is_known_few_markers_from_the_side_are_plausible():
-    """By places alone they could as well be chance points: in half of the frames fewer than 2.5
-    nats for each."""
-    film = film_number(MOVING_ASIDE)
-    known = counted(film)
-    assert known.n_right > 0.9 * known.n_markers
-    assert known.n_wrong < 0.01 * known.n_markers
+def test_of_whom_a_body_is_known_few_markers_from_the_side_are_plausible(aside):
+    """By places alone they could as well be chance points: in all frames fewer than 2.5 nats for
+    each."""
+    assert counted(aside, "body not known").n_right == 0
 
 
-def test_live_names_are_carried_on_over_frames_that_are_not_sure(seated):
-    alone, live = (counted(seated, f"{way}, body known") for way in ("each frame alone", "live"))
+def test_frames_in_which_nobody_is_found_do_not_take_the_names_from_others(seated):
+    """By places alone many show nobody."""
+    places = counted(seated, "body not known")
+    assert places.n_right > 0.95 * places.n_markers
+    assert places.n_wrong == 0
+
+
+def test_live_names_are_carried_on_over_frames_that_are_not_sure(aside):
+    alone, live = (counted(aside, f"{way}, body known") for way in ("each frame alone", "live"))
     assert live.n_right > alone.n_right
-    assert live.n_wrong <= alone.n_wrong
+    assert live.n_wrong < 0.5 * alone.n_wrong
