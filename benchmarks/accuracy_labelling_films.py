@@ -1,9 +1,9 @@
 """Names of markers of simulated people who move, as a depth camera sees them, frame after frame.
 
 People, clothes, furniture, sensors and movements that no model learned from; what is hidden in a
-frame is missing in it. Each film is named as a whole, as a recording is: once with the body that is
-found in the depth, once without; and as it goes on, as the live view does, which knows nothing of
-later frames and takes the view for what was declared.
+frame is missing in it. Each film is named as a whole, as a recording is: with the body that is
+found in the depth, without, and with it where nobody declared the view; and as it goes on, as the
+live view does, which knows nothing of later frames and takes the view for what was declared.
 """
 
 from collections import defaultdict
@@ -17,6 +17,7 @@ from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.marked_films import FILM_KINDS, MarkedFilm, marked_films
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import upright_turn
+from adibas.skeleton.first_view import first_view
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.tracking import MovingPoints, NamesSoFar, name_movement
@@ -50,15 +51,21 @@ def count_film(count: NamesCount, film: MarkedFilm, way: str) -> None:
 
 
 def _by_places(film: MarkedFilm) -> list[Names]:
-    return _recorded(film, knows_body=False)
+    return _named(film, film.view, knows_body=False)
 
 
 def _by_body(film: MarkedFilm) -> list[Names]:
-    return _recorded(film, knows_body=True)
+    return _named(film, film.view, knows_body=True)
 
 
-def _recorded(film: MarkedFilm, *, knows_body: bool) -> list[Names]:
-    named = name_movement(shipped_namer(), _frames(film, knows_body=knows_body), film.view)
+def _undeclared(film: MarkedFilm) -> list[Names]:
+    """Name a film as a recording of which nobody declared the view."""
+    told = first_view(shipped_namer(), _frames(film, knows_body=False))
+    return _named(film, "" if told is None else told.view, knows_body=True)
+
+
+def _named(film: MarkedFilm, view: str, *, knows_body: bool) -> list[Names]:
+    named = name_movement(shipped_namer(), _frames(film, knows_body=knows_body), view)
     return [one.names for one in named]
 
 
@@ -77,6 +84,7 @@ def _live(film: MarkedFilm) -> list[Names]:
 WAYS: dict[str, Callable[[MarkedFilm], list[Names]]] = {
     "body not known": _by_places,
     "body known": _by_body,
+    "view not declared, body known": _undeclared,
     "each frame alone, body known": _alone,
     "live, body known": _live,
 }

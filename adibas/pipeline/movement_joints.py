@@ -1,36 +1,27 @@
 """The joints of a moving patient, by the names of the markers."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TypeAlias
+from itertools import islice
 
 import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
-from adibas.calibration.files import check_fits
-from adibas.clock import NS_PER_S
 from adibas.data.calibration import RgbdCalibration
-from adibas.data.frames import RgbdFrame
 from adibas.data.joints import JOINT_NAMES
 from adibas.data.sentence import Sentence
 from adibas.data.skeleton_track import SkeletonTrack
-from adibas.measures.sight_plane import vertical_of
-from adibas.pipeline.in_order import in_order
-from adibas.pipeline.movement_markers import (
-    FrameMarkers,
-    doubts_about_frames,
-    markers_of_frame,
-)
-from adibas.pipeline.posture import N_THREADS, MarkerTarget, PostureParams, Sight
-from adibas.pipeline.put_together import PutTogether
+from adibas.pipeline.movement_frames import MovementFrames, SeenFrame
+from adibas.pipeline.movement_markers import FrameMarkers, doubts_about_frames
+from adibas.pipeline.posture import MarkerTarget, PostureParams, Sight
 from adibas.pipeline.seen_body import body_odds, see_body, upright_from_depth
 from adibas.pipeline.skeleton_labelling import shipped_namer
-from adibas.pipeline.skeleton_names import upright_turn
 from adibas.progress import Progress
-from adibas.recordings.decoding import to_rgbd
 from adibas.recordings.ports import RecordingReader
 from adibas.skeleton.body_marks import BodyOdds
+from adibas.skeleton.first_view import FirstView, first_view
+from adibas.skeleton.namer import Namer
+from adibas.skeleton.prototype_search import LEAST_POINTS
 from adibas.skeleton.tracking import MovingPoints, SeenFrom, TrackedNames, name_movement
 from adibas.texts import message
 
@@ -42,9 +33,19 @@ VIEW_HELPS = message(
     "Say with --view which side is seen in the first frame: more markers get a name then, as the "
     "body is looked for in the depth, too."
 )
+VIEW_FOUND = message(
+    "The patient is seen {side} at first, as the markers of {n} frames tell. If that is wrong, say "
+    "it with --view."
+)
+SIDES = {
+    "anterior": message("from the front"),
+    "posterior": message("from behind"),
+    "right_lateral": message("from the right"),
+    "left_lateral": message("from the left"),
+}
 
-
-_Found: TypeAlias = tuple[FrameMarkers, Sight | None]
+EARLY_S, STEP_S, N_EARLY = 10.0, 0.1, 30
+"""Who declared no view: it is looked for in so many frames of the first ten seconds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,8 +59,9 @@ class MarkedJoints:
     doubts : tuple of Sentence
         What the reader must know of them.
     names : mapping
-        By what they were named, plain JSON values: the model, and in how many frames the body that
-        the depth shows was known.
+        By what they were named, plain JSON values: the model, which side is seen in the first
+        frame, how many frames told it where nobody declared it, and in how many the body that the
+        depth shows was known.
     """
 
     track: SkeletonTrack
@@ -80,7 +82,8 @@ def joints_of_markers(
     Parameters
     ----------
     view : str
-        Which side is seen in the first frame; empty: not known, and the bodies tell nothing then.
+        Which side is seen in the first frame; empty: the names are asked for it, and where they do
+        not tell it the bodies tell nothing.
 
     Raises
     ------
@@ -91,60 +94,43 @@ def joints_of_markers(
     RecordingError
         A frame cannot be read.
     """
-    upright_from_camera = upright_turn(vertical_of(calibration, params.rotation_deg).up)
-    every_ns = np.asarray(recording.timestamps_ns, np.int64)
-    # A frame that is not after all before it has no place in a movement.
-    kept = np.flatnonzero(np.diff(np.maximum.accumulate(every_ns), prepend=every_ns[0] - 1))
-    timestamps_ns = every_ns[kept]
-    times_s = (timestamps_ns - timestamps_ns[0]) / NS_PER_S
-    bodies = _Bodies(calibration, params.rotation_deg)
-    namer, seen = shipped_namer(), []
+    film = MovementFrames(recording, calibration, target, params)
+    namer, bodies = shipped_namer(), _Bodies(calibration, params.rotation_deg)
+    told = None if view else _first_view(namer, film)
+    view = view if told is None else told.view
+    seen: list[FrameMarkers] = []
 
-    def moving(found: Iterable[_Found]) -> Iterator[MovingPoints]:
-        for time_s, (of_frame, person) in zip(times_s.tolist(), found, strict=True):
-            seen.append(of_frame)
-            progress(len(seen), len(kept))
-            points_m = of_frame.points_m @ upright_from_camera.T
-            yield MovingPoints(points_m, time_s, body=bodies.of(person))
+    def moving(frames: Iterable[SeenFrame]) -> Iterator[MovingPoints]:
+        for one in frames:
+            seen.append(one.markers)
+            progress(len(seen), len(film.times_s))
+            yield MovingPoints(one.upright_m, one.time_s, body=bodies.of(one.person))
 
-    with _found_in(recording, kept, calibration, target, params) as found:
-        named = name_movement(namer, moving(found), view)
+    with film.seen() as frames:
+        named = name_movement(namer, moving(frames), view)
     return MarkedJoints(
-        _track(timestamps_ns, [one.points_m for one in seen], named),
-        (*_spare(named, view), *doubts_about_frames(seen)),
-        {"model": namer.identity, "n_frames_with_body": bodies.n_known},
+        _track(film.timestamps_ns, [one.points_m for one in seen], named),
+        (*_about_view(told), *_spare(named, view), *doubts_about_frames(seen)),
+        {
+            "model": namer.identity,
+            "view": view,
+            "n_frames_that_told_view": 0 if told is None else told.n_telling,
+            "n_frames_with_body": bodies.n_known,
+        },
     )
 
 
-@contextmanager
-def _found_in(
-    recording: RecordingReader,
-    kept: IntArray,
-    calibration: RgbdCalibration,
-    target: MarkerTarget,
-    params: PostureParams,
-) -> Iterator[Iterator[_Found]]:
-    """Give what each frame shows, in their order.
-
-    Frames are looked at side by side, each by itself; where less is seen of the person than a
-    moment ago they are looked at again, together with that moment: who bends down falls apart.
-    """
-
-    def alone(frame: RgbdFrame) -> tuple[RgbdFrame, _Found]:
-        return frame, markers_of_frame(frame, calibration, target, params)
-
-    together = PutTogether()
-
-    def one_after_the_other(looked: Iterable[tuple[RgbdFrame, _Found]]) -> Iterator[_Found]:
-        for frame, by_itself in looked:
-            found, moment = by_itself, together.moment_of(by_itself[1], frame.timestamp_ns)
-            if moment is not None:
-                found = markers_of_frame(frame, calibration, target, params, moment)
-            together.saw(found[1], frame.timestamp_ns, by_itself=moment is None)
-            yield found
-
-    with in_order(alone, _frames(recording, calibration, kept), N_THREADS) as looked:
-        yield one_after_the_other(looked)
+def _first_view(namer: Namer, film: MovementFrames) -> FirstView | None:
+    """Return which side is seen at first, by the names of markers in some of the first frames."""
+    steps = np.floor(film.times_s / STEP_S)
+    is_early = (np.diff(steps, prepend=-1.0) > 0.0) & (film.times_s < EARLY_S)
+    with film.seen(np.flatnonzero(is_early)) as frames:
+        moving = (
+            MovingPoints(one.upright_m, one.time_s)
+            for one in frames
+            if len(one.upright_m) >= LEAST_POINTS
+        )
+        return first_view(namer, islice(moving, N_EARLY))
 
 
 class _Bodies:
@@ -182,18 +168,13 @@ def _track(
     return SkeletonTrack(timestamps_ns, joints_m, confidence)
 
 
+def _about_view(told: FirstView | None) -> Iterator[Sentence]:
+    if told is not None:
+        yield Sentence(VIEW_FOUND, {"side": SIDES[told.view], "n": told.n_telling})
+
+
 def _spare(named: Sequence[TrackedNames], view: str) -> Iterator[Sentence]:
     if n_unnamed := sum(None in one.names for one in named):
         yield Sentence(SPARE_MARKERS, {"percent": 100.0 * n_unnamed / len(named)}, decimals=0)
         if not view:
             yield Sentence(VIEW_HELPS)
-
-
-def _frames(
-    recording: RecordingReader, calibration: RgbdCalibration, kept: IntArray
-) -> Iterator[RgbdFrame]:
-    for index in kept.tolist():
-        frame = to_rgbd(recording.read(index), recording.info)
-        if index == kept[0]:
-            check_fits(calibration, frame.color_rgb.shape[:2], frame.depth_m.shape)
-        yield frame

@@ -7,6 +7,7 @@ not known either; who is seen by too few points to tell, and did not turn, is ta
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,13 +58,13 @@ class FollowedView:
         """Return the view that is seen; empty where it is not known."""
         if not self._is_declared or self._covariance[0, 0] > KNOWN_SD_RAD**2:
             return ""
-        return min(HEADINGS_RAD, key=lambda view: abs(self._off_rad(view)))
+        return nearest_view(float(self._state[0]))
 
     @property
     def is_square(self) -> bool:
         """Say whether the view is known and seen squarely enough."""
         view = self.view
-        return bool(view) and abs(self._off_rad(view)) < SQUARE_RAD
+        return bool(view) and off_view_rad(float(self._state[0]), view) < SQUARE_RAD
 
     def go_to(self, time_s: float) -> None:
         """Expect what is seen at a later time."""
@@ -89,24 +90,11 @@ class FollowedView:
             self._correct(0, off_rad, variance)
 
     def turn(self, before_m: FloatArray, points_m: FloatArray) -> None:
-        """Take in where the (M, D) points of this frame were in the one before; NaN: unknown.
-
-        The turn about the vertical that lays one onto the other best, and its error by what is left
-        (Kabsch 1976, in the plane of the floor).
-        """
-        was_seen = ~np.isnan(before_m).any(axis=1)
-        if before_m.shape[1] != SPACE or was_seen.sum() < LEAST_TURNED or self._passed_s <= 0.0:
-            return
-        before, after = (one[was_seen][:, [0, 2]] for one in (before_m, points_m))
-        before, after = (one - one.mean(axis=0) for one in (before, after))
-        across = float((before[:, 1] * after[:, 0] - before[:, 0] * after[:, 1]).sum())
-        along = float((before * after).sum())
-        angle_rad = math.atan2(across, along)
-        wide_m2 = float((before**2).sum())
-        left_m2 = float((after**2).sum()) + wide_m2 - 2.0 * math.hypot(across, along)
-        n_free = 2 * was_seen.sum() - 3
-        variance = max(left_m2, 0.0) / n_free / max(wide_m2, LEAST_WIDE_M2) + LEAST_TURN_RAD**2
-        self._correct(1, angle_rad / self._passed_s - self._state[1], variance / self._passed_s**2)
+        """Take in where the (M, D) points of this frame were in the one before; NaN: unknown."""
+        turn = turn_about_vertical(before_m, points_m)
+        if turn is not None and self._passed_s > 0.0:
+            off_rad_s = turn.angle_rad / self._passed_s - self._state[1]
+            self._correct(1, off_rad_s, turn.variance / self._passed_s**2)
 
     def _correct(self, which: int, off: float, variance: float) -> None:
         """Take in a measurement of heading (0) or rate (1) that is so far from the expected one."""
@@ -115,5 +103,45 @@ class FollowedView:
         self._state = self._state + gain * off
         self._covariance = self._covariance - np.outer(gain, self._covariance[which])
 
-    def _off_rad(self, view: str) -> float:
-        return math.remainder(float(self._state[0]) - HEADINGS_RAD[view], 2.0 * math.pi)
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """How far points turned about the vertical, and the variance of that (rad^2)."""
+
+    angle_rad: float
+    variance: float
+
+
+def turn_about_vertical(before_m: FloatArray, points_m: FloatArray) -> Turn | None:
+    """Return how far points turned; None in a plane, and where fewer than three were seen before.
+
+    The turn that lays the places before onto the others best, and its error by what is left (Kabsch
+    1976, in the plane of the floor). Positive: as headings grow.
+
+    Parameters
+    ----------
+    before_m, points_m : (M, D) arrays
+        Upright, y down; NaN where one was not seen before.
+    """
+    was_seen = ~np.isnan(before_m).any(axis=1)
+    if before_m.shape[1] != SPACE or was_seen.sum() < LEAST_TURNED:
+        return None
+    before, after = (one[was_seen][:, [0, 2]] for one in (before_m, points_m))
+    before, after = (one - one.mean(axis=0) for one in (before, after))
+    across = float((before[:, 1] * after[:, 0] - before[:, 0] * after[:, 1]).sum())
+    along = float((before * after).sum())
+    wide_m2 = float((before**2).sum())
+    left_m2 = float((after**2).sum()) + wide_m2 - 2.0 * math.hypot(across, along)
+    n_free = 2 * int(was_seen.sum()) - 3
+    variance = max(left_m2, 0.0) / n_free / max(wide_m2, LEAST_WIDE_M2) + LEAST_TURN_RAD**2
+    return Turn(math.atan2(across, along), variance)
+
+
+def nearest_view(heading_rad: float) -> str:
+    """Return the view that a heading is nearest to."""
+    return min(HEADINGS_RAD, key=lambda view: off_view_rad(heading_rad, view))
+
+
+def off_view_rad(heading_rad: float, view: str) -> float:
+    """Return how far a heading is from that of a view, 0 to pi."""
+    return abs(math.remainder(heading_rad - HEADINGS_RAD[view], 2.0 * math.pi))

@@ -55,6 +55,8 @@ class TrackingParams:
     sure: float = 0.75
 
 
+SOMEBODY = 0.5
+"""A frame in which no point has a name more probably than this shows nobody."""
 TOO_FAR = 1.0
 """What it costs to take a point for one that cannot be it; a new point costs nothing."""
 
@@ -165,3 +167,14 @@ def shares_of(logs: FloatArray) -> FloatArray:
     """Return (M, N) logarithms as shares of one in each row."""
     shares = np.exp(logs - logs.max(axis=1, keepdims=True))
     return np.asarray(shares / shares.sum(axis=1, keepdims=True))
+
+
+def words_of(masses: FloatArray, params: TrackingParams) -> FloatArray:
+    """Return the logarithms (M, N + 1) of what a frame says of each name, and of none.
+
+    Where nobody is found among the points it says nothing: they are still what they were before.
+    """
+    is_somebody = (masses[:, :-1].sum(axis=1) > SOMEBODY).any()
+    if not is_somebody:
+        return np.zeros_like(masses)
+    return np.log(np.maximum(masses, params.least_mass))

@@ -16,11 +16,8 @@ from adibas.skeleton.body_marks import BodyOdds
 from adibas.skeleton.followed_view import FollowedView
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
-from adibas.skeleton.point_tracks import PointTracks, TrackingParams, shares_of
+from adibas.skeleton.point_tracks import PointTracks, TrackingParams, shares_of, words_of
 from adibas.skeleton.starts import SPACE
-
-SOMEBODY = 0.5
-"""A frame in which no point has a name more probably than this shows nobody."""
 
 SeenFrom: TypeAlias = Callable[[str], BodyOdds | None]
 """Takes the view from which somebody is seen; returns what the body tells, None where nothing."""
@@ -86,7 +83,7 @@ class NamesSoFar:
 
     def hear(self, points_m: FloatArray, time_s: float, labelling: Labelling) -> TrackedNames:
         """Go on to the (M, D) points of the next frame; `labelling` is what it says of them."""
-        words = _words(labelling, self._params)
+        words = words_of(labelling.masses, self._params)
         followed = self._tracks.follow(points_m, time_s, words)
         called = list(zip(followed.numbers, labelling.names, strict=True))
         self._sure_s |= {(number, name): time_s for number, name in called if name is not None}
@@ -121,7 +118,7 @@ def name_movement(
     said = []
     before = []
     for frame in frames:
-        words = _words(_labelling(namer, frame, seen_from), params)
+        words = words_of(_labelling(namer, frame, seen_from).masses, params)
         said.append((frame.points_m, frame.time_s, words))
         followed = onward.follow(frame.points_m, frame.time_s, words)
         seen_from.turn(followed.before_m, frame.points_m)
@@ -146,17 +143,6 @@ def _labelling(namer: Namer, frame: MovingPoints, seen_from: FollowedView) -> La
     labelling = teller.label(frame.points_m, seen_from.view, given=frame.given)
     seen_from.learn(labelling)
     return labelling
-
-
-def _words(labelling: Labelling, params: TrackingParams) -> FloatArray:
-    """Return the logarithms (M, N + 1) of what a frame says of each name.
-
-    Where nobody is found among the points it says nothing: they are still what they were before.
-    """
-    is_somebody = (labelling.masses[:, :-1].sum(axis=1) > SOMEBODY).any()
-    if not is_somebody:
-        return np.zeros_like(labelling.masses)
-    return np.log(np.maximum(labelling.masses, params.least_mass))
 
 
 def _named(evidence: FloatArray, names: tuple[str, ...], sure: float) -> TrackedNames:

@@ -6,7 +6,13 @@ import pytest
 from adibas.data.joints import JOINT_NAMES
 from adibas.markers.led import LedParams
 from adibas.pipeline import put_together
-from adibas.pipeline.movement_joints import SPARE_MARKERS, VIEW_HELPS, joints_of_markers
+from adibas.pipeline.movement_joints import (
+    SIDES,
+    SPARE_MARKERS,
+    VIEW_FOUND,
+    VIEW_HELPS,
+    joints_of_markers,
+)
 from adibas.pipeline.posture import PostureParams
 from adibas.recordings import create_recording, open_recording
 from adibas.simulation.patient import MarkerSettings
@@ -86,12 +92,26 @@ def test_nobody_is_put_together_for_ever(bending, monkeypatch):
 
 def test_it_is_told_by_what_the_markers_were_named(bending):
     path, truth = bending
-    assert measured(path, "anterior").names["n_frames_with_body"] > 0.8 * len(truth)
-    assert measured(path, "").names["n_frames_with_body"] == 0
+    declared = measured(path, "anterior")
+    assert declared.names["n_frames_with_body"] > 0.8 * len(truth)
+    assert declared.names["view"] == "anterior"
+    assert declared.names["n_frames_that_told_view"] == 0
+    assert VIEW_FOUND not in [one.message for one in declared.doubts]
+
+
+def test_a_view_that_nobody_declared_is_found_by_the_names_and_told(bending):
+    path, truth = bending
+    found = measured(path, "")
+    assert found.names["view"] == "anterior"
+    n_telling = found.names["n_frames_that_told_view"]
+    assert n_telling >= 3
+    (said,) = [one for one in found.doubts if one.message == VIEW_FOUND]
+    assert (said.fields["side"], said.fields["n"]) == (SIDES["anterior"], n_telling)
+    assert compared(found, truth) == compared(measured(path, "anterior"), truth)
 
 
 def test_markers_without_a_name_and_without_a_view_are_told_what_would_help(tmp_path):
-    """Seen from the side, places alone do not tell what the few markers are."""
+    """Two frames do not tell which side is seen, and from the side places alone name few."""
     path = tmp_path / "side.mcap"
     filmed(path, range(2), view="left_lateral", seed=7)
     said = [one.message for one in measured(path, "").doubts]
