@@ -52,7 +52,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_rotation(parser)
     add_oldest_calibration(parser)
     parser.add_argument(
-        "--view", choices=VIEWS, default="", help=_("which side is seen in the first frame")
+        "--view",
+        choices=VIEWS,
+        default="",
+        help=_("which side is seen in the first frame; found out where that can be if not given"),
     )
     add_person(
         parser, _("where there are several people; the one who was seen longest if not given")

@@ -18,7 +18,7 @@ from adibas.measures.sight_plane import vertical_of
 from adibas.movement.measuring import MovementParams, MovementSource, measure_movement
 from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.learning import read_target
-from adibas.pipeline.movement_joints import joints_of_markers
+from adibas.pipeline.movement_joints import MarkedJoints, joints_of_markers
 from adibas.pipeline.pose import PoseRequest, pose_recording
 from adibas.pipeline.pose_following import PoseParams
 from adibas.pipeline.posture import PostureParams
@@ -88,7 +88,8 @@ def measure_moving(
         The recording has no calibration, or one that is too old or for another resolution; or
         the source is a table, and an age is asked for.
     MarkerError
-        No joint was found in any frame, or the colour model fits everything.
+        No marker was found in any frame, or none could be named, or the colour model fits
+        everything.
     LimbError
         Nobody was found without markers, or the view is one from the side, of which they know
         nothing.
@@ -184,10 +185,7 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
         )
         notice = recording.notice
     if not marked.track.seen.any():
-        raise MarkerError(
-            "No joint was found in any frame. Check that the markers have the learned colour, sit "
-            "on the joints, and are in view."
-        )
+        raise _nothing_named(marked, request.view)
     provenance = provenance_of(
         recording_sha256(request.source), calibration, target, request.posture, clock()
     )
@@ -202,3 +200,20 @@ def _of_recording(request: MovementRequest, progress: Progress, clock: Clock) ->
         "markers", provenance, request.patient, up, request.posture.up, (*notices, *marked.doubts)
     )
     return measure_movement(marked.track, source, request.movement)
+
+
+def _nothing_named(marked: MarkedJoints, view: str) -> MarkerError:
+    if not marked.n_markers:
+        return MarkerError(
+            "No marker was found in any frame. Check that the markers have the learned colour, sit "
+            "on the joints, and are in view."
+        )
+    if not view:
+        return MarkerError(
+            "Markers were found, but which joints they are is not sure in any frame. Say with "
+            "--view which side is seen in the first frame."
+        )
+    return MarkerError(
+        "Markers were found, but which joints they are is not sure in any frame. Check that they "
+        "sit on the joints, and that --view is the side that is seen in the first frame."
+    )

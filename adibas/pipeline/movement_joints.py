@@ -56,6 +56,8 @@ class MarkedJoints:
     ----------
     track : SkeletonTrack
         In the colour camera's axes.
+    n_markers : int
+        In all frames together, named or not.
     doubts : tuple of Sentence
         What the reader must know of them.
     names : mapping
@@ -65,6 +67,7 @@ class MarkedJoints:
     """
 
     track: SkeletonTrack
+    n_markers: int
     doubts: tuple[Sentence, ...]
     names: Mapping[str, object]
 
@@ -110,6 +113,7 @@ def joints_of_markers(
         named = name_movement(namer, moving(frames), view)
     return MarkedJoints(
         _track(film.timestamps_ns, [one.points_m for one in seen], named),
+        sum(len(one.points_m) for one in seen),
         (*_about_view(told), *_spare(named, view), *doubts_about_frames(seen)),
         {
             "model": namer.identity,

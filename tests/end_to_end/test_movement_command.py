@@ -140,6 +140,36 @@ def test_a_person_is_not_chosen_where_markers_are_measured(recording, tmp_path, 
     assert "no use for --person" in capsys.readouterr().err
 
 
+def refused(scene, words, tmp_path, capsys):
+    """Record one frame; return what the command says when it measures nothing."""
+    path, out = tmp_path / "one.mcap", tmp_path / "m.xlsx"
+    with create_recording(path, scene.info) as writer:
+        writer.write(scene.frame(0).sensor_frame)
+    assert main(["movement", str(path), "--markers", "led", *words, "--out", str(out)]) == 1
+    assert not out.exists()
+    return capsys.readouterr().err
+
+
+def test_markers_that_have_no_name_are_told_from_none_at_all(tmp_path, capsys):
+    """From the side a single frame is named by the body that its depth shows, or not at all."""
+    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
+    aside = open_scene(
+        "left_lateral_led", 7, markers=markers, distance_m=2.8, color_size=(480, 640)
+    )
+    assert "Say with --view which side" in refused(aside, [], tmp_path, capsys)
+    none = MarkerSettings((), kind="led")
+    bare = open_scene("anterior_led", 7, markers=none, distance_m=2.8, color_size=(480, 640))
+    assert "No marker was found" in refused(bare, ["--view", "anterior"], tmp_path, capsys)
+
+
+def test_a_declared_view_in_which_no_name_is_sure_is_doubted(tmp_path, capsys):
+    """One marker is too few for any name."""
+    markers = MarkerSettings(("left_shoulder",), kind="led", diameter_m=0.005)
+    one = open_scene("anterior_led", 7, markers=markers, distance_m=2.8, color_size=(480, 640))
+    told = refused(one, ["--view", "anterior"], tmp_path, capsys)
+    assert "that --view is the side that is seen" in told
+
+
 def test_a_view_from_the_side_is_refused_without_markers(recording, tmp_path, capsys):
     words = ["--markerless", "--view", "right_lateral", "--out", str(tmp_path / "m.csv")]
     assert main(["movement", str(recording), *words]) == 1
