@@ -1,5 +1,7 @@
 """Whether the markers look like a patient who shows the side that was declared."""
 
+import math
+
 import numpy as np
 
 from adibas.data.calibration import RgbdCalibration
@@ -7,6 +9,9 @@ from adibas.data.joints import JOINT_NAMES, other_side
 from adibas.data.markers import Marker
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.skeleton_names import diameters_of, upright_turn
+from adibas.skeleton.first_view import tells_heading
+from adibas.skeleton.followed_view import off_view_rad
+from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
 from adibas.texts import Message, message
 
@@ -14,6 +19,12 @@ LOOKS_OTHERWISE = message(
     "The markers look like a patient who shows the camera the opposite side than declared: "
     "left and right may be exchanged. Check the view."
 )
+LOOKS_ASIDE = message(
+    "The markers look like a patient who is turned by a quarter from the declared view. Check the "
+    "view."
+)
+ASIDE_RAD, OPPOSITE_RAD = math.radians(60.0), math.radians(120.0)
+"""Farther from the declared view is another one; patients stand within 30 degrees of theirs."""
 
 
 def doubts_about_view(
@@ -26,8 +37,8 @@ def doubts_about_view(
     """Return what must be known of the declared view, or nothing.
 
     The markers are named once more without being told the view: where the shape alone is sure of
-    left and right, and most of the names that were given say the contrary, the view is doubted.
-    Only the 15 joints show which way somebody faces.
+    left and right, and most of the names that were given say the contrary, or where it is sure that
+    somebody faces another way, the view is doubted. Only the 15 joints show which way that is.
 
     Parameters
     ----------
@@ -47,4 +58,20 @@ def doubts_about_view(
         if name is not None and other_side(name) != name:
             contrary += marker.label == other_side(name)
             alike += marker.label == name
-    return (LOOKS_OTHERWISE,) if contrary > alike else ()
+    if contrary > alike:
+        return (LOOKS_OTHERWISE,)
+    doubt = doubt_by_heading(untold, view)
+    return () if doubt is None else (doubt,)
+
+
+def doubt_by_heading(untold: Labelling, view: str) -> Message | None:
+    """Return what must be known of the declared view, by how joints are named without it.
+
+    None where they do not tell which way somebody faces, or tell what was declared.
+    """
+    if not tells_heading(untold):
+        return None
+    off_rad = off_view_rad(untold.heading_rad, view)
+    if off_rad > OPPOSITE_RAD:
+        return LOOKS_OTHERWISE
+    return LOOKS_ASIDE if off_rad > ASIDE_RAD else None

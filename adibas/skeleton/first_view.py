@@ -16,8 +16,8 @@ from adibas.skeleton.namer import Namer
 from adibas.skeleton.point_tracks import PointTracks, TrackingParams, words_of
 from adibas.skeleton.tracking import MovingPoints
 
-LEAST_NAMES, LEAST_SIDED = 4, 2
-"""A frame with fewer sure names, or fewer that are of a side, tells nothing."""
+LEAST_NAMES, LEAST_SIDED, SURE = 4, 2, 0.8
+"""A frame with fewer names, fewer that are of a side, or one less sure tells no heading."""
 LEAST_TELLING, AGREED = 3, 0.9
 """So many frames must tell it, and this share of all that tell any side."""
 
@@ -57,7 +57,7 @@ def first_view(namer: Namer, frames: Iterable[MovingPoints]) -> FirstView | None
         followed = tracks.follow(frame.points_m, frame.time_s, words)
         turn = turn_about_vertical(followed.before_m, frame.points_m)
         turned_rad += 0.0 if turn is None else turn.angle_rad
-        if _tells(labelling):
+        if tells_heading(labelling):
             told[nearest_view(labelling.heading_rad - turned_rad)] += 1
     if not told:
         return None
@@ -66,8 +66,18 @@ def first_view(namer: Namer, frames: Iterable[MovingPoints]) -> FirstView | None
     return FirstView(view, n_telling) if is_sure else None
 
 
-def _tells(labelling: Labelling) -> bool:
-    named = [name for name in labelling.names if name is not None]
-    n_sided = sum(other_side(name) != name for name in named)
+def tells_heading(labelling: Labelling) -> bool:
+    """Say whether the names of one frame, to which no view was told, show which way somebody faces.
+
+    Of 798 simulated pictures of markers that a camera sees 289 do, two of them wrongly
+    (docs/skeleton.md).
+    """
+    named = [
+        (name, confidence)
+        for name, confidence in zip(labelling.names, labelling.confidences.tolist(), strict=True)
+        if name is not None
+    ]
+    n_sided = sum(other_side(name) != name for name, _confidence in named)
     is_enough = len(named) >= LEAST_NAMES and n_sided >= LEAST_SIDED
-    return is_enough and not math.isnan(labelling.heading_rad)
+    is_sure = all(confidence >= SURE for _name, confidence in named)
+    return is_enough and is_sure and not math.isnan(labelling.heading_rad)

@@ -26,11 +26,12 @@ class Teller:
 
     def __init__(self, headings_rad, names=NAMED):
         self._headings_rad, self._names = iter(headings_rad), names
+        self.confidences = np.ones(len(names))
 
     def label(self, points_m, **_given):
         masses = np.full((len(points_m), len(JOINT_NAMES) + 1), 1.0 / (len(JOINT_NAMES) + 1))
         heading_rad = next(self._headings_rad)
-        return Labelling(self._names, self._names, np.ones(len(points_m)), heading_rad, masses)
+        return Labelling(self._names, self._names, self.confidences, heading_rad, masses)
 
 
 def frames_of(headings_rad):
@@ -71,6 +72,12 @@ def test_two_frames_are_too_few():
 def test_names_without_a_side_and_headings_that_are_not_known_tell_nothing():
     assert first_view(Teller([0.0] * 20, MIDDLES), frames_of([0.0] * 20)) is None
     assert first_view(Teller([math.nan] * 20), frames_of([0.0] * 20)) is None
+
+
+def test_frames_of_which_one_name_is_not_sure_tell_nothing():
+    teller = Teller([0.0] * 20)
+    teller.confidences = np.array([1.0, 1.0, 0.79, 1.0, 1.0])
+    assert first_view(teller, frames_of([0.0] * 20)) is None
 
 
 def test_no_frames_tell_nothing():
