@@ -1,6 +1,8 @@
 """Which markers of live frames are which joints, to be drawn: their places are taken roughly."""
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,11 +20,33 @@ from adibas.pipeline.posture import Sight
 from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.seen_spaces import seen_spaces
 from adibas.pipeline.skeleton_names import upright_turn
+from adibas.pipeline.view_check import doubt_by_heading
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.tracking import NamesSoFar
+from adibas.texts import Message
 
 ABOUT = 3.0
 """The depth about a marker is taken from so many of its radii, since its own may be missing."""
+
+
+CHECK_S = 2.0
+"""So often it is asked whether the patient shows the declared side."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NamedNow:
+    """What the markers of one frame are.
+
+    Attributes
+    ----------
+    joints : dict
+        Pixel (u, v) of each joint that a marker surely marks, by its name.
+    doubts : tuple of Message
+        What must be known of the declared view.
+    """
+
+    joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    doubts: tuple[Message, ...] = ()
 
 
 class LiveJoints:
@@ -46,11 +70,10 @@ class LiveJoints:
         self._seen = in_both.turned(self._turn)
         self._namer: Namer | None = None
         self._names = NamesSoFar(())
+        self._checked_s, self._doubts = -math.inf, tuple[Message, ...]()
 
-    def among(
-        self, blobs: tuple[Blob, ...], sight: Sight, time_s: float
-    ) -> Mapping[str, tuple[float, float]]:
-        """Return the pixel (u, v) of each joint that a marker surely marks.
+    def among(self, blobs: tuple[Blob, ...], sight: Sight, time_s: float) -> NamedNow:
+        """Return what markers are.
 
         Parameters
         ----------
@@ -63,34 +86,52 @@ class LiveJoints:
         """
         camera, namer = self._calibration.color, self._namer_now()
         if camera is None or namer is None:
-            return {}
+            return NamedNow()
         placed = [
             (blob, place_m)
             for blob in blobs
             if (place_m := _place_m(blob, sight.registration.depth_m, camera)) is not None
         ]
         if not placed:
-            return {}
+            return NamedNow()
         places_m = np.stack([place_m for _blob, place_m in placed])
-        if len(placed) < len(JOINT_NAMES):  # of all of them places tell enough, and sooner
-            namer = with_body(
-                namer,
-                sight.depth_m,
-                self._naming.view,
-                self._calibration,
-                self._rotation_deg,
-                sight.body.pixels,
-            )
-        upright_m = places_m @ self._turn.T
         radii_px = np.array([long_radius_px(b.radius_px, b.axis_ratio) for b, _place in placed])
         diameters_m = 2.0 * radii_px * places_m[:, 2] / camera.intrinsics.fx
-        labelling = namer.label(upright_m, self._naming.view, diameters_m, seen=self._seen)
+        upright_m = places_m @ self._turn.T
+        knowing = self._who_knows(namer, sight, len(placed))
+        labelling = knowing.label(upright_m, self._naming.view, diameters_m, seen=self._seen)
         named = self._names.hear(upright_m, time_s, labelling)
-        return {
+        joints = {
             name: (blob.u, blob.v)
             for name, (blob, _place) in zip(named.names, placed, strict=True)
             if name in JOINT_NAMES
         }
+        self._check_view(namer, upright_m, diameters_m, time_s)
+        return NamedNow(joints, self._doubts)
+
+    def _check_view(
+        self, namer: Namer, upright_m: FloatArray, diameters_m: FloatArray, time_s: float
+    ) -> None:
+        """Ask now and then whether the markers show the declared side; only joints tell."""
+        if namer.names != JOINT_NAMES or time_s < self._checked_s + CHECK_S:
+            return
+        self._checked_s = time_s
+        untold = namer.label(upright_m, diameters_m=diameters_m, seen=self._seen)
+        doubt = doubt_by_heading(untold, self._naming.view)
+        self._doubts = () if doubt is None else (doubt,)
+
+    def _who_knows(self, namer: Namer, sight: Sight, n_markers: int) -> Namer:
+        """Return the namer who knows the body; of all markers places tell enough, and sooner."""
+        if n_markers >= len(JOINT_NAMES):
+            return namer
+        return with_body(
+            namer,
+            sight.depth_m,
+            self._naming.view,
+            self._calibration,
+            self._rotation_deg,
+            sight.body.pixels,
+        )
 
     def _namer_now(self) -> Namer | None:
         """Return who names; with another model than before what it said is forgotten."""

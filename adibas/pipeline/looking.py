@@ -1,6 +1,5 @@
 """What is seen in one live frame: the stages in the order of a burst, for the screen."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from adibas.alignment.registration import register_pixels
@@ -19,7 +18,7 @@ from adibas.markers.led import LedParams
 from adibas.pipeline import hints
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.live_frames import LiveFrame, Naming
-from adibas.pipeline.live_joints import LiveJoints
+from adibas.pipeline.live_joints import LiveJoints, NamedNow
 from adibas.pipeline.plumb import plumb_line
 from adibas.pipeline.posture import (
     MarkerTarget,
@@ -137,6 +136,7 @@ class _Watch:
             register_pixels(depth_m, calibration) if sight is None else sight.registration
         )
         detections, told = _markers(color_rgb, sight, calibration, look)
+        named = self._named(detections, sight, plain.timestamp_ns)
         up = _up(floor, calibration)
         stance = _stance(depth_m, sight, floor, calibration, look.params.up if up is None else up)
         plumb = None
@@ -148,9 +148,9 @@ class _Watch:
             depth_in_color_m=registration.depth_m,
             outline=None if sight is None else sight.outline,
             detections=detections,
-            joints=self._joints_among(detections, sight, plain.timestamp_ns),
+            joints=named.joints,
             plumb=plumb,
-            hints=stance + told,
+            hints=stance + told + named.doubts,
         )
 
     def _sight(self, depth_m: Float32Array, floor: Plane | None, timestamp_ns: int) -> Sight | None:
@@ -163,11 +163,9 @@ class _Watch:
         self._person.saw(sight, timestamp_ns, by_itself=moment is None)
         return sight
 
-    def _joints_among(
-        self, found: Detections | None, sight: Sight | None, timestamp_ns: int
-    ) -> Mapping[str, tuple[float, float]]:
+    def _named(self, found: Detections | None, sight: Sight | None, timestamp_ns: int) -> NamedNow:
         if found is None or sight is None or self._joints is None:
-            return {}
+            return NamedNow()
         return self._joints.among(found.blobs, sight, timestamp_ns / NS_PER_S)
 
 

@@ -67,9 +67,9 @@ def doubts_about_view(
 def doubt_by_heading(untold: Labelling, view: str) -> Message | None:
     """Return what must be known of the declared view, by how joints are named without it.
 
-    None where they do not tell which way somebody faces, or tell what was declared.
+    None where no view was, or where they do not tell which way somebody faces, or tell that view.
     """
-    if not tells_heading(untold):
+    if not view or not tells_heading(untold):
         return None
     off_rad = off_view_rad(untold.heading_rad, view)
     if off_rad > OPPOSITE_RAD:

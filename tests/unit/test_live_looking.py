@@ -21,6 +21,7 @@ from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.live_frames import Naming
 from adibas.pipeline.looking import Look, Looker
 from adibas.pipeline.posture import PostureParams
+from adibas.pipeline.view_check import LOOKS_ASIDE, LOOKS_OTHERWISE
 from adibas.simulation.boards import render_board
 from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
@@ -298,3 +299,39 @@ def test_a_name_is_carried_over_a_frame_that_does_not_tell_it(joints_marked, mon
     for name, place in carried.items():
         assert place == pytest.approx(named[name], abs=2.0)
     assert Looker().look(second, look).joints == {}
+
+
+@pytest.mark.parametrize(
+    ("view", "doubts"),
+    [
+        ("anterior", set()),
+        ("posterior", {LOOKS_OTHERWISE}),
+        ("left_lateral", {LOOKS_ASIDE}),
+        ("right_lateral", {LOOKS_ASIDE}),
+    ],
+)
+def test_a_view_that_the_markers_contradict_is_told_live(joints_marked, view, doubts):
+    look = Look(target=learned(joints_marked.frame(0)), naming=Naming("joints-15", view))
+    looker = Looker()
+    for index in (0, 1):
+        arrival = arrival_of(joints_marked, joints_marked.frame(index).sensor_frame)
+        told = looker.look(arrival, look).hints
+        assert {one for one in told if one in {LOOKS_ASIDE, LOOKS_OTHERWISE}} == doubts
+
+
+def test_the_view_is_checked_every_two_seconds(joints_marked, monkeypatch):
+    asked = []
+
+    def doubt(_untold, view):
+        asked.append(view)
+        return LOOKS_ASIDE if len(asked) == 1 else None
+
+    monkeypatch.setattr(live_joints, "doubt_by_heading", doubt)
+    look = Look(target=learned(joints_marked.frame(0)), naming=Naming("joints-15", "anterior"))
+    looker, frame = Looker(), joints_marked.frame(0).sensor_frame
+    doubted = []
+    for time_s in (1.0, 2.0, 2.9, 3.1):
+        later = replace(frame, timestamp_ns=round(time_s * 1e9))
+        doubted.append(LOOKS_ASIDE in looker.look(arrival_of(joints_marked, later), look).hints)
+    assert doubted == [True, True, True, False]
+    assert asked == ["anterior"] * 2

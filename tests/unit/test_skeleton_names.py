@@ -18,7 +18,7 @@ from adibas.pipeline import skeleton_names, view_check
 from adibas.pipeline.namers import namer_of
 from adibas.pipeline.skeleton_labelling import shipped_namer
 from adibas.pipeline.skeleton_names import with_namer, with_names
-from adibas.pipeline.view_check import LOOKS_OTHERWISE, doubts_about_view
+from adibas.pipeline.view_check import LOOKS_ASIDE, LOOKS_OTHERWISE, doubts_about_view
 from adibas.simulation.body import load_body_model
 from adibas.simulation.body_shape import BodyShape
 from adibas.simulation.poses import standing
@@ -294,7 +294,13 @@ def test_a_view_that_the_shape_contradicts_is_told_and_the_right_one_is_not(
     tilted_by([0.0, -1.0, 0.0])
     monkeypatch.setattr(view_check, "vertical_of", skeleton_names.vertical_of)
     namer, markers = shipped_namer(), markers_at(joints_m)
-    for view, told in (("anterior", ()), ("posterior", (LOOKS_OTHERWISE,)), ("", ())):
+    for view, told in (
+        ("anterior", ()),
+        ("posterior", (LOOKS_OTHERWISE,)),
+        ("left_lateral", (LOOKS_ASIDE,)),
+        ("right_lateral", (LOOKS_ASIDE,)),
+        ("", ()),
+    ):
         named = with_names(namer, markers, view, CALIBRATION)
         assert doubts_about_view(namer, named, view, CALIBRATION) == told
     nowhere = tuple(replace(one, position_m=None, covariance_m2=None) for one in markers)
