@@ -9,10 +9,10 @@ from adibas.data.joints import JOINT_NAMES, other_side
 from adibas.data.markers import Marker
 from adibas.measures.sight_plane import vertical_of
 from adibas.pipeline.skeleton_names import diameters_of, upright_turn
-from adibas.skeleton.first_view import tells_heading
 from adibas.skeleton.followed_view import off_view_rad
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
+from adibas.skeleton.told_heading import tells_axis, tells_heading
 from adibas.texts import Message, message
 
 LOOKS_OTHERWISE = message(
@@ -69,9 +69,9 @@ def doubt_by_heading(untold: Labelling, view: str) -> Message | None:
 
     None where no view was, or where they do not tell which way somebody faces, or tell that view.
     """
-    if not view or not tells_heading(untold):
+    if not view:
         return None
     off_rad = off_view_rad(untold.heading_rad, view)
-    if off_rad > OPPOSITE_RAD:
+    if tells_heading(untold) and off_rad > OPPOSITE_RAD:
         return LOOKS_OTHERWISE
-    return LOOKS_ASIDE if off_rad > ASIDE_RAD else None
+    return LOOKS_ASIDE if ASIDE_RAD < off_rad < OPPOSITE_RAD and tells_axis(untold) else None

@@ -4,20 +4,16 @@ A frame alone seldom tells left from right; of a movement some do. Each of these
 and how far the points turned since the first frame, whatever they are called, what it was then.
 """
 
-import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from adibas.data.joints import other_side
 from adibas.skeleton.followed_view import nearest_view, turn_about_vertical
-from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.point_tracks import PointTracks, TrackingParams, words_of
+from adibas.skeleton.told_heading import tells_heading
 from adibas.skeleton.tracking import MovingPoints
 
-LEAST_NAMES, LEAST_SIDED, SURE = 4, 2, 0.8
-"""A frame with fewer names, fewer that are of a side, or one less sure tells no heading."""
 LEAST_TELLING, AGREED = 3, 0.9
 """So many frames must tell it, and this share of all that tell any side."""
 
@@ -64,20 +60,3 @@ def first_view(namer: Namer, frames: Iterable[MovingPoints]) -> FirstView | None
     ((view, n_telling),) = told.most_common(1)
     is_sure = n_telling >= max(LEAST_TELLING, AGREED * told.total())
     return FirstView(view, n_telling) if is_sure else None
-
-
-def tells_heading(labelling: Labelling) -> bool:
-    """Say whether the names of one frame, to which no view was told, show which way somebody faces.
-
-    Of 798 simulated pictures of markers that a camera sees 289 do, two of them wrongly
-    (docs/skeleton.md).
-    """
-    named = [
-        (name, confidence)
-        for name, confidence in zip(labelling.names, labelling.confidences.tolist(), strict=True)
-        if name is not None
-    ]
-    n_sided = sum(other_side(name) != name for name, _confidence in named)
-    is_enough = len(named) >= LEAST_NAMES and n_sided >= LEAST_SIDED
-    is_sure = all(confidence >= SURE for _name, confidence in named)
-    return is_enough and is_sure and not math.isnan(labelling.heading_rad)
