@@ -13,7 +13,7 @@ from adibas.geometry.pinhole import Intrinsics
 from adibas.geometry.rigid import RigidTransform
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.calibration_session import CalibrationSession
-from adibas.pipeline.looking import Look, look_at
+from adibas.pipeline.looking import Look, Looker
 from adibas.pipeline.sensor_calibration import CalibratedSensor
 from adibas.simulation.boards import render_board
 from adibas.simulation.boards_look import BoardLook
@@ -91,7 +91,7 @@ def sensor_frame(index, **faults):
 def seen_frame(index, board, faults):
     """Return what the live view tells of a frame at its beginning."""
     arrival = Arrival(sensor_frame(index, **dict(faults)), INFO, 30.0, 0)
-    return look_at(arrival, Look(board=board))
+    return Looker().look(arrival, Look(board=board))
 
 
 def live_frame(index, time_s=0.0, board=BOARD, **faults):
