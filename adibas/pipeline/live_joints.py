@@ -134,7 +134,7 @@ class LiveJoints:
         )
 
     def _namer_now(self) -> Namer | None:
-        """Return who names; with another model than before what it said is forgotten."""
+        """Return who names; with another model than before all that was told is forgotten."""
         try:
             protocol = find_protocol(self._naming.protocol)
         except ProtocolError:  # told where it is measured
@@ -142,6 +142,7 @@ class LiveJoints:
         namer = namer_of(protocol, self._naming.view)
         if namer is not self._namer:
             self._namer, self._names = namer, NamesSoFar(() if namer is None else namer.names)
+            self._checked_s, self._doubts = -math.inf, ()
         return None if namer is None else namer.holding_still()
 
 

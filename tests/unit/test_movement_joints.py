@@ -5,7 +5,7 @@ import pytest
 
 from adibas.data.joints import JOINT_NAMES
 from adibas.markers.led import LedParams
-from adibas.pipeline import put_together
+from adibas.pipeline import movement_joints, put_together
 from adibas.pipeline.movement_joints import (
     SIDES,
     SPARE_MARKERS,
@@ -108,6 +108,26 @@ def test_a_view_that_nobody_declared_is_found_by_the_names_and_told(bending):
     (said,) = [one for one in found.doubts if one.message == VIEW_FOUND]
     assert (said.fields["side"], said.fields["n"]) == (SIDES["anterior"], n_telling)
     assert compared(found, truth) == compared(measured(path, "anterior"), truth)
+
+
+@pytest.mark.parametrize(("early_s", "most", "n"), [(10.0, 30, 12), (0.55, 30, 6), (10.0, 4, 4)])
+def test_the_view_is_asked_of_some_early_frames_a_tenth_of_a_second_apart(
+    bending, monkeypatch, early_s, most, n
+):
+    """The recording has 18 frames in 1.13 s."""
+    asked_s = []
+
+    def nothing_told(_namer, frames):
+        asked_s.extend(frame.time_s for frame in frames)
+
+    monkeypatch.setattr(movement_joints, "first_view", nothing_told)
+    monkeypatch.setattr(movement_joints, "EARLY_S", early_s)
+    monkeypatch.setattr(movement_joints, "N_EARLY", most)
+    path, _truth = bending
+    assert measured(path, "").names["view"] == ""
+    assert len(asked_s) == n
+    assert asked_s[0] == 0.0
+    assert np.all(np.diff(np.floor(np.array(asked_s) / 0.1)) > 0)
 
 
 def test_markers_without_a_name_and_without_a_view_are_told_what_would_help(tmp_path):
