@@ -71,6 +71,8 @@ def test_two_frames_are_too_few():
 
 def test_names_without_a_side_and_headings_that_are_not_known_tell_nothing():
     assert first_view(Teller([0.0] * 20, MIDDLES), frames_of([0.0] * 20)) is None
+    one_sided = (*MIDDLES[:3], "left_hip", None)
+    assert first_view(Teller([0.0] * 20, one_sided), frames_of([0.0] * 20)) is None
     assert first_view(Teller([math.nan] * 20), frames_of([0.0] * 20)) is None
 
 

@@ -6,6 +6,7 @@ import pytest
 from adibas.data.joints import JOINT_NAMES
 from adibas.markers.led import LedParams
 from adibas.pipeline import movement_joints, put_together
+from adibas.pipeline.movement_frames import MovementFrames
 from adibas.pipeline.movement_joints import (
     SIDES,
     SPARE_MARKERS,
@@ -66,6 +67,20 @@ def compared(found, truth):
 def bending(tmp_path_factory):
     path = tmp_path_factory.mktemp("movement") / "bend.mcap"
     return path, filmed(path, BENT, seed=7, gesture="bend")
+
+
+def test_some_frames_show_what_they_show_among_all(bending):
+    path, _truth = bending
+    with open_recording(path) as recording:
+        film = MovementFrames(recording, recording.info.calibration, LedParams(), PostureParams())
+        with film.seen() as frames:
+            every = list(frames)
+        with film.seen(np.array([0, 1, 17])) as frames:
+            some = list(frames)
+    assert len(every) == 18
+    for one, number in zip(some, (0, 1, 17), strict=True):
+        assert one.time_s == every[number].time_s == pytest.approx(number / 15.0, abs=2e-3)
+        np.testing.assert_array_equal(one.upright_m, every[number].upright_m)
 
 
 def test_who_bends_down_keeps_all_markers(bending):

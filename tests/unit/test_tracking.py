@@ -132,6 +132,15 @@ def test_a_name_that_was_sure_is_carried_on_for_two_seconds():
     assert named[-1] == (None, None)
 
 
+def test_a_point_does_not_carry_on_what_only_another_one_was_called():
+    """The neck is hidden; somewhere else a point appears that is perhaps the neck."""
+    head, perhaps = sure("head")[0], np.array([0.05, 0.75, 0.1, 0.1])
+    said = [sure("head", "neck")] * 3 + [np.stack([head, perhaps])] * 10
+    named = heard(said, [[0.0, 0.6]] * 3 + [[0.0, 1.5]] * 10)
+    assert named[2] == ("head", "neck")
+    assert named[3:] == [("head", None)] * 10
+
+
 def test_a_point_that_was_hidden_goes_on_with_its_name():
     said = [sure("head", "neck")] * 3 + [sure("head")] * 5 + [UNSURE]
     named = heard(said, [[0.0, 0.15]] * 3 + [[0.0]] * 5 + [[0.0, 0.15]])

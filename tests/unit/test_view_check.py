@@ -1,6 +1,7 @@
 """When a declared view is doubted, by the way that names show somebody to face."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,6 +49,14 @@ def test_whose_front_and_back_look_alike_is_still_known_not_to_be_seen_aside():
     assert doubt_by_heading(alike, "posterior") is None
     unsure = labelling(0, confidence=0.4, other_side=0.3)
     assert doubt_by_heading(unsure, "right_lateral") is None
+
+
+@pytest.mark.parametrize(("n_unsure", "doubt"), [(1, LOOKS_ASIDE), (2, None)])
+def test_an_axis_is_sure_if_no_more_than_one_point_is_in_doubt(n_unsure, doubt):
+    alike = labelling(0, confidence=0.5, other_side=0.45)
+    masses = alike.masses.copy()
+    masses[:n_unsure] = 1.0 / masses.shape[1]
+    assert doubt_by_heading(replace(alike, masses=masses), "right_lateral") == doubt
 
 
 def test_no_points_doubt_no_view():
