@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adibas.errors import LimbError, MarkerError, RecordingError
-from adibas.pipeline import movement_joints
+from adibas.pipeline import movement_frames
 from adibas.pipeline.movement import MovementRequest, measure_moving
 from adibas.pipeline.movement_markers import FrameMarkers
 from adibas.pipeline.pose import PoseRequest, pose_recording
@@ -61,13 +61,13 @@ def test_markers_are_not_looked_for_twice_in_frames_that_have_one_time(tmp_path,
     write_frames(create_recording(path, INFO), [first, second, second, first, third])
     looked_at = []
     monkeypatch.setattr(
-        movement_joints,
+        movement_frames,
         "markers_of_frame",
         lambda frame, *_: (
             looked_at.append(frame.timestamp_ns) or FrameMarkers(np.empty((0, 3))),
             None,
         ),
     )
-    with pytest.raises(MarkerError, match="No joint was found"):
-        measure_moving(MovementRequest(path, "led"), no_progress)
+    with pytest.raises(MarkerError, match="No marker was found"):
+        measure_moving(MovementRequest(path, "led", view="anterior"), no_progress)
     assert sorted(looked_at) == [one.timestamp_ns for one in (first, second, third)]
