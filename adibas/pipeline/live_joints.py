@@ -19,7 +19,7 @@ from adibas.pipeline.namers import namer_of
 from adibas.pipeline.posture import Sight
 from adibas.pipeline.seen_body import with_body
 from adibas.pipeline.seen_spaces import seen_spaces
-from adibas.pipeline.skeleton_names import upright_turn
+from adibas.pipeline.skeleton_names import diameters_in_m, upright_turn
 from adibas.pipeline.view_check import doubt_by_heading
 from adibas.skeleton.namer import Namer
 from adibas.skeleton.tracking import NamesSoFar
@@ -27,8 +27,6 @@ from adibas.texts import Message
 
 ABOUT = 3.0
 """The depth about a marker is taken from so many of its radii, since its own may be missing."""
-
-
 CHECK_S = 2.0
 """So often it is asked whether the patient shows the declared side."""
 
@@ -49,7 +47,7 @@ class NamedNow:
     doubts: tuple[Message, ...] = ()
 
 
-class LiveJoints:
+class LiveNames:
     """Names the markers of one live frame after the other; for one thread.
 
     Parameters
@@ -96,7 +94,7 @@ class LiveJoints:
             return NamedNow()
         places_m = np.stack([place_m for _blob, place_m in placed])
         radii_px = np.array([long_radius_px(b.radius_px, b.axis_ratio) for b, _place in placed])
-        diameters_m = 2.0 * radii_px * places_m[:, 2] / camera.intrinsics.fx
+        diameters_m = diameters_in_m(radii_px, places_m[:, 2], camera)
         upright_m = places_m @ self._turn.T
         knowing = self._who_knows(namer, sight, len(placed))
         labelling = knowing.label(upright_m, self._naming.view, diameters_m, seen=self._seen)

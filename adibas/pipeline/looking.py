@@ -18,7 +18,7 @@ from adibas.markers.led import LedParams
 from adibas.pipeline import hints
 from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.live_frames import LiveFrame, Naming
-from adibas.pipeline.live_joints import LiveJoints, NamedNow
+from adibas.pipeline.live_joints import LiveNames, NamedNow
 from adibas.pipeline.plumb import plumb_line
 from adibas.pipeline.posture import (
     MarkerTarget,
@@ -117,9 +117,9 @@ class _Watch:
         self._look, self._calibration = look, calibration
         self._before_ns: int | None = None
         self._person = PutTogether()
-        self._joints: LiveJoints | None = None
+        self._names: LiveNames | None = None
         if look.naming is not None:
-            self._joints = LiveJoints(calibration, look.naming, look.params.rotation_deg)
+            self._names = LiveNames(calibration, look.naming, look.params.rotation_deg)
 
     def goes_on(self, look: Look, calibration: RgbdCalibration, timestamp_ns: int) -> bool:
         """Say whether a frame follows; where the clock was set back the sensor was opened anew."""
@@ -164,9 +164,9 @@ class _Watch:
         return sight
 
     def _named(self, found: Detections | None, sight: Sight | None, timestamp_ns: int) -> NamedNow:
-        if found is None or sight is None or self._joints is None:
+        if found is None or sight is None or self._names is None:
             return NamedNow()
-        return self._joints.among(found.blobs, sight, timestamp_ns / NS_PER_S)
+        return self._names.among(found.blobs, sight, timestamp_ns / NS_PER_S)
 
 
 def _stance(

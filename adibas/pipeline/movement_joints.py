@@ -125,7 +125,10 @@ def joints_of_markers(
 
 
 def _first_view(namer: Namer, film: MovementFrames) -> FirstView | None:
-    """Return which side is seen at first, by the names of markers in some of the first frames."""
+    """Return which side is seen at first, by the names of markers in some of the first frames.
+
+    They are looked at anew afterwards: with their pictures, for the bodies, they would fill memory.
+    """
     steps = np.floor(film.times_s / STEP_S)
     is_early = (np.diff(steps, prepend=-1.0) > 0.0) & (film.times_s < EARLY_S)
     with film.seen(np.flatnonzero(is_early)) as frames:

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from adibas.arrays import FloatArray
-from adibas.data.calibration import RgbdCalibration
+from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.markers import AutomaticName, Marker, pixels_uv
 from adibas.data.posture import Provenance
 from adibas.geometry.distortion import undistort_pixels
@@ -164,7 +164,14 @@ def diameters_of(placed: Sequence[Marker], calibration: RgbdCalibration) -> Floa
         return np.full(len(placed), np.nan)
     radii_px = np.array([one.radius_px for one in placed])
     depths_m = np.array([one.position_m[2] for one in placed if one.position_m is not None])
-    return np.asarray(2.0 * radii_px * depths_m / calibration.color.intrinsics.fx)
+    return diameters_in_m(radii_px, depths_m, calibration.color)
+
+
+def diameters_in_m(
+    radii_px: FloatArray, depths_m: FloatArray, camera: CameraCalibration
+) -> FloatArray:
+    """Return the diameters in metres of discs that are so large in a camera's picture."""
+    return np.asarray(2.0 * radii_px * depths_m / camera.intrinsics.fx)
 
 
 def _roughly_placed(

@@ -24,7 +24,7 @@ LOOKS_ASIDE = message(
     "view."
 )
 ASIDE_RAD, OPPOSITE_RAD = math.radians(60.0), math.radians(120.0)
-"""Farther from the declared view is another one; patients stand within 30 degrees of theirs."""
+"""So far from the declared view another one is seen; patients may stand somewhat askew."""
 
 
 def doubts_about_view(
