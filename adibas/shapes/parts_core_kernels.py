@@ -125,6 +125,14 @@ def rate_core(
     rows: IntArray, values: FloatArray, core: Core, odds: Odds, by_kind: FloatArray
 ) -> int:
     """Fill the (kinds,) log densities of a core against anywhere; return the best component."""
+    logs = rate_components(rows, values, core, odds)
+    sum_by_kind(logs, core.kinds, by_kind)
+    return int(np.argmax(logs))
+
+
+@compiled
+def rate_components(rows: IntArray, values: FloatArray, core: Core, odds: Odds) -> FloatArray:
+    """Return the (K,) log densities of a core by each component, weighed, against anywhere."""
     n_components, n_core, _ = core.means.shape
     is_whole = len(rows) == 3 * n_core
     logs = np.empty(n_components)
@@ -134,8 +142,7 @@ def rate_core(
             lower = factor(picked(core.covariances[k], rows, rows))
         logs[k] = core.log_weights[k] + log_density(values, rows, core.means[k].ravel(), lower)
         logs[k] += len(rows) // 3 * odds.log_room
-    sum_by_kind(logs, core.kinds, by_kind)
-    return int(np.argmax(logs))
+    return logs
 
 
 @compiled

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.shapes.labelling_search_kernels import assign_by_tree
@@ -106,7 +107,7 @@ def find_by_parts(
     expected = expected_odds(model, label_odds, view, odds, THOROUGH)
     headings = np.array([heading_of_turn(turn) for turn in turns])
     laid = lay_anchors(points, headings, model.anchors, expected.log_room, odds.n_anchored)
-    laid = np.concatenate([laid, _by_hips(points, model)])
+    laid = np.concatenate([laid, _by_hips(points, model), _by_body(known, model)])
     forced = _forced(laid, known.given, model.core.labels)
     starts = np.concatenate([starts, laid, forced])
     pool = _searched(model, points, starts, expected, known.given)
@@ -150,6 +151,20 @@ def _by_hips(points: FloatArray, model: PartsModel) -> IntArray:
     return cores
 
 
+def _by_body(known: Known, model: PartsModel) -> IntArray:
+    """Return the (1, C) core as where the body is tells it, or none where no body is known."""
+    core = np.full((1, len(model.core.labels)), -1)
+    if known.body_odds is None:
+        return core[:0]
+    gains = np.maximum(known.body_odds, 0.0)
+    points, names = linear_sum_assignment(gains, maximize=True)
+    is_likely = gains[points, names] > 0.0
+    partners = np.full(len(model.names), -1)
+    partners[names[is_likely]] = points[is_likely]
+    core[0] = partners[model.core.labels]
+    return core
+
+
 def _forced(cores: IntArray, given: IntArray, labels: IntArray) -> IntArray:
     """Return the (S, C) cores with the points whose names are given in their places."""
     if not has_names(given):
@@ -176,9 +191,23 @@ def _searched(
     search_parts(points, starts, model.core, model.limbs, expected, pool)
     n = int(pool.n_filled[0])
     kept = agrees(pool.partners[:n], given) if has_names(given) else slice(None)
-    return Pool(
-        pool.energies[:n][kept], pool.headings[:n][kept], pool.partners[:n][kept], pool.n_filled
+    return _each_once(
+        Pool(
+            pool.energies[:n][kept], pool.headings[:n][kept], pool.partners[:n][kept], pool.n_filled
+        )
     )
+
+
+def _each_once(pool: Pool) -> Pool:
+    """Return each way once, with the odds of all that it is there (see `judge_core`)."""
+    partners, first, which = np.unique(
+        pool.partners, axis=0, return_index=True, return_inverse=True
+    )
+    if len(first) == len(pool.energies):
+        return pool
+    log_odds = np.full(len(first), -np.inf)
+    np.logaddexp.at(log_odds, which.ravel(), -pool.energies)
+    return Pool(-log_odds, pool.headings[first], partners, pool.n_filled)
 
 
 def _weighed(

@@ -12,11 +12,13 @@ from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.shapes import parts_core_kernels as cores
 from adibas.shapes import parts_search_kernels as search
 from adibas.shapes.parts_bone_kernels import MOST_ALIKE
-from adibas.shapes.parts_choice_kernels import judge_core
+from adibas.shapes.parts_choice_kernels import COMPONENT_GAP, judge_core
 from adibas.shapes.parts_limb_kernels import place_limb
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton import parts_naming as naming
 from adibas.skeleton.bones_training import without_bones
+from adibas.skeleton.given_names import nothing_given
+from adibas.skeleton.known import Known
 from adibas.skeleton.labelling import Labelling
 from adibas.skeleton.model import SkeletonModel
 from adibas.skeleton.model_files import read_model, write_model
@@ -236,17 +238,44 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     n = int(pool.n_filled[0])
     right = [-1 if name == hidden else i for i, name in enumerate(JOINT_NAMES)]
     found = np.flatnonzero((pool.partners[:n] == right).all(axis=1))
-    energy = pool.energies[found[0]]
+    assert len(found) == 1 or hidden is not None
+    energy = -logsumexp(-pool.energies[found])
     assert pool.energies[:n].min() == pytest.approx(lowest)
     heading = 4.0 * (1.0 - math.cos(pool.headings[found[0]] - 0.3))
     n_hidden = int(hidden is not None)
-    expected = heading + n_hidden - logsumexp(log_odds_by_kind(person, own, core, limbs, odds))
+    expected = heading + n_hidden - log_odds_of_names(person, own, core, limbs, odds)
     expected -= sum(named[i, i] for i in right if i >= 0)
     assert energy == pytest.approx(expected, abs=1e-6)
 
 
-def log_odds_by_kind(person, own, core, limbs, odds):
-    """Return the log odds of the right names for each kind of posture, by SciPy."""
+def test_a_way_that_is_there_more_than_once_has_the_sum_of_the_odds():
+    partners = np.array([[0, 1], [1, 0], [0, 1], [-1, 0]])
+    pool = Pool(np.array([2.0, 1.0, 3.0, 4.0]), np.array([0.1, 0.2, 0.1, 0.3]), partners, None)
+    once = naming._each_once(pool)
+    assert sorted(map(tuple, once.partners)) == [(-1, 0), (0, 1), (1, 0)]
+    for way, energy, heading in zip(once.partners, once.energies, once.headings, strict=True):
+        is_same = (partners == way).all(axis=1)
+        assert energy == pytest.approx(-logsumexp(-pool.energies[is_same]))
+        assert heading in pool.headings[is_same]
+
+
+def test_the_core_that_a_body_tells_is_a_start(parts):
+    """Each name has the point that suits it, no point twice, and none that is a chance one."""
+    gains = np.full((4, 15), -2.0)
+    right = {"head": 2, "left_shoulder": 0, "left_knee": 1}
+    for name, point in right.items():
+        gains[point, JOINT_NAMES.index(name)] = 3.0
+    gains[2, JOINT_NAMES.index("neck")] = 2.5
+    (core,) = naming._by_body(Known(np.zeros(4), nothing_given(4), body_odds=gains), parts)
+    assert core.tolist() == [right.get(name, -1) for name in CORE_NAMES]
+    assert len(naming._by_body(Known(np.zeros(4), nothing_given(4)), parts)) == 0
+
+
+def log_odds_of_names(person, own, core, limbs, odds):
+    """Return the log odds of the right names, by SciPy.
+
+    Where a limb begins at a missing point, each component of the core says by itself where that is.
+    """
     moved, _ = cores.turned_to_mean(person, own, core.mean, odds)
     rows, values = cores.known_rows(moved, own)
     logs = np.array([
@@ -256,12 +285,38 @@ def log_odds_by_kind(person, own, core, limbs, odds):
             core.log_weights, core.means, core.covariances, strict=True
         )
     ])  # fmt: skip
-    component = int(np.argmax(logs))
+    of_room = (len(rows) // 3 + 8) * odds.log_room
+    likeliest = int(np.argmax(logs))
+    rooted = own[limbs.roots] >= 0
+    by_likeliest = limbs_at(moved, own, core, limbs, odds, likeliest)
+    if rooted.all():
+        of_core = np.array([logsumexp(logs[core.kinds == q]) for q in range(odds.n_kinds)])
+        return logsumexp(of_core + of_limbs(*by_likeliest, limbs, odds.n_kinds)) + of_room
+    totals = []
+    for component in np.flatnonzero(logs >= logs[likeliest] - COMPONENT_GAP):
+        alone = limbs_at(moved, own, core, limbs, odds, component)
+        by_kind, lengths = (
+            np.where(rooted[:, None], *both) for both in zip(by_likeliest, alone, strict=True)
+        )
+        of_kinds = of_limbs(by_kind, lengths, limbs, odds.n_kinds)
+        totals.append(logs[component] + of_kinds[core.kinds[component]])
+    assert len(totals) > 1
+    return logsumexp(totals) + of_room
+
+
+def of_limbs(by_kind, lengths, limbs, n_kinds):
+    """Return what all limbs add for each kind of posture."""
+    return by_kind.sum(axis=0) + log_odds_of_sides(lengths, limbs, n_kinds)
+
+
+def limbs_at(moved, own, core, limbs, odds, component):
+    """Return the (L, Q) log densities of limbs at a core filled by a component, and lengths."""
+    rows, values = cores.known_rows(moved, own)
     whole = cores.whole_core(rows, values, core, component)
     _, spreads = cores.leave_one_out_core(rows, values, own, core, component)
-    result = np.array([logsumexp(logs[core.kinds == q]) for q in range(odds.n_kinds)])
     plain, mirrored, size_m = cores.core_numbers(whole, core)
     lengths = np.empty((len(limbs.roots), 2))
+    by_kind = np.empty((len(limbs.roots), odds.n_kinds))
     for limb, points in enumerate(limbs.labels):
         sign, root = limbs.signs[limb], limbs.roots[limb]
         way = (moved[points] - whole[root]) / size_m * [sign, 1, 1]
@@ -284,13 +339,9 @@ def log_odds_by_kind(person, own, core, limbs, odds):
         ])  # fmt: skip
         of_any = logsumexp(of_limb) - math.log(odds.n_kinds)
         share = odds.mixed[limb]
-        result += np.log((1.0 - share) * np.exp(of_limb) + share * np.exp(of_any))
-    return (
-        result
-        + log_odds_of_sides(lengths, limbs, odds.n_kinds)
-        + (len(rows) // 3 + 8) * odds.log_room
-        - 8 * 3 * math.log(size_m)
-    )
+        by_kind[limb] = np.log((1.0 - share) * np.exp(of_limb) + share * np.exp(of_any))
+        by_kind[limb] -= 2 * 3 * math.log(size_m)
+    return by_kind, lengths
 
 
 def log_odds_of_length(lengths, limbs, limb, q):
