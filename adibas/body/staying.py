@@ -15,6 +15,9 @@ from adibas.arrays import BoolArray, Float32Array, Int32Array
 from adibas.body.mask import box_of
 from adibas.data.masks import BodyMask
 
+STAYS_WHOLE = 0.8
+"""Share of the pixels of a moment ago; of who shows fewer a part may not have been seen."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
@@ -65,6 +68,21 @@ class StayingParams:
     hidden: float = 0.1
     gap_px: int = 25
     most: float = 0.9
+
+
+def shows_less(pixels: BoolArray | None, before: Moment) -> bool:
+    """Say whether so much less is seen of one person than a moment ago that a part may be missing.
+
+    Parameters
+    ----------
+    pixels : (H, W) bool array or None
+        Of the person now; None where nobody is seen.
+    before : Moment
+        With that person alone.
+    """
+    n_now = 0 if pixels is None else np.count_nonzero(pixels)
+    (were,) = before.people
+    return bool(n_now < STAYS_WHOLE * np.count_nonzero(were))
 
 
 def put_together(

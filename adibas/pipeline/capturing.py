@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from adibas.arrays import UInt8Array
+from adibas.body.staying import Moment
 from adibas.calibration.files import check_fits
 from adibas.clock import Clock, utc_now
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import RgbdFrame, SourceInfo
-from adibas.data.markers import Marker, RejectedBlob
 from adibas.data.sessions import Capture
 from adibas.data.surface import BurstDisparity
 from adibas.errors import AdibasError, CalibrationError, MarkerError, SensorError, StoreError
 from adibas.markers.disparity import fuse_depth
+from adibas.pipeline.burst_names import name_burst
 from adibas.pipeline.burst_recording import Burst
 from adibas.pipeline.calibration_age import age_days
 from adibas.pipeline.live import LiveView
@@ -29,9 +30,7 @@ from adibas.pipeline.posture import (
 )
 from adibas.pipeline.protocol_measuring import wish_of_session
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.seen_body import with_body
-from adibas.pipeline.skeleton_names import with_namer, with_names
-from adibas.pipeline.view_check import doubts_about_view
+from adibas.pipeline.skeleton_names import with_namer
 from adibas.progress import Progress
 from adibas.recordings import RecordingWriter
 from adibas.recordings.checksum import recording_sha256
@@ -82,21 +81,16 @@ class CaptureFindings:
 
     Attributes
     ----------
-    markers : tuple of Marker
-        From top to bottom; empty where none was found or looked for.
-    rejected : tuple of RejectedBlob
-        What was refused in the last frame that showed somebody.
-    surface : BurstDisparity
-        For the positions of markers that are set by hand.
+    found : MarkerFindings
+        No markers where none were found or looked for; its surface gives the positions of those
+        that are set by hand.
     picture_rgb : (H, W, 3) uint8 array
         Of the middle frame.
     notices : tuple of str
         What the reader must know; message ids, where they have no fields.
     """
 
-    markers: tuple[Marker, ...]
-    rejected: tuple[RejectedBlob, ...]
-    surface: BurstDisparity
+    found: MarkerFindings
     picture_rgb: UInt8Array
     notices: tuple[str, ...]
 
@@ -146,37 +140,37 @@ def take_capture(
     """
     info = info_in_use(live)
     calibration = calibration_in_use(live)
-    params, begun_utc = live.params, clock()
+    params, begun_utc, before = live.params, clock(), live.person
     writer = store.recordings.create(request.session_id, info)
     with whole_or_nothing(writer):
         burst = record_burst(live, writer, request.n_frames, progress)
-        findings = analyse_capture(burst, calibration, request.target, params, progress)
+        findings = analyse_capture(burst, calibration, request.target, params, progress, before)
         writer.close()
     namer = _namer(store, request)
-    markers, doubts, rotation_deg = findings.markers, findings.notices, params.rotation_deg
-    if namer is not None:
-        by_places = namer
-        namer = with_body(namer, findings.surface.depth_m, request.view, calibration, rotation_deg)
-        markers = with_names(namer, markers, request.view, calibration, rotation_deg=rotation_deg)
-        doubts += doubts_about_view(by_places, markers, request.view, calibration, rotation_deg)
+    found = findings.found
+    named = name_burst(namer, found, request.view, calibration, rotation_deg=params.rotation_deg)
     new = NewCapture(
         view=request.view,
         recording_id=writer.recording_id,
         first_frame=0,
         n_frames=len(burst),
         calibration=calibration,
-        detected=markers,
-        rejected=findings.rejected,
+        detected=named.markers,
+        rejected=found.rejected,
         provenance=with_namer(
             provenance_of(
                 recording_sha256(writer.path), calibration, request.target, params, clock()
             ),
-            namer,
+            named.namer,
         ),
         captured_utc=begun_utc,
-        notices=(*doubts, *_doubts_about_age(calibration, request, begun_utc)),
+        notices=(
+            *findings.notices,
+            *named.doubts,
+            *_doubts_about_age(calibration, request, begun_utc),
+        ),
     )
-    return store.captures.add(request.session_id, new, findings.picture_rgb, findings.surface)
+    return store.captures.add(request.session_id, new, findings.picture_rgb, found.surface)
 
 
 def _doubts_about_age(
@@ -229,8 +223,11 @@ def analyse_capture(
     target: MarkerTarget | None,
     params: PostureParams,
     progress: Progress,
+    before: Moment | None = None,
 ) -> CaptureFindings:
     """Find the markers of a burst; a burst without any is worth keeping, too.
+
+    `before`: see `analyse_burst`.
 
     Raises
     ------
@@ -248,7 +245,7 @@ def analyse_capture(
         notices.append(NOT_SOUGHT)
     else:
         try:
-            found = analyse_burst(counted(burst, progress), calibration, target, params)
+            found = analyse_burst(counted(burst, progress), calibration, target, params, before)
         except MarkerError as error:
             notices.append(error.message_id)  # shown in the reader's language later
         else:
@@ -256,9 +253,7 @@ def analyse_capture(
             notices += doubts_about(found)
     if found is None:
         found = MarkerFindings((), (), _surface(burst, calibration, params))
-    return CaptureFindings(
-        found.markers, found.rejected, found.surface, middle.color_rgb, tuple(notices)
-    )
+    return CaptureFindings(found, middle.color_rgb, tuple(notices))
 
 
 def _surface(burst: Burst, calibration: RgbdCalibration, params: PostureParams) -> BurstDisparity:

@@ -8,6 +8,7 @@ import threading
 from concurrent.futures import Future
 from dataclasses import replace
 
+from adibas.body.staying import Moment
 from adibas.data.board import Board
 from adibas.data.calibration import RgbdCalibration
 from adibas.data.frames import SourceInfo
@@ -76,6 +77,11 @@ class LiveView:
     def calibration(self) -> RgbdCalibration | None:
         """The one in use: the user's, else that of the sensor; None where there is none."""
         return self._look.calibration_of(self.state.info or SourceInfo())
+
+    @property
+    def person(self) -> Moment | None:
+        """Who is in the newest frame that was looked at; None where nobody is."""
+        return self._looker.person
 
     def open(
         self,

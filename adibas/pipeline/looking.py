@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from adibas.alignment.registration import register_pixels
 from adibas.arrays import Float32Array, FloatArray, UInt8Array
 from adibas.body.absence import why_nobody
+from adibas.body.staying import Moment
 from adibas.calibration.files import check_fits
 from adibas.calibration.finder import as_gray, search_board
 from adibas.clock import NS_PER_S
@@ -72,6 +73,12 @@ class Looker:
     def __init__(self) -> None:
         self._watch: _Watch | None = None
 
+    @property
+    def person(self) -> Moment | None:
+        """Who is in the newest frame that was looked at; None where nobody is. From any thread."""
+        watch = self._watch
+        return None if watch is None else watch.person
+
     def look(self, arrival: Arrival, look: Look) -> LiveFrame:
         """Return what is seen in a frame; what cannot be seen is left out and told as a hint."""
         plain = _plain(arrival, look)
@@ -116,10 +123,15 @@ class _Watch:
     def __init__(self, look: Look, calibration: RgbdCalibration) -> None:
         self._look, self._calibration = look, calibration
         self._before_ns: int | None = None
-        self._person = PutTogether()
+        self._together = PutTogether()
         self._names: LiveNames | None = None
         if look.naming is not None:
             self._names = LiveNames(calibration, look.naming, look.params.rotation_deg)
+
+    @property
+    def person(self) -> Moment | None:
+        """Who is in the newest frame; None where nobody is seen there."""
+        return self._together.newest
 
     def goes_on(self, look: Look, calibration: RgbdCalibration, timestamp_ns: int) -> bool:
         """Say whether a frame follows; where the clock was set back the sensor was opened anew."""
@@ -156,12 +168,9 @@ class _Watch:
     def _sight(self, depth_m: Float32Array, floor: Plane | None, timestamp_ns: int) -> Sight | None:
         """Return where the person is."""
         calibration, params = self._calibration, self._look.params
-        sight = see_person(depth_m, floor, calibration, params)
-        moment = self._person.moment_of(sight, timestamp_ns)
-        if moment is not None:
-            sight = see_person(depth_m, floor, calibration, params, moment)
-        self._person.saw(sight, timestamp_ns, by_itself=moment is None)
-        return sight
+        return self._together.person(
+            lambda moment: see_person(depth_m, floor, calibration, params, moment), timestamp_ns
+        )
 
     def _named(self, found: Detections | None, sight: Sight | None, timestamp_ns: int) -> NamedNow:
         if found is None or sight is None or self._names is None:

@@ -12,7 +12,7 @@ from adibas.arrays import BoolArray, Float32Array, FloatArray, UInt8Array
 from adibas.body.floor import find_floor
 from adibas.body.mask import find_body
 from adibas.body.people import find_people
-from adibas.body.staying import Moment
+from adibas.body.staying import Moment, shows_less
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
 from adibas.data.frames import RgbdFrame
 from adibas.data.markers import Marker, RejectedBlob, pixels_uv
@@ -125,6 +125,9 @@ class MarkerFindings:
         Seen in that frame.
     width_px : float
         Of the discs with the areas of all spots found, the median; NaN without any.
+    put_together : (H, W) bool array or None
+        The person in the depth image, where only the moment before the burst tells which surfaces
+        belong together; None: the depth tells it by itself.
     """
 
     markers: tuple[Marker, ...]
@@ -132,6 +135,7 @@ class MarkerFindings:
     surface: BurstDisparity
     n_people: int = 1
     width_px: float = math.nan
+    put_together: BoolArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -164,8 +168,12 @@ def analyse_burst(
     calibration: RgbdCalibration,
     target: MarkerTarget,
     params: PostureParams,
+    before: Moment | None = None,
 ) -> MarkerFindings:
     """Find the markers in every frame and in their mean, and measure each in space once.
+
+    `before`: the person a moment before the burst; whoever bends down falls apart in the depth, and
+    is put together by it.
 
     Raises
     ------
@@ -175,7 +183,7 @@ def analyse_burst(
     burst = _Burst(calibration, target, params)
 
     def work(frame: RgbdFrame) -> tuple[RgbdFrame, tuple[Sight, Detections] | None]:
-        sight = look_for_person(frame, calibration, params)
+        sight = _person_in_burst(frame, calibration, params, before)
         if sight is None:
             return frame, None
         detections = find_markers(frame.color_rgb, sight, calibration, target, params)
@@ -233,7 +241,9 @@ class _Burst:
         )
         refused = (*without_found(detections.rejected, found), *others, *beside)
         width_px = 2.0 * float(np.median([one.radius_px for one in found])) if found else math.nan
-        return MarkerFindings(markers, refused, disparity, n_people, width_px)
+        body = sight.body
+        apart = body.pixels if body.is_put_together else None
+        return MarkerFindings(markers, refused, disparity, n_people, width_px, apart)
 
     def _markers_of_mean(self, sight: Sight) -> tuple[Blob, ...]:
         """Return what the mean picture shows; there is time to measure every spot of one picture.
@@ -279,6 +289,16 @@ def look_for_person(
     depth_m = calibration.corrected_depth(frame.depth_m)
     floor = floor_below(depth_m, calibration, params)
     return see_person(depth_m, floor, calibration, params, before)
+
+
+def _person_in_burst(
+    frame: RgbdFrame, calibration: RgbdCalibration, params: PostureParams, before: Moment | None
+) -> Sight | None:
+    """Return the person, put together by a moment before where less is seen by itself."""
+    sight = look_for_person(frame, calibration, params)
+    if before is None or not shows_less(None if sight is None else sight.body.pixels, before):
+        return sight
+    return look_for_person(frame, calibration, params, before)
 
 
 def floor_below(

@@ -1,7 +1,7 @@
 """From a recording on the disk to a posture analysis, one burst at a time."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from adibas.arrays import UInt8Array
@@ -14,6 +14,7 @@ from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import CalibrationError, MarkerError, RecordingError
 from adibas.measures.geometry_tables import all_angles, all_distances
+from adibas.pipeline.burst_names import name_burst
 from adibas.pipeline.calibration_age import check_age
 from adibas.pipeline.labels import read_labels, with_labels
 from adibas.pipeline.learning import read_target
@@ -27,9 +28,8 @@ from adibas.pipeline.posture import (
 )
 from adibas.pipeline.protocol_measuring import ProtocolWish, check_view, with_measures
 from adibas.pipeline.provenance import provenance_of
-from adibas.pipeline.seen_body import with_body
-from adibas.pipeline.skeleton_names import with_namer, with_names
-from adibas.pipeline.view_check import doubts_about_view
+from adibas.pipeline.seen_before import seen_before
+from adibas.pipeline.skeleton_names import with_namer
 from adibas.progress import Progress
 from adibas.recordings import open_recording
 from adibas.recordings.checksum import recording_sha256
@@ -141,25 +141,32 @@ def find_in_recording(
         frames = _burst_range(recording, request.frames, request.recording.name)
         calibration = calibration_of(recording, request.calibration)
         check_age(calibration, request.oldest_calibration_days, clock())
-        burst = _Burst(recording, calibration, *frames, progress)
-        findings = analyse_burst(burst, calibration, target, request.params)
+        _check_size(recording, frames[0], calibration)
+        before = seen_before(recording, frames[0], calibration, request.params)
+        burst = _Burst(recording, *frames, progress)
+        findings = analyse_burst(burst, calibration, target, request.params, before)
         notices = tuple(notice for notice in (recording.notice,) if notice)
     if not may_lack:
         check_findings(findings)
-    markers = with_labels(findings.markers, labels)
-    wish, rotation_deg = request.protocol, request.params.rotation_deg
-    namer = None if wish is None else namer_of(wish.protocol, request.view)
-    doubts = doubts_about(findings)
-    if namer is not None:
-        by_hand = frozenset(line.label for line in labels)
-        by_places = namer
-        namer = with_body(namer, findings.surface.depth_m, request.view, calibration, rotation_deg)
-        markers = with_names(namer, markers, request.view, calibration, by_hand, rotation_deg)
-        view_doubts = doubts_about_view(by_places, markers, request.view, calibration, rotation_deg)
-        doubts = (*view_doubts, *doubts)
-    picture_rgb = burst.picture_rgb()
+    wish = request.protocol
+    named = name_burst(
+        None if wish is None else namer_of(wish.protocol, request.view),
+        replace(findings, markers=with_labels(findings.markers, labels)),
+        request.view,
+        calibration,
+        frozenset(line.label for line in labels),
+        request.params.rotation_deg,
+    )
     return FoundMarkers(
-        target, findings, markers, namer, calibration, picture_rgb, frames, notices, doubts
+        target,
+        findings,
+        named.markers,
+        named.namer,
+        calibration,
+        burst.picture_rgb(),
+        frames,
+        notices,
+        (*named.doubts, *doubts_about(findings)),
     )
 
 
@@ -218,13 +225,11 @@ class _Burst:
     def __init__(
         self,
         recording: RecordingReader,
-        calibration: RgbdCalibration,
         begin: int,
         end: int,
         progress: Progress,
     ) -> None:
         self._recording = recording
-        self._calibration = calibration
         self._range = range(begin, end)
         self._progress = progress
         self._picture_rgb: UInt8Array | None = None
@@ -233,8 +238,6 @@ class _Burst:
         middle = self._range[len(self._range) // 2]
         for done, index in enumerate(self._range, 1):
             frame = to_rgbd(self._recording.read(index), self._recording.info)
-            if done == 1:
-                check_fits(self._calibration, frame.color_rgb.shape[:2], frame.depth_m.shape)
             if index == middle:
                 self._picture_rgb = frame.color_rgb
             yield frame
@@ -267,6 +270,11 @@ def check_findings(findings: MarkerFindings) -> None:
             n_found=len(findings.markers),
             n_measured=n_measured,
         )
+
+
+def _check_size(recording: RecordingReader, index: int, calibration: RgbdCalibration) -> None:
+    frame = to_rgbd(recording.read(index), recording.info)
+    check_fits(calibration, frame.color_rgb.shape[:2], frame.depth_m.shape)
 
 
 def wanted_frames(recording: RecordingReader, frames: tuple[int, int | None], name: str) -> range:

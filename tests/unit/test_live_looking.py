@@ -27,6 +27,7 @@ from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 from adibas.skeleton.labelling import nothing_told
 from adibas.skeleton.namer import Namer
+from tests.unit.films import BENT, patient_with_leds
 
 
 def arrival_of(scene, sensor_frame=None):
@@ -219,16 +220,8 @@ def test_nothing_is_named_without_a_protocol_of_joints(joints_marked, naming):
 @pytest.fixture(scope="module")
 def bending():
     """Frames of a patient with LEDs who bends down, and an arrival of each."""
-    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
-    scene = open_scene(
-        "anterior_led",
-        markers=markers,
-        color_size=(480, 640),
-        distance_m=2.8,
-        seed=7,
-        gesture="bend",
-    )
-    frames = [scene.frame(index) for index in range(22, 58, 4)]
+    scene = patient_with_leds(seed=7, gesture="bend")
+    frames = [scene.frame(index) for index in BENT[::2]]
     return [(one, arrival_of(scene, one.sensor_frame)) for one in frames]
 
 
@@ -256,6 +249,19 @@ def test_who_bends_down_is_still_seen_and_named(bending):
     assert n_wrong == 0
     assert n_right >= n_visible
     assert all(hints.NOBODY not in live.hints and live.outline is not None for live in lives)
+
+
+def test_who_is_in_the_newest_frame_is_known(bending):
+    looker = Looker()
+    assert looker.person is None
+    for simulated, arrival in bending:
+        looker.look(arrival, LEDS_ON_JOINTS)
+        (pixels,) = looker.person.people
+        seen = (simulated.truth.labels > 0) & (simulated.sensor_frame.depth_raw > 0)
+        assert np.count_nonzero(pixels & seen) > 0.85 * np.count_nonzero(seen)
+    empty = open_scene("empty", seed=7, color_size=(480, 640), distance_m=2.8)
+    looker.look(arrival_of(empty), LEDS_ON_JOINTS)
+    assert looker.person is None
 
 
 def test_each_frame_of_a_bend_by_itself_shows_nobody(bending):

@@ -15,27 +15,10 @@ from adibas.pipeline.movement_joints import (
     joints_of_markers,
 )
 from adibas.pipeline.posture import PostureParams
-from adibas.recordings import create_recording, open_recording
-from adibas.simulation.patient import MarkerSettings
-from adibas.simulation.scenes import open_scene
+from adibas.recordings import open_recording
+from tests.unit.films import BENT, filmed
 
-BENT = range(22, 58, 2)
 NEAR_M = 0.05
-
-
-def filmed(path, frames, view="anterior", **changes):
-    """Record frames of a simulated patient; return what is true of the markers in each."""
-    markers = MarkerSettings(JOINT_NAMES, kind="led", diameter_m=0.005)
-    scene = open_scene(
-        f"{view}_led", markers=markers, color_size=(480, 640), distance_m=2.8, **changes
-    )
-    truth = []
-    with create_recording(path, scene.info) as writer:
-        for index in frames:
-            simulated = scene.frame(index)
-            writer.write(simulated.sensor_frame)
-            truth.append({one.name: one for one in simulated.truth.markers})
-    return truth
 
 
 def measured(path, view):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adibas.body.people import find_people
-from adibas.body.staying import Moment, put_together
+from adibas.body.staying import Moment, put_together, shows_less
 from adibas.data.masks import BodyMask
 from adibas.gestures.model_file import read_model, shipped_gestures
 from adibas.pipeline.live_gestures import LiveGestures
@@ -33,6 +33,19 @@ def test_halves_that_lie_close_are_the_one_that_was_there():
         (whole,) = put_together(found, labels, depth_m, before)
         assert whole.is_put_together
         np.testing.assert_array_equal(whole.pixels, labels > 0)
+
+
+@pytest.mark.parametrize(
+    ("share", "less"), [(0.0, True), (0.79, True), (0.81, False), (1.2, False)]
+)
+def test_a_part_may_be_missing_of_who_shows_less_than_four_fifths(share, less):
+    were = np.zeros((20, 100), bool)
+    were[:, :50] = True
+    now = np.zeros_like(were)
+    now.ravel()[: round(1000 * share)] = True
+    before = Moment(np.ones(were.shape, np.float32), [were])
+    assert shows_less(now, before) is less
+    assert shows_less(None, before)
 
 
 def test_two_who_part_are_two():

@@ -16,9 +16,12 @@ from adibas.data.sessions import SessionSetup
 from adibas.errors import CalibrationError, RecordingError, SensorError, StoreError
 from adibas.markers.color_model import LearningParams, grow_region, learn_colors
 from adibas.markers.lab import rgb_to_lab
-from adibas.pipeline import capturing
+from adibas.markers.led import LedParams
+from adibas.pipeline import burst_names, capturing
+from adibas.pipeline.acquisition import Arrival
 from adibas.pipeline.capturing import TOO_OLD, CaptureRequest, take_capture
 from adibas.pipeline.live import LiveView
+from adibas.pipeline.looking import Look, Looker
 from adibas.recordings.checksum import recording_sha256
 from adibas.recordings.mcap_writer import McapWriter
 from adibas.sensors.ports import DepthCamera
@@ -27,6 +30,7 @@ from adibas.sessions.key_wrapping import Argon2Params
 from adibas.simulation.patient import MarkerSettings
 from adibas.simulation.scenes import open_scene
 from adibas.texts import speaking
+from tests.unit.films import BENT, patient_with_leds
 from tests.unit.live_rig import UNPLUGGED, Sources, Told, frame, numbered
 from tests.unit.store_samples import add_patient
 
@@ -187,16 +191,53 @@ def test_markers_on_joints_have_their_names_where_the_protocol_marks_joints(stor
     assert told["knew_body"]
 
 
+class Bending(SceneCamera):
+    """Somebody in the deepest of a bend, who holds still there."""
+
+    def __init__(self, scene):
+        super().__init__(scene)
+        self._frames = [scene.frame(BENT[len(BENT) // 2]).sensor_frame]
+
+
+def bent_capture(store, showing, scene):
+    patient = add_patient(store, Identity("Somebody")).pseudonym
+    session_id = store.sessions.start(patient, SessionSetup(protocol="joints-15")).session_id
+    return capture(store, showing(Bending(scene)), session_id, LedParams())
+
+
+def test_who_bends_down_is_captured_as_the_live_picture_saw_them(store, showing, monkeypatch):
+    scene = patient_with_leds(seed=7, gesture="bend")
+    looker, look = Looker(), Look()
+    for index in BENT[: len(BENT) // 2]:
+        looker.look(Arrival(scene.frame(index).sensor_frame, scene.info, 30.0, 0), look)
+    monkeypatch.setattr(LiveView, "person", looker.person)
+    taken = bent_capture(store, showing, scene)
+    markers = scene.frame(BENT[len(BENT) // 2]).truth.markers
+    visible = {one.name: one for one in markers if one.is_visible}
+    named = {one.label: one for one in taken.markers() if one.label in visible}
+    assert len(named) >= len(visible) - 1
+    assert max(offset_px(visible[name], one) for name, one in named.items()) < 2.0
+    assert taken.provenance.parameters["names"]["knew_body"]
+    assert taken.notices == ()
+
+
+def test_who_is_bent_from_the_first_picture_on_is_nobody(store, showing):
+    """As no rule for one image takes a head, arms and legs apart from each other for a person."""
+    taken = bent_capture(store, showing, patient_with_leds(seed=7, gesture="bend"))
+    assert taken.markers() == ()
+    assert any("Nobody is seen" in notice for notice in taken.notices)
+
+
 def test_markers_of_a_capture_get_no_name_against_the_body_that_its_depth_shows(
     store, showing, target, monkeypatch
 ):
     seen = []
 
-    def on_nobody(namer, depth_m, view, calibration, rotation_deg):
+    def on_nobody(namer, depth_m, view, calibration, rotation_deg, _pixels):
         seen.append((depth_m.shape, view, calibration.depth is not None, rotation_deg))
         return namer.who_sees(lambda points_m: np.full((len(points_m), len(namer.names)), -20.0))
 
-    monkeypatch.setattr(capturing, "with_body", on_nobody)
+    monkeypatch.setattr(burst_names, "with_body", on_nobody)
     scene = open_scene("anterior", seed=7, distance_m=3.0, markers=MarkerSettings(JOINT_NAMES))
     patient = add_patient(store, Identity("Somebody")).pseudonym
     session_id = store.sessions.start(patient, SessionSetup(protocol="joints-15")).session_id
