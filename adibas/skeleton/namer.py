@@ -24,7 +24,7 @@ SPACE = 3
 EXTENTS_M = 1e-3, 1e4
 """Points that are all nearer to their middle, or some of them farther from it, are no person's."""
 SURE_BY_BODY = 0.85
-"""Least confidence of a name where a body is known: of names from 0.5 to 0.9 a third is wrong."""
+"""Least confidence of a name where a body is known: of names from 0.5 to 0.85 a third is wrong."""
 PLAUSIBLE_BY_BODY = 1.5
 """Least nats for each named point there: that somebody is a person is known already."""
 STANDS = 0.5
