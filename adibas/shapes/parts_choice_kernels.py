@@ -239,17 +239,43 @@ def _combine(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface
     for w in range(len(chosen)):
         energy = _energy(own, chosen[w], sums[w], offset, pairs, odds)
         lowest = min(lowest, energy)
-        at = pool.n_filled[0]
-        if energy < limit and at < len(pool.energies):
-            pool.energies[at], pool.headings[at] = energy, heading_rad
-            pool.partners[at] = -1
-            for i in range(len(own)):
-                pool.partners[at, core.labels[i]] = own[i]
-            for limb in range(n_limbs):
-                for d in range(2):
-                    pool.partners[at, limbs.labels[limb, d]] = pairs[limb, chosen[w, limb], d]
-            pool.n_filled[0] = at + 1
+        if energy < limit:
+            _put(own, chosen[w], pairs, energy, heading_rad, min(best, lowest) + odds.gap, core,
+                 limbs, pool)  # fmt: skip
     return lowest
+
+
+@compiled
+def _put(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
+    own: IntArray, chosen: IntArray, pairs: IntArray, energy: float, heading_rad: float,
+    limit: float, core: Core, limbs: Limbs, pool: Pool,
+) -> None:  # fmt: skip
+    """Put a way into the pool; one that is full leaves out what is above the limit by now."""
+    if pool.n_filled[0] == len(pool.energies):
+        _make_room(pool, limit)
+    at = pool.n_filled[0]
+    if at == len(pool.energies):
+        return
+    pool.energies[at], pool.headings[at] = energy, heading_rad
+    pool.partners[at] = -1
+    for i in range(len(own)):
+        pool.partners[at, core.labels[i]] = own[i]
+    for limb in range(len(pairs)):
+        for d in range(2):
+            pool.partners[at, limbs.labels[limb, d]] = pairs[limb, chosen[limb], d]
+    pool.n_filled[0] = at + 1
+
+
+@compiled
+def _make_room(pool: Pool, limit: float) -> None:
+    """Leave out ways of a full pool that better ones make too unlikely to count."""
+    n = 0
+    for at in range(pool.n_filled[0]):
+        if pool.energies[at] < limit:
+            pool.energies[n], pool.headings[n] = pool.energies[at], pool.headings[at]
+            pool.partners[n] = pool.partners[at]
+            n += 1
+    pool.n_filled[0] = n
 
 
 @compiled

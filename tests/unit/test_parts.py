@@ -224,15 +224,43 @@ def test_a_hidden_point_of_the_core_is_expected_where_the_normal_distribution_sa
     np.testing.assert_allclose(whole[2], places[2], atol=1e-8)
 
 
+def one_person():
+    person = people(1, seed=12)[0]
+    return np.ascontiguousarray(person - person.mean(axis=0))
+
+
+def odds_of(named):
+    """Return what is expected where a body tells of each point each name's log odds."""
+    counts, mixed = np.arange(16.0), np.array([0.1, 0.1, 0.0, 0.0])
+    return Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, named, 6, 1, 15.0)
+
+
+def empty_pool(n):
+    return Pool(np.empty(n), np.empty(n), np.empty((n, 15), np.int64), np.zeros(1, np.int64))
+
+
+def test_a_full_pool_leaves_out_what_a_better_way_makes_too_unlikely(parts):
+    pool = empty_pool(40)
+    pool.energies[:], pool.headings[:], pool.partners[:] = 1000.0, 0.0, -1
+    pool.energies[7] = -1000.0
+    pool.n_filled[0] = 40
+    odds = odds_of(np.zeros((15, 15)))
+    judge_core(one_person(), parts.core.labels, parts.core, parts.limbs, odds, np.inf, pool)
+    n = int(pool.n_filled[0])
+    assert (pool.partners[:n] == range(15)).all(axis=1).any()
+    assert -1000.0 in pool.energies[:n]
+    assert 1000.0 not in pool.energies[:n]
+    pool.energies[:], pool.partners[:], pool.n_filled[0] = -1000.0, -1, 40
+    judge_core(one_person(), parts.core.labels, parts.core, parts.limbs, odds, -1000.0, pool)
+    assert (pool.partners == -1).all()
+
+
 @pytest.mark.parametrize("hidden", [None, "left_shoulder", "right_hip"])
 def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     core, limbs = parts.core, parts.limbs
-    person = people(1, seed=12)[0]
-    person = np.ascontiguousarray(person - person.mean(axis=0))
-    counts, mixed = np.arange(16.0), np.array([0.1, 0.1, 0.0, 0.0])
+    person = one_person()
     named = np.random.default_rng(3).normal(size=(15, 15))
-    odds = Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, named, 6, 1, 15.0)
-    pool = Pool(np.empty(500), np.empty(500), np.empty((500, 15), np.int64), np.zeros(1, np.int64))
+    odds, pool = odds_of(named), empty_pool(500)
     own = np.where(np.array(CORE_NAMES) == hidden, -1, core.labels)
     lowest = judge_core(person, own, core, limbs, odds, np.inf, pool)
     n = int(pool.n_filled[0])
