@@ -229,7 +229,7 @@ def one_person():
     return np.ascontiguousarray(person - person.mean(axis=0))
 
 
-def odds_of(named):
+def with_body(named):
     """Return what is expected where a body tells of each point each name's log odds."""
     counts, mixed = np.arange(16.0), np.array([0.1, 0.1, 0.0, 0.0])
     return Odds(2, math.log(3.0), counts, counts, 0.5, 4.0, 0.3, 9.0, 7.0, mixed, named, 6, 1, 15.0)
@@ -244,7 +244,7 @@ def test_a_full_pool_leaves_out_what_a_better_way_makes_too_unlikely(parts):
     pool.energies[:], pool.headings[:], pool.partners[:] = 1000.0, 0.0, -1
     pool.energies[7] = -1000.0
     pool.n_filled[0] = 40
-    odds = odds_of(np.zeros((15, 15)))
+    odds = with_body(np.zeros((15, 15)))
     judge_core(one_person(), parts.core.labels, parts.core, parts.limbs, odds, np.inf, pool)
     n = int(pool.n_filled[0])
     assert (pool.partners[:n] == range(15)).all(axis=1).any()
@@ -260,7 +260,7 @@ def test_the_energy_of_names_is_minus_the_log_of_their_odds(parts, hidden):
     core, limbs = parts.core, parts.limbs
     person = one_person()
     named = np.random.default_rng(3).normal(size=(15, 15))
-    odds, pool = odds_of(named), empty_pool(500)
+    odds, pool = with_body(named), empty_pool(500)
     own = np.where(np.array(CORE_NAMES) == hidden, -1, core.labels)
     lowest = judge_core(person, own, core, limbs, odds, np.inf, pool)
     n = int(pool.n_filled[0])
