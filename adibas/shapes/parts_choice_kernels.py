@@ -5,69 +5,35 @@ choices for the limbs still open would leave them too far above the best energy 
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from adibas.arrays import BoolArray, FloatArray, IntArray
+from adibas.arrays import FloatArray, IntArray
 from adibas.kernels import compiled
-from adibas.shapes.parts_bone_kernels import MOST_ALIKE, add_bones, measure_bones, rate_sides
+from adibas.shapes.parts_bone_kernels import MOST_ALIKE, rate_sides
 from adibas.shapes.parts_core_kernels import (
     NEVER,
-    core_numbers,
     count_named,
     heading_energy,
     known_rows,
     label_odds_of,
     rate_components,
-    spread_of_missing,
     sum_by_kind,
     turned_to_mean,
-    whole_core,
 )
-from adibas.shapes.parts_limb_kernels import MOST_CHOICES, N_KEPT, keep_best, list_choices
+from adibas.shapes.parts_limb_kernels import N_KEPT
+from adibas.shapes.parts_rootless_kernels import (
+    LimbLists,
+    alike_components,
+    hope_of_rootless,
+    list_limbs,
+    most_of_rooted,
+    regain,
+    taken_by,
+)
 from adibas.shapes.parts_types import Core, Limbs, Odds, Pool
 
 MOST_WAYS = 1000
-COMPONENT_GAP = 6.0
-"""Components of the core that are less likely than the best one by more nats are left out."""
-ROOTLESS_GAIN = 14.0
-"""About at most what places gain by a limb of which it is not seen where it begins.
-
-A component that cannot reach the best way even so is not asked: of 460 pictures (seed 6030) no name
-is another one for it, in a third less time.
-"""
-
-
-@compiled
-def _taken(own: IntArray, n_points: int) -> BoolArray:
-    """Return which points a core has."""
-    is_taken = np.zeros(n_points, np.bool_)
-    for j in own:
-        if j >= 0:
-            is_taken[j] = True
-    return is_taken
-
-
-class _Lists(NamedTuple):
-    """The most likely choices of each of L limbs, Q kinds of posture.
-
-    Attributes
-    ----------
-    pairs : (L, N_KEPT, 2) int array
-        Points; -1 for none.
-    by_kind : (L, N_KEPT, Q) array
-        Log odds.
-    gains : (L, N_KEPT) array
-        At most what each gains.
-    bones : (L, N_KEPT, 2) array
-        Logarithms of their lengths; NaN where they are not seen.
-    """
-
-    pairs: IntArray
-    by_kind: FloatArray
-    gains: FloatArray
-    bones: FloatArray
 
 
 @compiled
@@ -92,107 +58,35 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
     of_core = np.empty(odds.n_kinds)
     sum_by_kind(logs, core.kinds, of_core)
     offset = heading_energy(-angle_rad, odds)
-    is_taken = _taken(own, len(points))
+    is_taken = taken_by(own, len(points))
     n_limbs = len(limbs.roots)
-    lists = _Lists(
+    lists = LimbLists(
         np.full((n_limbs, N_KEPT, 2), -1),
         np.full((n_limbs, N_KEPT, odds.n_kinds), NEVER),
         np.full((n_limbs, N_KEPT), NEVER),
         np.full((n_limbs, N_KEPT, 2), math.nan),
     )
     order = np.argsort(-logs)
-    _list_limbs(moved, rows, values, own, order[0], is_taken, of_core, of_core, True, core, limbs,
-                odds, lists)  # fmt: skip
-    hope = _hope_of_rootless(own, limbs, odds)
+    list_limbs(moved, rows, values, own, order[0], is_taken, of_core, of_core, True, core, limbs,
+               odds, lists)  # fmt: skip
+    hope = hope_of_rootless(own, limbs, odds)
     if hope == 0.0:
         return _combine(own, of_core, offset, -angle_rad, lists, core, limbs, odds, best, pool)
     least = offset + odds.least_counts[len(own) - count_named(own)] - hope
     lowest = -NEVER
-    alone = np.empty(odds.n_kinds)
-    for component in order:
-        if logs[component] < logs[order[0]] - COMPONENT_GAP:
-            break
-        kind = core.kinds[component]
-        lists.gains[:] = lists.by_kind[:, :, kind]
-        most = _most_of_rooted(own, limbs, lists)
-        if least - logs[component] - most > min(best, lowest) + odds.gap:
+    firsts, by_kinds = alike_components(rows, values, own, logs, order, core, limbs, odds)
+    for group in range(len(firsts)):
+        together = by_kinds[group]
+        regain(together, lists)
+        most = together.max() + most_of_rooted(own, limbs, lists)
+        if least - most > min(best, lowest) + odds.gap:
             continue
-        alone[:] = NEVER
-        alone[kind] = logs[component]
-        _list_limbs(moved, rows, values, own, component, is_taken, of_core, alone, False, core,
-                    limbs, odds, lists)  # fmt: skip
-        low = _combine(own, alone, offset, -angle_rad, lists, core, limbs, odds,
+        list_limbs(moved, rows, values, own, firsts[group], is_taken, of_core, together, False,
+                   core, limbs, odds, lists)  # fmt: skip
+        low = _combine(own, together, offset, -angle_rad, lists, core, limbs, odds,
                        min(best, lowest), pool)  # fmt: skip
         lowest = min(lowest, low)
     return lowest
-
-
-@compiled
-def _hope_of_rootless(own: IntArray, limbs: Limbs, odds: Odds) -> float:
-    """Return at most what the limbs gain that begin at a missing point of the core; 0: none do."""
-    hope = 0.0
-    for limb in range(len(limbs.roots)):
-        if own[limbs.roots[limb]] < 0:
-            hope += ROOTLESS_GAIN
-            for d in range(2):
-                hope += max(0.0, odds.label_odds[:, limbs.labels[limb, d]].max())
-    return hope
-
-
-@compiled
-def _most_of_rooted(own: IntArray, limbs: Limbs, lists: _Lists) -> float:
-    """Return at most what the limbs gain that begin at a point of the core."""
-    most = 0.0
-    for limb in range(len(limbs.roots)):
-        if own[limbs.roots[limb]] >= 0:
-            most += lists.gains[limb].max() + MOST_ALIKE * (limb % 2)
-    return most
-
-
-@compiled
-def _list_limbs(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
-    moved: FloatArray,
-    rows: IntArray,
-    values: FloatArray,
-    own: IntArray,
-    component: int,
-    is_taken: BoolArray,
-    of_core: FloatArray,
-    alone: FloatArray,
-    has_root: bool,
-    core: Core,
-    limbs: Limbs,
-    odds: Odds,
-    lists: _Lists,
-) -> None:
-    """Fill the choices of the limbs that begin at a point of the core, or of those that do not.
-
-    Missing points of the core are where this component of it says.
-    """
-    whole = whole_core(rows, values, core, component)
-    plain, mirrored, size_m = core_numbers(whole, core)
-    all_pairs = np.empty((MOST_CHOICES, 2), np.int64)
-    all_logs = np.empty((MOST_CHOICES, odds.n_kinds))
-    for limb in range(len(limbs.roots)):
-        root, sign = limbs.roots[limb], limbs.signs[limb]
-        if (own[root] >= 0) != has_root:
-            continue
-        ways = (moved - whole[root]) / size_m
-        ways[:, 0] *= sign
-        unit = odds.log_room - 3.0 * math.log(size_m)
-        of_root = spread_of_missing(rows, own, root, sign, core, component) / size_m**2
-        n = list_choices(ways, is_taken, plain if sign > 0 else mirrored, of_core, limbs, limb,
-                         unit, of_root, odds, all_pairs, all_logs)  # fmt: skip
-        add_bones(ways, all_pairs[:n], all_logs[:n], has_root, limbs, limb)
-        kept = keep_best(all_pairs[:n], all_logs[:n], alone, limb, odds)
-        n = len(kept[2])
-        lists.pairs[limb] = -1
-        lists.by_kind[limb], lists.gains[limb], lists.bones[limb] = NEVER, NEVER, math.nan
-        lists.pairs[limb, :n], lists.by_kind[limb, :n], lists.gains[limb, :n] = kept
-        for c in range(n):
-            pair = lists.pairs[limb, c]
-            bones = measure_bones(ways, pair, has_root)
-            lists.bones[limb, c, 0], lists.bones[limb, c, 1] = bones
 
 
 @compiled
@@ -201,7 +95,7 @@ def _combine(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface
     of_core: FloatArray,
     offset: float,
     heading_rad: float,
-    lists: _Lists,
+    lists: LimbLists,
     core: Core,
     limbs: Limbs,
     odds: Odds,

@@ -12,8 +12,9 @@ from adibas.data.joints import JOINT_NAMES, mirror_order, other_side
 from adibas.shapes import parts_core_kernels as cores
 from adibas.shapes import parts_search_kernels as search
 from adibas.shapes.parts_bone_kernels import MOST_ALIKE
-from adibas.shapes.parts_choice_kernels import COMPONENT_GAP, judge_core
+from adibas.shapes.parts_choice_kernels import judge_core
 from adibas.shapes.parts_limb_kernels import place_limb
+from adibas.shapes.parts_rootless_kernels import ALIKE_M, COMPONENT_GAP
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton import parts_naming as naming
 from adibas.skeleton.bones_training import without_bones
@@ -302,7 +303,8 @@ def test_the_core_that_a_body_tells_is_a_start(parts):
 def log_odds_of_names(person, own, core, limbs, odds):
     """Return the log odds of the right names, by SciPy.
 
-    Where a limb begins at a missing point, each component of the core says by itself where that is.
+    Where a limb begins at a missing point, each component of the core says by itself where that is;
+    those that say nearly the same are asked once, the likeliest for all of them.
     """
     moved, _ = cores.turned_to_mean(person, own, core.mean, odds)
     rows, values = cores.known_rows(moved, own)
@@ -320,9 +322,22 @@ def log_odds_of_names(person, own, core, limbs, odds):
     if rooted.all():
         of_core = np.array([logsumexp(logs[core.kinds == q]) for q in range(odds.n_kinds)])
         return logsumexp(of_core + of_limbs(*by_likeliest, limbs, odds.n_kinds)) + of_room
-    totals = []
-    for component in np.flatnonzero(logs >= logs[likeliest] - COMPONENT_GAP):
-        alone = limbs_at(moved, own, core, limbs, odds, component)
+    totals, groups = [], {}
+    missing = limbs.roots[~rooted]
+    for component in np.argsort(-logs):
+        if logs[component] < logs[likeliest] - COMPONENT_GAP:
+            break
+        roots_m = cores.whole_core(rows, values, core, component)[missing]
+        first = next(
+            (
+                one
+                for one, there_m in groups.items()
+                if np.linalg.norm(roots_m - there_m, axis=1).max() <= ALIKE_M
+            ),
+            component,
+        )
+        groups.setdefault(first, roots_m)
+        alone = limbs_at(moved, own, core, limbs, odds, first)
         by_kind, lengths = (
             np.where(rooted[:, None], *both) for both in zip(by_likeliest, alone, strict=True)
         )
