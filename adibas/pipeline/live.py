@@ -110,6 +110,7 @@ class LiveView:
             self.close()
             with self._look_lock:
                 self._look = replace(self._look, calibration=calibration)
+                self._looker = Looker()
             self._running = LiveThreads(
                 Source(source, options, is_looping),
                 self._opener,

@@ -221,6 +221,19 @@ def test_who_bends_down_is_captured_as_the_live_picture_saw_them(store, showing,
     assert taken.notices == ()
 
 
+def test_who_was_seen_by_another_source_is_not_before_a_burst(showing, scene):
+    """Its pictures may be of another size."""
+    view = showing(SceneCamera(scene))
+    assert view.person is not None
+
+    def unplugged(*_told, **_more):
+        raise UNPLUGGED
+
+    view._opener = unplugged
+    view.open("another")
+    assert view.person is None
+
+
 def test_who_is_bent_from_the_first_picture_on_is_nobody(store, showing):
     """As no rule for one image takes a head, arms and legs apart from each other for a person."""
     taken = bent_capture(store, showing, patient_with_leds(seed=7, gesture="bend"))
