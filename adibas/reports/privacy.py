@@ -1,5 +1,7 @@
 """Pictures that may leave the clinic: nobody can be recognised, or only the depth is shown."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -7,6 +9,7 @@ from adibas.alignment.registration import register_pixels
 from adibas.arrays import BoolArray, Float32Array, UInt8Array
 from adibas.body.rays import viewing_rays
 from adibas.data.calibration import CameraCalibration, RgbdCalibration
+from adibas.data.markers import Marker
 from adibas.data.posture import PostureAnalysis
 from adibas.errors import ReportError
 from adibas.measures.sight_plane import up_without_floor
@@ -17,6 +20,8 @@ CELL_M = 0.05
 """Side of the squares that are averaged: a head is then three by five values."""
 SHARP_MARGIN_M = 0.03
 """Around the body, that stays as it is."""
+LEAST_ON_BODY = 0.7
+"""Share of the markers that lie on a body that is whole."""
 DEPTH_PERCENTILES = (1.0, 99.0)
 """Of the body's depth, that take the two ends of the colours."""
 LIGHT = np.array([0.3, -0.5, -0.81])
@@ -57,12 +62,13 @@ def blurred(analysis: PostureAnalysis, rotation_deg: int) -> UInt8Array:
     Raises
     ------
     ReportError
-        No depth was kept, or no head is found: then there is no such picture.
+        No depth was kept, or no head is found, or some of the markers lie beside the body that is
+        found, so that it may not be whole: then there is no such picture.
     """
     sight = see_patient(analysis, rotation_deg)
     up = up_without_floor(analysis.calibration, rotation_deg)
     head = None if sight is None else head_in_color(sight, analysis.calibration, up)
-    if sight is None or head is None:
+    if sight is None or head is None or not _is_whole(analysis.markers, sight.outline):
         raise ReportError(
             "No head is found in the depth of the capture, so it cannot be hidden. Choose depth "
             "pictures."
@@ -75,6 +81,17 @@ def blurred(analysis: PostureAnalysis, rotation_deg: int) -> UInt8Array:
     is_sharp = cv2.dilate(sight.outline.astype(np.uint8), disc).astype(np.bool_) & ~head
     hidden = _unrecognisable(analysis.picture_rgb, max(4, round(CELL_M * px_per_m)))
     return np.where(is_sharp[..., None], analysis.picture_rgb, hidden)
+
+
+def _is_whole(markers: Sequence[Marker], outline: BoolArray) -> bool:
+    """Say whether most markers lie on a body: who bends down may be found in part, or another part.
+
+    `outline` (H, W) is the body in the colour image.
+    """
+    height, width = outline.shape
+    places = [(round(one.v), round(one.u)) for one in markers]
+    seen = [(v, u) for v, u in places if 0 <= v < height and 0 <= u < width]
+    return sum(bool(outline[place]) for place in seen) >= LEAST_ON_BODY * len(seen)
 
 
 def _unrecognisable(picture_rgb: UInt8Array, cell_px: int) -> UInt8Array:

@@ -19,6 +19,7 @@ from adibas.reports.head import head_in_color
 from adibas.reports.pictures import Picture, Spot, draw_markers, picture_of
 from adibas.reports.privacy import blurred, depth_picture, see_patient
 from adibas.simulation.scenes import open_scene
+from tests.unit.films import patient_with_leds
 
 
 def surface(scene, index):
@@ -125,6 +126,30 @@ def scene():
 @pytest.fixture(scope="module")
 def standing(scene):
     return capture(scene, np.random.default_rng(2))
+
+
+@pytest.mark.parametrize(("n_on_arm", "is_refused"), [(4, True), (9, False)])
+def test_a_body_beside_which_markers_lie_is_not_hidden_by_halves(n_on_arm, is_refused):
+    """Who bends down may be found as an arm alone, on which a head is found again."""
+    scene = patient_with_leds(seed=1, gesture="bend")
+    seen = surface(scene, 36)
+    bent = capture(scene, np.random.default_rng(0), surface_per_m=seen)
+    sight = see_patient(bent, 0)
+    (rows, columns), (far_rows, far_columns) = (
+        np.nonzero(o) for o in (sight.outline, ~sight.outline)
+    )
+    places = [(columns[100 * i], rows[100 * i]) for i in range(n_on_arm)]
+    places += [(far_columns[100 * i], far_rows[100 * i]) for i in range(10 - n_on_arm)]
+    markers = tuple(
+        Marker(f"m{i:02d}", float(u), float(v), 3.0, np.eye(2))
+        for i, (u, v) in enumerate(places, 1)
+    )
+    marked = replace(bent, markers=markers)
+    if is_refused:
+        with pytest.raises(ReportError, match="No head is found"):
+            blurred(marked, 0)
+    else:
+        assert blurred(marked, 0).shape == bent.picture_rgb.shape
 
 
 def test_nothing_brings_back_what_was_blurred(scene, standing):
