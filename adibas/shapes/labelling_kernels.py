@@ -21,18 +21,26 @@ LOG_2PI = math.log(2.0 * math.pi)
 @compiled
 def factor(matrix: FloatArray) -> FloatArray:
     """Return the lower Cholesky factor of a positive definite matrix."""
-    n = len(matrix)
-    lower = np.zeros((n, n))
-    for i in range(n):
+    lower = np.zeros(matrix.shape)
+    factor_rows(matrix, np.arange(len(matrix)), lower)
+    return lower
+
+
+@compiled
+def factor_rows(matrix: FloatArray, rows: IntArray, lower: FloatArray) -> None:
+    """Fill the lower half of the Cholesky factor of some rows and columns of a matrix.
+
+    Of the matrix the lower half alone is read, if `rows` rise.
+    """
+    for i in range(len(rows)):
         for j in range(i + 1):
-            total = matrix[i, j]
+            total = matrix[rows[i], rows[j]]
             for k in range(j):
                 total -= lower[i, k] * lower[j, k]
             if i == j:
                 lower[i, i] = math.sqrt(total)
             else:
                 lower[i, j] = total / lower[j, j]
-    return lower
 
 
 @compiled

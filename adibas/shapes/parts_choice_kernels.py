@@ -14,6 +14,7 @@ from adibas.shapes.parts_bone_kernels import MOST_ALIKE, rate_sides
 from adibas.shapes.parts_core_kernels import (
     NEVER,
     count_named,
+    expected_core,
     heading_energy,
     known_rows,
     label_odds_of,
@@ -67,22 +68,24 @@ def judge_core(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
         np.full((n_limbs, N_KEPT, 2), math.nan),
     )
     order = np.argsort(-logs)
-    list_limbs(moved, rows, values, own, order[0], is_taken, of_core, of_core, True, core, limbs,
-               odds, lists)  # fmt: skip
+    whole, spreads = expected_core(rows, values, own, core, order[0])
+    list_limbs(moved, whole, spreads, own, is_taken, of_core, of_core, True, core, limbs, odds,
+               lists)  # fmt: skip
     hope = hope_of_rootless(own, limbs, odds)
     if hope == 0.0:
         return _combine(own, of_core, offset, -angle_rad, lists, core, limbs, odds, best, pool)
     least = offset + odds.least_counts[len(own) - count_named(own)] - hope
     lowest = -NEVER
-    firsts, by_kinds = alike_components(rows, values, own, logs, order, core, limbs, odds)
-    for group in range(len(firsts)):
+    wholes, all_spreads, by_kinds = alike_components(rows, values, own, logs, order, core, limbs,
+                                                     odds)  # fmt: skip
+    for group in range(len(wholes)):
         together = by_kinds[group]
         regain(together, lists)
         most = together.max() + most_of_rooted(own, limbs, lists)
         if least - most > min(best, lowest) + odds.gap:
             continue
-        list_limbs(moved, rows, values, own, firsts[group], is_taken, of_core, together, False,
-                   core, limbs, odds, lists)  # fmt: skip
+        list_limbs(moved, wholes[group], all_spreads[group], own, is_taken, of_core, together,
+                   False, core, limbs, odds, lists)  # fmt: skip
         low = _combine(own, together, offset, -angle_rad, lists, core, limbs, odds,
                        min(best, lowest), pool)  # fmt: skip
         lowest = min(lowest, low)

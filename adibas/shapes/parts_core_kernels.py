@@ -6,7 +6,7 @@ import numpy as np
 
 from adibas.arrays import FloatArray, IntArray
 from adibas.kernels import compiled
-from adibas.shapes.labelling_kernels import LOG_2PI, factor
+from adibas.shapes.labelling_kernels import LOG_2PI, factor_rows, solve_lower
 from adibas.shapes.parts_types import Core, Odds
 
 NEVER = -1e30
@@ -110,14 +110,15 @@ def log_density(values: FloatArray, rows: IntArray, mean: FloatArray, lower: Flo
     """Return the log density of some coordinates of a flat mean; `lower` is their own factor."""
     n = len(rows)
     white = np.empty(n)
-    total = -0.5 * n * LOG_2PI
+    total, diagonal = 0.5 * n * LOG_2PI, 1.0
     for i in range(n):
         off = values[i] - mean[rows[i]]
         for j in range(i):
             off -= lower[i, j] * white[j]
         white[i] = off / lower[i, i]
-        total -= 0.5 * white[i] * white[i] + math.log(lower[i, i])
-    return total
+        total += 0.5 * white[i] * white[i]
+        diagonal *= lower[i, i]
+    return -total - math.log(diagonal)
 
 
 @compiled
@@ -136,10 +137,12 @@ def rate_components(rows: IntArray, values: FloatArray, core: Core, odds: Odds) 
     n_components, n_core, _ = core.means.shape
     is_whole = len(rows) == 3 * n_core
     logs = np.empty(n_components)
+    of_rows = np.empty((len(rows), len(rows)))
     for k in range(n_components):
         lower = core.factors[k]
         if not is_whole:
-            lower = factor(picked(core.covariances[k], rows, rows))
+            lower = of_rows
+            factor_rows(core.covariances[k], rows, lower)
         logs[k] = core.log_weights[k] + log_density(values, rows, core.means[k].ravel(), lower)
         logs[k] += len(rows) // 3 * odds.log_room
     return logs
@@ -161,37 +164,42 @@ def sum_by_kind(logs: FloatArray, kinds: IntArray, by_kind: FloatArray) -> None:
 
 
 @compiled
-def whole_core(rows: IntArray, values: FloatArray, core: Core, best: int) -> FloatArray:
-    """Return the (C, 3) core, its missing points where the others let expect them."""
-    n = 3 * core.means.shape[1]
-    flat = core.means[best].ravel().copy()
-    if len(rows) < n:
-        covariance = core.covariances[best]
-        pull = np.linalg.solve(picked(covariance, rows, rows), values - flat[rows])
-        flat += picked(covariance, np.arange(n), rows) @ pull
-    flat[rows] = values
-    whole: FloatArray = flat.reshape(core.mean.shape)
-    return whole
+def expected_core(
+    rows: IntArray, values: FloatArray, own: IntArray, core: Core, component: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the (C, 3) core, missing points where the others let expect them, and how surely.
+
+    How surely is a covariance (C, 3, 3), 0 of a point that is known. Source: the normal
+    distribution of some coordinates where the others are known.
+    """
+    n_core, n = len(own), len(rows)
+    whole, spreads = core.means[component].copy(), np.zeros((n_core, 3, 3))
+    if n < 3 * n_core:
+        covariance, mean = core.covariances[component], core.means[component].ravel()
+        lower, told = np.empty((n, n)), np.empty((3, n))
+        factor_rows(covariance, rows, lower)
+        white = solve_lower(lower, values - mean[rows])
+        for i in range(n_core):
+            if own[i] >= 0:
+                continue
+            for d in range(3):
+                told[d] = solve_lower(lower, covariance[3 * i + d][rows])
+            for d in range(3):
+                whole[i, d] += (told[d] * white).sum()
+                for e in range(3):
+                    spreads[i, d, e] = covariance[3 * i + d, 3 * i + e] - (told[d] * told[e]).sum()
+    for at in range(n):
+        whole[rows[at] // 3, rows[at] % 3] = values[at]
+    return whole, spreads
 
 
 @compiled
-def spread_of_missing(
-    rows: IntArray, own: IntArray, i: int, sign: float, core: Core, best: int
-) -> FloatArray:
-    """Return how surely the others let expect point i of the core (3, 3); 0 where it is known.
-
-    `sign` is -1 where x is mirrored.
-    """
-    if own[i] >= 0:
-        return np.zeros((3, 3))
-    mine = 3 * i + np.arange(3)
-    covariance = core.covariances[best]
-    shared = picked(covariance, mine, rows)
-    told = shared @ np.linalg.solve(picked(covariance, rows, rows), shared.T)
-    spread: FloatArray = picked(covariance, mine, mine) - told
-    spread[0] *= sign
-    spread[:, 0] *= sign
-    return spread
+def mirrored_spread(spread: FloatArray, sign: float) -> FloatArray:
+    """Return a covariance (3, 3) where x is mirrored if the sign is -1."""
+    mirrored = spread.copy()
+    mirrored[0] *= sign
+    mirrored[:, 0] *= sign
+    return mirrored
 
 
 @compiled

@@ -6,7 +6,7 @@ import numpy as np
 
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.kernels import compiled
-from adibas.shapes.labelling_kernels import LOG_2PI, factor
+from adibas.shapes.labelling_kernels import LOG_2PI, factor_rows
 from adibas.shapes.parts_core_kernels import NEVER, sum_by_kind
 from adibas.shapes.parts_types import Limbs, Odds
 
@@ -33,13 +33,16 @@ def place_limb(
     for k in range(n_components):
         weights[k] = limbs.log_weights[limb, k]
         lower = limbs.core_factors[limb, k]
+        diagonal = 1.0
         for i in range(n_numbers):
             off[i] = numbers[i] - limbs.core_means[limb, k, i]
             rest = off[i]
             for j in range(i):
                 rest -= lower[i, j] * white[j]
             white[i] = rest / lower[i, i]
-            weights[k] -= 0.5 * white[i] * white[i] + math.log(lower[i, i])
+            weights[k] -= 0.5 * white[i] * white[i]
+            diagonal *= lower[i, i]
+        weights[k] -= math.log(diagonal)
         for i in range(6):
             places[k, i] = limbs.means[limb, k, i]
             for j in range(n_numbers):
@@ -60,8 +63,8 @@ def whiten(point: FloatArray, place: FloatArray, lower: FloatArray, white: Float
         for e in range(d):
             off -= lower[d, e] * white[e]
         white[d] = off / lower[d, d]
-        total += 0.5 * white[d] * white[d] + math.log(lower[d, d])
-    return total
+        total += 0.5 * white[d] * white[d]
+    return float(total + math.log(lower[0, 0] * lower[1, 1] * lower[2, 2]))
 
 
 @compiled
@@ -80,12 +83,12 @@ def whiten_outer(
         if d > 4:  # noqa: PLR2004
             off -= lower[d, 4] * b
         off /= lower[d, d]
-        total += 0.5 * off * off + math.log(lower[d, d])
+        total += 0.5 * off * off
         if d == 3:  # noqa: PLR2004
             a = off
         else:
             b = off
-    return total
+    return float(total + math.log(lower[3, 3] * lower[4, 4] * lower[5, 5]))
 
 
 @compiled
@@ -108,13 +111,14 @@ def _note(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
 
 
 @compiled
-def with_root(lower: FloatArray, of_root: FloatArray) -> FloatArray:
-    """Return the (6, 6) covariance of a factor, where the root is only known so surely (3, 3)."""
-    covariance: FloatArray = lower @ lower.T
-    for a in range(0, 6, 3):
-        for b in range(0, 6, 3):
-            covariance[a : a + 3, b : b + 3] += of_root
-    return covariance
+def with_root(lower: FloatArray, of_root: FloatArray, covariance: FloatArray) -> None:
+    """Fill the (6, 6) covariance of a factor, where the root is only known so surely (3, 3)."""
+    for i in range(6):
+        for j in range(i + 1):
+            total = of_root[i % 3, j % 3]
+            for e in range(j + 1):
+                total += lower[i, e] * lower[j, e]
+            covariance[i, j], covariance[j, i] = total, total
 
 
 @compiled
@@ -126,10 +130,11 @@ def _widened(
     outer_factors = limbs.outer_factors[limb][chosen]
     if of_root[0, 0] == 0.0:
         return factors, outer_factors
+    covariance, all_rows = np.empty((6, 6)), np.arange(6)
     for k in range(len(chosen)):
-        covariance = with_root(factors[k], of_root)
-        factors[k] = factor(covariance)
-        outer_factors[k] = factor(np.ascontiguousarray(covariance[3:, 3:]))
+        with_root(factors[k], of_root, covariance)
+        factor_rows(covariance, all_rows, factors[k])
+        factor_rows(covariance, all_rows[3:], outer_factors[k])
     return factors, outer_factors
 
 

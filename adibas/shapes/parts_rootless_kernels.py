@@ -11,7 +11,7 @@ import numpy as np
 from adibas.arrays import BoolArray, FloatArray, IntArray
 from adibas.kernels import compiled
 from adibas.shapes.parts_bone_kernels import MOST_ALIKE, add_bones, measure_bones
-from adibas.shapes.parts_core_kernels import NEVER, core_numbers, spread_of_missing, whole_core
+from adibas.shapes.parts_core_kernels import NEVER, core_numbers, expected_core, mirrored_spread
 from adibas.shapes.parts_limb_kernels import MOST_CHOICES, N_KEPT, keep_best, list_choices
 from adibas.shapes.parts_types import Core, Limbs, Odds
 
@@ -62,33 +62,33 @@ def taken_by(own: IntArray, n_points: int) -> BoolArray:
 def alike_components(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     rows: IntArray, values: FloatArray, own: IntArray, logs: FloatArray, order: IntArray,
     core: Core, limbs: Limbs, odds: Odds,
-) -> tuple[IntArray, FloatArray]:  # fmt: skip
+) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
     """Put together the components that say nearly the same of where limbs begin.
 
     Returns
     -------
-    firsts : (G,) int array
-        The likeliest component of each group.
+    wholes, all_spreads : (G, C, 3) and (G, C, 3, 3) arrays
+        The core by the likeliest component of each group, see `expected_core`.
     by_kinds : (G, kinds) array
         Log densities of the group, by kind of posture.
     """
-    firsts = np.empty(len(order), np.int64)
-    places = np.empty((len(order), *core.mean.shape))
+    wholes = np.empty((len(order), *core.mean.shape))
+    all_spreads = np.empty((len(order), len(own), 3, 3))
     by_kinds = np.full((len(order), odds.n_kinds), NEVER)
     n = 0
     for component in order:
         if logs[component] < logs[order[0]] - COMPONENT_GAP:
             break
-        whole = whole_core(rows, values, core, component)
+        whole, spreads = expected_core(rows, values, own, core, component)
         group = 0
-        while group < n and _farthest_root_m(whole, places[group], own, limbs) > ALIKE_M:
+        while group < n and _farthest_root_m(whole, wholes[group], own, limbs) > ALIKE_M:
             group += 1
         if group == n:
-            firsts[n], places[n] = component, whole
+            wholes[n], all_spreads[n] = whole, spreads
             n += 1
         kind = core.kinds[component]
         by_kinds[group, kind] = np.logaddexp(by_kinds[group, kind], logs[component])
-    return firsts[:n], by_kinds[:n]
+    return wholes[:n], all_spreads[:n], by_kinds[:n]
 
 
 @compiled
@@ -138,10 +138,9 @@ def most_of_rooted(own: IntArray, limbs: Limbs, lists: LimbLists) -> float:
 @compiled
 def list_limbs(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
     moved: FloatArray,
-    rows: IntArray,
-    values: FloatArray,
+    whole: FloatArray,
+    spreads: FloatArray,
     own: IntArray,
-    component: int,
     is_taken: BoolArray,
     of_core: FloatArray,
     alone: FloatArray,
@@ -153,9 +152,8 @@ def list_limbs(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
 ) -> None:
     """Fill the choices of the limbs that begin at a point of the core, or of those that do not.
 
-    Missing points of the core are where this component of it says.
+    `whole` and `spreads` (C, 3) and (C, 3, 3) are the core, see `expected_core`.
     """
-    whole = whole_core(rows, values, core, component)
     plain, mirrored, size_m = core_numbers(whole, core)
     all_pairs = np.empty((MOST_CHOICES, 2), np.int64)
     all_logs = np.empty((MOST_CHOICES, odds.n_kinds))
@@ -166,7 +164,7 @@ def list_limbs(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interfa
         ways = (moved - whole[root]) / size_m
         ways[:, 0] *= sign
         unit = odds.log_room - 3.0 * math.log(size_m)
-        of_root = spread_of_missing(rows, own, root, sign, core, component) / size_m**2
+        of_root = mirrored_spread(spreads[root], sign) / size_m**2
         n = list_choices(ways, is_taken, plain if sign > 0 else mirrored, of_core, limbs, limb,
                          unit, of_root, odds, all_pairs, all_logs)  # fmt: skip
         add_bones(ways, all_pairs[:n], all_logs[:n], has_root, limbs, limb)

@@ -14,11 +14,11 @@ from adibas.shapes.labelling_kernels import factor
 from adibas.shapes.parts_core_kernels import (
     core_numbers,
     count_named,
+    expected_core,
     known_rows,
+    mirrored_spread,
     rate_core,
-    spread_of_missing,
     turned_to_mean,
-    whole_core,
 )
 from adibas.shapes.parts_limb_kernels import place_limb, whiten, with_root
 from adibas.shapes.parts_types import Core, Limbs, Odds
@@ -145,16 +145,14 @@ def limb_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its 
 
 
 @compiled
-def _core_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are its interface)
-    rows: IntArray, own: IntArray, whole: FloatArray, core: Core, component: int,
-    normals: FloatArray, offsets: FloatArray,
-) -> FloatArray:  # fmt: skip
+def _core_out_of_sight(
+    own: IntArray, whole: FloatArray, spreads: FloatArray, normals: FloatArray, offsets: FloatArray
+) -> FloatArray:
     """Return the probabilities (C,) that the core's points are out of sight; 0 if seen."""
     shares = np.zeros(len(own))
     for i in range(len(own)):
         if own[i] < 0:
-            spread = spread_of_missing(rows, own, i, 1.0, core, component)
-            shares[i] = share_out_of_sight(whole[i], spread, normals, offsets, BORDER_SD_M)
+            shares[i] = share_out_of_sight(whole[i], spreads[i], normals, offsets, BORDER_SD_M)
     return shares
 
 
@@ -200,8 +198,8 @@ def _labels_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are i
     rows, values = known_rows(moved, own)
     by_kind = np.empty(odds.n_kinds)
     component = rate_core(rows, values, core, odds, by_kind)
-    whole = whole_core(rows, values, core, component)
-    shares[core.labels] = _core_out_of_sight(rows, own, whole, core, component, inward, edges)
+    whole, spreads = expected_core(rows, values, own, core, component)
+    shares[core.labels] = _core_out_of_sight(own, whole, spreads, inward, edges)
     plain, mirrored, size_m = core_numbers(whole, core)
     for limb in range(len(limbs.roots)):
         root, sign = limbs.roots[limb], limbs.signs[limb]
@@ -212,10 +210,10 @@ def _labels_out_of_sight(  # noqa: PLR0913, PLR0917  (a kernel: its arrays are i
         ways[:, 0] *= sign
         weights, places = place_limb(plain if sign > 0 else mirrored, limbs, limb, odds.n_kinds)
         weights += by_kind[limbs.kinds[limb]]
-        spread = spread_of_missing(rows, own, root, sign, core, component) / size_m**2
+        spread = mirrored_spread(spreads[root], sign) / size_m**2
         covariances = np.empty(limbs.factors[limb].shape)
         for k in range(len(covariances)):
-            covariances[k] = with_root(limbs.factors[limb, k], spread)
+            with_root(limbs.factors[limb, k], spread, covariances[k])
         from_root = (edges - inward @ whole[root]) / size_m
         towards = inward.copy()
         towards[:, 0] *= sign

@@ -14,7 +14,7 @@ from adibas.shapes import parts_search_kernels as search
 from adibas.shapes.parts_bone_kernels import MOST_ALIKE
 from adibas.shapes.parts_choice_kernels import judge_core
 from adibas.shapes.parts_limb_kernels import place_limb
-from adibas.shapes.parts_rootless_kernels import ALIKE_M, COMPONENT_GAP
+from adibas.shapes.parts_rootless_kernels import ALIKE_M, COMPONENT_GAP, alike_components
 from adibas.shapes.parts_types import Odds, Pool
 from adibas.skeleton import parts_naming as naming
 from adibas.skeleton.bones_training import without_bones
@@ -221,8 +221,10 @@ def test_a_hidden_point_of_the_core_is_expected_where_the_normal_distribution_sa
         np.testing.assert_allclose(places[i], mean[mine] + slope @ off, atol=1e-8)
         rest = covariance[np.ix_(mine, mine)] - slope @ covariance[np.ix_(others, mine)]
         np.testing.assert_allclose(spreads[i], rest, atol=1e-8)
-    whole = cores.whole_core(rows, values, core, 0)
-    np.testing.assert_allclose(whole[2], places[2], atol=1e-8)
+    whole, missing = cores.expected_core(rows, values, own, core, 0)
+    np.testing.assert_allclose(whole, np.where(own[:, None] < 0, places, moved), atol=1e-8)
+    np.testing.assert_allclose(missing[2], spreads[2], atol=1e-8)
+    assert not missing[own >= 0].any()
 
 
 def one_person():
@@ -243,17 +245,38 @@ def empty_pool(n):
 def test_a_full_pool_leaves_out_what_a_better_way_makes_too_unlikely(parts):
     pool = empty_pool(40)
     pool.energies[:], pool.headings[:], pool.partners[:] = 1000.0, 0.0, -1
-    pool.energies[7] = -1000.0
+    pool.energies[7], pool.headings[7], pool.partners[7] = -1000.0, 0.7, 3
     pool.n_filled[0] = 40
     odds = with_body(np.zeros((15, 15)))
     judge_core(one_person(), parts.core.labels, parts.core, parts.limbs, odds, np.inf, pool)
     n = int(pool.n_filled[0])
     assert (pool.partners[:n] == range(15)).all(axis=1).any()
-    assert -1000.0 in pool.energies[:n]
+    (kept,) = np.flatnonzero(pool.energies[:n] == -1000.0)
+    assert pool.headings[kept] == 0.7
+    assert (pool.partners[kept] == 3).all()
     assert 1000.0 not in pool.energies[:n]
     pool.energies[:], pool.partners[:], pool.n_filled[0] = -1000.0, -1, 40
     judge_core(one_person(), parts.core.labels, parts.core, parts.limbs, odds, -1000.0, pool)
     assert (pool.partners == -1).all()
+
+
+@pytest.mark.parametrize(("apart_m", "n_groups"), [(0.04, 1), (0.08, 2)])
+def test_components_are_asked_together_that_place_a_missing_root_alike(parts, apart_m, n_groups):
+    shoulder = CORE_NAMES.index("left_shoulder")
+    own = np.arange(len(CORE_NAMES))
+    own[shoulder] = -1
+    means = np.stack([parts.core.means[0]] * 2)
+    means[1, shoulder, 1] += apart_m
+    of_both = {"covariances": np.stack([parts.core.covariances[0]] * 2)}
+    core = parts.core._replace(means=means, kinds=np.array([0, 1]), **of_both)
+    rows, values = cores.known_rows(core.means[0], own)
+    logs, odds = np.array([-1.0, -2.0]), with_body(np.zeros((15, 15)))
+    wholes, spreads, by_kinds = alike_components(
+        rows, values, own, logs, np.array([0, 1]), core, parts.limbs, odds
+    )
+    np.testing.assert_allclose(wholes[:, shoulder], means[:n_groups, shoulder])
+    assert len(spreads) == n_groups
+    assert by_kinds.max(axis=0).tolist() == [-1.0, -2.0]
 
 
 @pytest.mark.parametrize("hidden", [None, "left_shoulder", "right_hip"])
@@ -327,7 +350,7 @@ def log_odds_of_names(person, own, core, limbs, odds):
     for component in np.argsort(-logs):
         if logs[component] < logs[likeliest] - COMPONENT_GAP:
             break
-        roots_m = cores.whole_core(rows, values, core, component)[missing]
+        roots_m = cores.expected_core(rows, values, own, core, component)[0][missing]
         first = next(
             (
                 one
@@ -355,7 +378,7 @@ def of_limbs(by_kind, lengths, limbs, n_kinds):
 def limbs_at(moved, own, core, limbs, odds, component):
     """Return the (L, Q) log densities of limbs at a core filled by a component, and lengths."""
     rows, values = cores.known_rows(moved, own)
-    whole = cores.whole_core(rows, values, core, component)
+    whole, _ = cores.expected_core(rows, values, own, core, component)
     _, spreads = cores.leave_one_out_core(rows, values, own, core, component)
     plain, mirrored, size_m = cores.core_numbers(whole, core)
     lengths = np.empty((len(limbs.roots), 2))

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from adibas.data.markers import is_numbered
@@ -61,9 +61,10 @@ def test_a_frame_before_that_cannot_be_read_is_left_out(bending):
     path, _truth = bending
     with open_recording(path) as recording:
         calibration, read = recording.info.calibration, recording.read
+        *_, cut = _few_before(recording, DEEPEST)
 
         def torn(index):
-            if index == DEEPEST - 1:
+            if index == cut:
                 raise RecordingError("torn")
             return read(index)
 
@@ -78,6 +79,7 @@ def test_a_frame_before_that_cannot_be_read_is_left_out(bending):
     st.lists(st.integers(0, 400), min_size=1, max_size=400),
     st.integers(0, 399),
 )
+@example([45] * 400, 350)
 def test_frames_before_follow_closely_and_reach_ten_seconds_back(gaps_ms, first):
     times_ms = np.cumsum(gaps_ms)
     first = min(first, len(times_ms) - 1)
@@ -92,3 +94,10 @@ def test_frames_before_follow_closely_and_reach_ten_seconds_back(gaps_ms, first)
     assert all(times_ms[index] >= earliest_ms for index in chosen)
     in_reach = [index for index in range(first) if times_ms[index] >= earliest_ms]
     assert not in_reach or chosen
+
+
+def test_a_clock_that_was_set_back_stands_still_meanwhile():
+    times_ms = 45 * np.arange(100)
+    times_ms[60:] -= 2700
+    chosen = _few_before(SimpleNamespace(timestamps_ns=times_ms * 10**6), 99)
+    assert chosen == [0, *range(3, 56, 4)]
