@@ -207,22 +207,13 @@ def leave_one_out_core(
     rows: IntArray, values: FloatArray, own: IntArray, core: Core, best: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return where each point of the core is by all others (C, 3), and how surely (C, 3, 3)."""
-    n_core = len(own)
-    mean, covariance = core.means[best].ravel(), core.covariances[best]
-    precision = np.linalg.inv(picked(covariance, rows, rows))
-    pull = precision @ (values - mean[rows])
-    places, spreads = np.empty((n_core, 3)), np.empty((n_core, 3, 3))
-    at = 0
-    for i in range(n_core):
-        mine = 3 * i + np.arange(3)
-        if own[i] >= 0:
-            spreads[i] = np.linalg.inv(np.ascontiguousarray(precision[at : at + 3, at : at + 3]))
-            places[i] = values[at : at + 3] - spreads[i] @ pull[at : at + 3]
-            at += 3
-        else:
-            shared = picked(covariance, mine, rows)
-            places[i] = mean[3 * i : 3 * i + 3] + shared @ pull
-            spreads[i] = picked(covariance, mine, mine) - shared @ precision @ shared.T
+    places, spreads = expected_core(rows, values, own, core, best)
+    precision = np.linalg.inv(picked(core.covariances[best], rows, rows))
+    pull = precision @ (values - core.means[best].ravel()[rows])
+    for at in range(0, len(rows), 3):
+        i = rows[at] // 3
+        spreads[i] = np.linalg.inv(np.ascontiguousarray(precision[at : at + 3, at : at + 3]))
+        places[i] = values[at : at + 3] - spreads[i] @ pull[at : at + 3]
     return places, spreads
 
 
